@@ -58,7 +58,7 @@ class Recording:
 def recordings(folder: Path) -> dict[str, Recording]:
     """All logs. Whoever has none gets the error of the missing file."""
     topology = Topology(read_geojson(folder / "network_airport.geojson").line)
-    return {log: _recording(folder, log, topology) for log in ("28876", "31176", "31259", "29083")}
+    return {log: _recording(folder, log, topology) for log in ("28876", "31176", "31259", "29083", "28586")}
 
 
 def _recording(folder: Path, log: str, topology: Topology) -> Recording:

@@ -11,6 +11,8 @@ that speed) and by how often in a row the receiver has agreed with both. Flags a
                 until as many fixes in a row agree as are asked for
 
 A row is broken as well where a vehicle cannot have run from one fix near the way to the next, whatever became of the first.
+A fix is refused whose course crosses the way, or runs against the only direction in which the way may be run, and one at a place
+that the vehicle cannot have come to from where it was last known, however long ago. Only the host lets that place be forgotten.
 
 What is held is an interval of places along the way and one of speeds. Without a fix that passes, both grow by all that
 the vehicle can do; what is wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along the way, speeds um/s, negative against the way's direction.
@@ -61,10 +63,25 @@ def build(own: Parts) -> Guard:
     made = Machine(
         name="guard",
         modes=table,
-        inputs=[own.advance, own.fault, own.fix, own.offset, own.age, own.ambiguous, own.elsewhere, own.speed],
+        inputs=[
+            own.advance,
+            own.fault,
+            own.fix,
+            own.offset,
+            own.age,
+            own.ambiguous,
+            own.elsewhere,
+            own.speed,
+            own.course,
+            own.forwards_only,
+            own.start_anew,
+        ],
         state=_state(own),
         outputs=_outputs(own, holding),
-        transitions=[_heard(judged, row) for row in (*_held(own, judged, table), *_free(own, judged, table))],
+        transitions=[
+            _new_start(own, judged, table),
+            *(_heard(judged, row) for row in (*_held(own, judged, table), *_free(own, judged, table))),
+        ],
         world=World(
             ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0, **law.first(own)},
             choices=[own.next_truth, own.next_speed],
@@ -90,8 +107,12 @@ def build(own: Parts) -> Guard:
 def _state(own: Parts) -> dict[Var, Initial]:
     box = (own.low, own.high, own.slow, own.fast)
     anchor = (own.anchor_low, own.anchor_high, own.anchor_steps)
-    zero: dict[Var, Initial] = dict.fromkeys((*box, *anchor, own.agreed), 0)
-    return {**zero, own.judged: NOTHING, own.near_low: own.near_low.low, own.near_high: own.near_high.high}
+    zero: dict[Var, Initial] = dict.fromkeys((*box, *anchor, own.agreed, own.fair), 0)
+    line: dict[Var, Initial] = {
+        own.near_low: own.near_low.low, own.near_high: own.near_high.high,
+        own.known_low: own.known_low.low, own.known_high: own.known_high.high,
+    }  # fmt: skip
+    return {**zero, **line, own.judged: NOTHING}
 
 
 def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
@@ -109,8 +130,23 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 
 def _heard(cycle: Judged, row: Transition) -> Transition:
-    """Every transition holds what was delivered as the last fix near the way, if it is one."""
-    return replace(row, set={**row.set, **cycle.near_after})
+    """Every other transition holds what was delivered as the last fix near the way, if it is one, and as the place last known."""
+    return replace(row, set={**row.set, **cycle.near_after, **cycle.known_after})
+
+
+def _new_start(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Transition:
+    """The host's word that nothing known before counts; what is delivered in the same step does not count either."""
+    judged = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
+    nothing = {**become(own, _nothing()), **_nowhere(own), own.agreed: as_num(0, COUNT), own.judged: judged}
+    return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
+
+
+def _nowhere(own: Parts) -> dict[Var, Expr]:
+    """No fix has come near the way, and nothing is known of the vehicle: it may be anywhere on the line."""
+    low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
+    return {
+        own.near_low: low, own.near_high: high, own.known_low: low, own.known_high: high, own.fair: as_num(0, COUNT),
+    }  # fmt: skip
 
 
 def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -170,7 +206,7 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, REQUIREMENTS, 9)
     waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}
     yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
-    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.alone}, requirements=REQUIREMENTS, rank=10)
+    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.fair}, requirements=REQUIREMENTS, rank=10)
 
 
 def _carried(own: Parts, box: Box) -> dict[Var, Expr]:
@@ -193,6 +229,7 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
     return {
         "delivery judged": cycle.verdict,
         "delivery judged alone": cycle.alone,
+        "delivery judged by course and reach": cycle.fair,
         "fix agrees": cycle.agrees,
         "as many agree as asked for": cycle.confirmed,
         "fix follows from the one before": cycle.follows,
@@ -224,6 +261,8 @@ def _outputs(own: Parts, holding: Bool) -> dict[str, Expr]:
         "window_from_mm": position_if(holding, low),
         "window_to_mm": position_if(holding, high),
         "holding": holding,
+        "known_from_mm": floor_to(own.known_low, MM) - own.config.rollback_mm,
+        "known_to_mm": ceil_to(own.known_high, MM),
         "agreed_fixes": own.agreed,
         "reason": own.judged,
     }

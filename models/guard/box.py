@@ -110,6 +110,17 @@ def near_now(own: Parts) -> tuple[Num, Num]:
     )
 
 
+def known_now(own: Parts) -> tuple[Num, Num]:
+    """Where the vehicle is by now by what was last known of it, however fast it ran in a permitted direction: from, to; nm."""
+    config = own.config
+    ran, reach = as_num(config.max_speed_mm_s * config.period_ms * UM_PER_MM + config.way_nm, NM), reach_nm(config)
+    back = own.advance & ~own.forwards_only
+    return (
+        ite(back, maximum(own.known_low - ran, -reach), own.known_low),
+        ite(own.advance, minimum(own.known_high + ran, reach), own.known_high),
+    )
+
+
 def narrowed(own: Parts, box: Box) -> Box:
     """What the box and the fix have in common. The receiver's speed counts in the direction that the box knows."""
     fix, error = of_fix(own), own.config.speed_error_mm_s * 1_000

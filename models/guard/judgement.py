@@ -4,19 +4,37 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Num, Var, between, exact_to, ite, minimum
-from safeloc.language.units import NM, NM_PER_MM, UM_S
-from safeloc.models.guard.box import Box, Held, begun, half_nm, held, moved, narrowed, near_now, of_fix, told, usable
+from safeloc.language.expr import Bool, Expr, Num, Var, as_num, between, exact_to, ite, maximum, minimum
+from safeloc.language.units import COUNT, NM, NM_PER_MM, UM_S
+from safeloc.models.guard.box import (
+    Box,
+    Held,
+    begun,
+    half_nm,
+    held,
+    known_now,
+    moved,
+    narrowed,
+    near_now,
+    of_fix,
+    told,
+    usable,
+)
 from safeloc.models.guard.variables import (
+    ACROSS,
+    AGAINST,
     AMBIGUOUS,
     DOUBTFUL,
     FAULT,
+    HALF_TURN_MRAD,
     JUDGED,
     JUMP,
     NO_FAULT,
     NOTHING,
     OFF_TRACK,
+    OUT_OF_REACH,
     PASSED,
+    QUARTER_TURN_MRAD,
     SPEED_DISAGREES,
     TOO_COARSE,
     Parts,
@@ -32,7 +50,9 @@ class Judged:
     fresh      what the fix says by itself, as a beginning
     verdict    of a delivery that is judged against what is held
     alone      of one that is judged by map and vehicle only
+    fair       of one that is judged by its course and by the place last known besides
     near       where the vehicle is by now if the last fix near the way is true: from, to
+    known      where the vehicle is by now by what was last known of it: from, to
     """
 
     own: Parts
@@ -41,7 +61,9 @@ class Judged:
     fresh: Held
     verdict: Num
     alone: Num
+    fair: Num
     near: tuple[Num, Num]
+    known: tuple[Num, Num]
 
     @property
     def agrees(self) -> Bool:
@@ -50,8 +72,8 @@ class Judged:
 
     @property
     def begins(self) -> Bool:
-        """By map and vehicle alone it might be true."""
-        return self.alone.eq(PASSED)
+        """By map, vehicle, course and the place last known it might be true."""
+        return self.fair.eq(PASSED)
 
     @property
     def follows(self) -> Bool:
@@ -63,7 +85,22 @@ class Judged:
     def near_after(self) -> dict[Var, Expr]:
         """The updates that hold this fix as the last one near the way, if it is one."""
         own, fix, (low, high) = self.own, of_fix(self.own), self.near
-        return {own.near_low: ite(self.begins, fix.low, low), own.near_high: ite(self.begins, fix.high, high)}
+        heard = self.alone.eq(PASSED)
+        return {own.near_low: ite(heard, fix.low, low), own.near_high: ite(heard, fix.high, high)}
+
+    @property
+    def known_after(self) -> dict[Var, Expr]:
+        """The updates that count fixes in a row, and hold the place of one that fills the row as the place last known."""
+        own, fix, (low, high), full = self.own, of_fix(self.own), self.known, self.own.config.confirmations
+        ends = (self.alone.eq(PASSED) & ~self.begins) | self.alone.eq(OFF_TRACK)
+        longer = ite(self.follows & ~own.elsewhere, minimum(own.fair + 1, full), as_num(1, COUNT))
+        row = ite(self.begins, longer, ite(ends, as_num(0, COUNT), own.fair))
+        fills = self.begins & row.eq(full)
+        return {
+            own.fair: row,
+            own.known_low: ite(fills, maximum(fix.low, low), low),
+            own.known_high: ite(fills, minimum(fix.high, high), high),
+        }
 
     @property
     def confirmed(self) -> Bool:
@@ -78,7 +115,7 @@ class Judged:
     @property
     def implausible(self) -> Bool:
         """It contradicts the map, or what a vehicle can do: the receiver is in doubt."""
-        return self.verdict.one_of(OFF_TRACK, JUMP, SPEED_DISAGREES)
+        return self.verdict.one_of(OFF_TRACK, JUMP, SPEED_DISAGREES, ACROSS, AGAINST, OUT_OF_REACH)
 
 
 def judge(own: Parts) -> Judged:
@@ -86,11 +123,11 @@ def judge(own: Parts) -> Judged:
     before = held(own)
     ahead = moved(own, before.box)
     with_fix = told(own, narrowed(own, ahead), before.anchor)
-    alone = _alone(own)
-    verdict = _verdict(own, alone, ahead, with_fix.box)
-    return Judged(
-        own, told(own, ahead, before.anchor), with_fix, begun(of_fix(own)), verdict, alone, near_now(own)
-    )  # fmt: skip
+    alone, known = _alone(own), known_now(own)
+    fair = ite(alone.eq(PASSED), _fair(own, known), alone)
+    verdict = _verdict(own, fair, ahead, with_fix.box)
+    coasted, fresh = told(own, ahead, before.anchor), begun(of_fix(own))
+    return Judged(own, coasted, with_fix, fresh, verdict, alone, fair, near_now(own), known)
 
 
 def _alone(own: Parts) -> Num:
@@ -113,8 +150,20 @@ def _of_fault(own: Parts) -> Num:
     return named
 
 
-def _verdict(own: Parts, alone: Num, ahead: Box, after: Box) -> Num:
-    """What speaks against it beside map and vehicle: where the vehicle can be now, and how fast.
+def _fair(own: Parts, known: tuple[Num, Num]) -> Num:
+    """What speaks against a fix near the way: a course that crosses it or runs against it, or a place out of reach."""
+    fix, (low, high), limit = of_fix(own), known, own.config.course_limit_mrad
+    back = own.course.value >= HALF_TURN_MRAD - limit
+    along = (own.course.value <= limit) | (back & ~own.forwards_only)
+    against = own.forwards_only & (own.course.value > QUARTER_TURN_MRAD)
+    rolled = as_num(own.config.rollback_mm * NM_PER_MM, NM)
+    reached = (fix.high >= low - rolled) & (fix.low <= high)
+    place = ite(reached, PASSED, OUT_OF_REACH)
+    return ite(own.course.present & ~along, ite(against, AGAINST, ACROSS), place)
+
+
+def _verdict(own: Parts, fair: Num, ahead: Box, after: Box) -> Num:
+    """What speaks against it besides: where the vehicle can be now, and how fast.
 
     A fix whose charge only just reaches where the vehicle can be might be true, and is withheld all the same.
     """
@@ -123,8 +172,9 @@ def _verdict(own: Parts, alone: Num, ahead: Box, after: Box) -> Num:
     too_fast = own.speed.present & ((_least_speed(own) > ahead.fast) & (_least_speed(own) > -ahead.slow))
     disagrees = too_fast | (after.slow > after.fast)
     judged = ite(between(ahead.low, place, ahead.high), PASSED, DOUBTFUL)
-    judged = ite(own.elsewhere | ~meets, JUMP, ite(disagrees, SPEED_DISAGREES, judged))
-    return ite(alone.eq(PASSED), judged, alone)
+    judged = ite(disagrees, SPEED_DISAGREES, judged)
+    judged = ite(own.elsewhere | ~meets, JUMP, ite(fair.eq(OUT_OF_REACH), OUT_OF_REACH, judged))
+    return ite(fair.one_of(PASSED, OUT_OF_REACH), judged, fair)
 
 
 def _least_speed(own: Parts) -> Num:

@@ -3,9 +3,11 @@
     the vehicle   moves within its figures
     the host      may count places from another origin while the guard holds nothing
     the receiver  may say anything for fewer fixes than are asked for; but a row of fixes near the way, each of which a
-                  vehicle can have reached from the one before, is not false when it has become as long as asked for
+                  vehicle can have reached from the one before, on a course along the way in a permitted direction, and from
+                  where the last row of that kind left it, is not false when it has become as long as asked for
 
-Nothing is assumed of a fix in a shorter row, nor of quality flags. What a fix may be wrong by, and how far a vehicle runs, is
+Nothing is assumed of a fix in a shorter row, of one that runs across or against the way, of one at a place that the vehicle
+cannot have come to since a row was last true, nor of quality flags. What a fix may be wrong by, and how far a vehicle runs, is
 written here in figures of its own: the machine's terms are not used.
 """
 
@@ -28,26 +30,28 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, MS, NM, UM, UM_PER_MM, UM_S
+from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM, UM, UM_PER_MM, UM_S
 from safeloc.language.world import Law
-from safeloc.models.guard.variables import NO_FAULT, GuardConfig, Parts
+from safeloc.models.guard.variables import FAULT, HALF_TURN_MRAD, NO_FAULT, GuardConfig, Parts
 
 UM_S_PER_MM_S = 1_000
+FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
 
 
 def first(own: Parts) -> dict[Var, Initial]:
-    """Ghosts with initial values: no fix near the way has come yet."""
-    return {own.heard_low: own.heard_low.low, own.heard_high: own.heard_high.high, own.row: 0}
+    """Ghosts with initial values: no fix near the way has come yet, and no row was true."""
+    heard: dict[Var, Initial] = {own.heard_low: own.heard_low.low, own.heard_high: own.heard_high.high, own.row: 0}
+    return {**heard, own.sure_low: own.sure_low.low, own.sure_high: own.sure_high.high}
 
 
 def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
     """The vehicle's motion, and the receiver's place and speed when a row has become long enough."""
-    long_enough = near(own) & (_row_after(own) >= own.config.confirmations)
+    long_enough = _promised(own)
     return {
         "the vehicle moves within its figures": Law(
-            holding.implies(_motion(own)),
+            (holding & ~own.start_anew).implies(_motion(own)),
             "The vehicle changes its speed by no more than acceleration and brake allow, and the way follows from the speed. The "
-            "host counts places along the way from another origin only while the guard reports that it holds none.",
+            "host counts places along the way from another origin only with a new start, or while the guard reports that it holds none.",
             ("acceleration_mm_s2", "brake_mm_s2", "max_speed_mm_s", "period_ms"),
             "[D] acceleration of passenger trains; [M] the strongest brake",
             "operator",
@@ -55,10 +59,14 @@ def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
         ),
         "a long row of fixes is true": Law(
             long_enough.implies(_place_true(own)),
-            "Fixes near the way that each follow from the one before, as a vehicle can run at its highest speed, are not false "
+            "Fixes near the way that each follow from the one before, as a vehicle can run at its highest speed, with courses along "
+            "the way in a permitted direction, and where the vehicle can have come since such a row was last full, are not false "
             "for long: the one that makes the row as long as asked for, and every further one, is wrong by no more than its "
             "error, its distance off the track, and the run in its age at the highest speed allow.",
-            ("fix_error_mm", "offset_charge_permille", "offset_limit_mm", "max_speed_mm_s", "tolerance_mm", "confirmations"),
+            (
+                "fix_error_mm", "offset_charge_permille", "offset_limit_mm", "max_speed_mm_s", "tolerance_mm", "confirmations",
+                "course_limit_mrad", "rollback_mm",
+            ),
             "[M] errors of a receiver along the track",
             "supplier",
             "the receiver's fixes against marks of known place",
@@ -78,16 +86,34 @@ def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
     """How the ghosts move. `run` is counted from the machine's anchor; while nothing is held it rests."""
     ran = own.run + own.next_truth - own.truth
     anchored = own.advance & (own.anchor_steps + 1).eq(own.config.speed_window_ms // own.config.period_ms)
-    low, high = _reach(own)
-    place, error = _place(own), _error(own)
     return {
         own.truth: own.next_truth,
         own.true_speed: own.next_speed,
-        own.run: ite(holding & ~anchored, ran, as_num(0, NM)),
+        own.run: ite(holding & ~anchored & ~own.start_anew, ran, as_num(0, NM)),
+        **{
+            ghost: ite(own.start_anew, value, after)
+            for (ghost, after), value in zip(_heard(own).items(), _unheard(own), strict=True)
+        },
+    }
+
+
+def _heard(own: Parts) -> dict[Var, Num]:
+    """The ghosts of what the receiver said, after the step."""
+    (low, high), (surely, at_most) = _reach(own), _sure_reach(own)
+    place, error, promised = _place(own), _error(own), _promised(own)
+    return {
         own.heard_low: ite(near(own), place - error, low),
         own.heard_high: ite(near(own), place + error, high),
         own.row: _row_after(own),
+        own.sure_low: ite(promised, maximum(surely, place - error), surely),
+        own.sure_high: ite(promised, minimum(at_most, place + error), at_most),
     }
+
+
+def _unheard(own: Parts) -> tuple[Num, ...]:
+    """The same after a new start: as if it had said nothing yet."""
+    low, high = as_num(own.heard_low.low, NM), as_num(own.heard_low.high, NM)
+    return low, high, as_num(0, COUNT), low, high
 
 
 # ------------------------------------------------------------------ the receiver
@@ -131,14 +157,48 @@ def _reach(own: Parts) -> tuple[Num, Num]:
     )
 
 
+def _along(own: Parts) -> Bool:
+    """Its course, if it has one, is along the way, forwards or, where that is permitted, backwards."""
+    off, limit = own.course.value, own.config.course_limit_mrad
+    backwards = ~own.forwards_only & (HALF_TURN_MRAD - off <= limit)
+    return own.course.present.implies((off <= limit) | backwards)
+
+
+def _sure_reach(own: Parts) -> tuple[Num, Num]:
+    """Where the vehicle can be since a row was last true: from, to; however fast it ran, and back only where that is permitted."""
+    ran = exact_to(with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM), NM) + _bend_nm(own.config)
+    least = ite(own.forwards_only, own.sure_low, maximum(own.sure_low - ran, own.sure_low.low))
+    most = minimum(own.sure_high + ran, own.sure_high.high)
+    return ite(own.advance, least, own.sure_low), ite(own.advance, most, own.sure_high)
+
+
+def _come(own: Parts) -> Bool:
+    """The fix may mean a place where the vehicle can be since then, or as far behind as one may roll back."""
+    (low, high), place, error = _sure_reach(own), _place(own), _error(own)
+    back = as_num(own.config.rollback_mm * NM_PER_MM, NM)
+    return (place + error + back >= low) & (place - error <= high)
+
+
+def _fair(own: Parts) -> Bool:
+    """It is near the way, runs along it, and lies where the vehicle can have come."""
+    return near(own) & _along(own) & _come(own)
+
+
+def _promised(own: Parts) -> Bool:
+    """The fix that makes a row as long as asked for, or a further one in it."""
+    return _fair(own) & (_row_after(own) >= own.config.confirmations) & ~own.start_anew
+
+
 def _row_after(own: Parts) -> Num:
-    """How many fixes near the way follow from each other; one off the track ends the row, one elsewhere begins it anew."""
+    """How many fair fixes follow from each other; one off the track, across it or out of reach ends the row, one elsewhere
+    begins it anew."""
     (low, high), place, error = _reach(own), _place(own), _error(own)
     follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)
     longer = minimum(own.row + 1, own.config.confirmations)
-    off_track = own.fix.present & own.fault.eq(NO_FAULT) & (own.offset > own.config.offset_limit_mm)
-    kept = ite(off_track, as_num(0, COUNT), own.row)
-    return ite(near(own), ite(follows, longer, as_num(1, COUNT)), kept)
+    beside = own.fix.present & own.fault.eq(NO_FAULT) & (own.offset > own.config.offset_limit_mm)
+    off_track = beside | own.fault.eq(FAR_OFF)
+    kept = ite(off_track | near(own), as_num(0, COUNT), own.row)
+    return ite(_fair(own), ite(follows, longer, as_num(1, COUNT)), kept)
 
 
 def _place_true(own: Parts) -> Bool:
@@ -185,7 +245,7 @@ def _bend_nm(config: GuardConfig) -> int:
 
 
 def lemmas(own: Parts, holding: Bool, free: Bool, recovering: Bool) -> dict[str, Bool]:
-    """The truth is inside, at the anchor as well; distance since then lags speed times duration; the row is the world's."""
+    """The truth is inside, at the anchor as well; distance since then lags speed times duration; the row and the place last known are the world's."""
     config = own.config
     inside = between(own.low, own.truth, own.high) & between(own.slow, own.true_speed, own.fast)
     begun = own.truth - own.run
@@ -194,6 +254,8 @@ def lemmas(own: Parts, holding: Bool, free: Bool, recovering: Bool) -> dict[str,
         "the truth was inside at the anchor": holding.implies(between(own.anchor_low, begun, own.anchor_high)),
         "no anchor while nothing is held": free.implies(own.anchor_steps.eq(0)),
         "the last fix near the way": own.near_low.eq(own.heard_low) & own.near_high.eq(own.heard_high),
+        "the place last known": own.known_low.eq(own.sure_low) & own.known_high.eq(own.sure_high),
+        "the row of the receiver": own.fair.eq(own.row),
         "no longer row than the receiver's": own.agreed <= own.row,
         "recovering by the last fix": recovering.implies((own.low >= own.near_low) & (own.high <= own.near_high)),
     }

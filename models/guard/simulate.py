@@ -1,7 +1,8 @@
 """Simulated deliveries of a receiver on a vehicle that obeys the guard's law, with the truth beside them.
 
 Fixes come every few steps, wrong along the track by as much as they are charged, most often at the ends of it. Faults come
-in spells: positions off the track, jumps along it for fewer fixes than are asked for, silence, and what is no fix.
+in spells: positions off the track, jumps along it for fewer fixes than are asked for, courses across it and against its
+direction, silence, and what is no fix. The way is run in its own direction only; once the host gives a new start.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from safeloc.language.units import NM_PER_MM
 from safeloc.models.guard.variables import FAULT, GuardConfig
 
 FIX_EVERY_MS = 400
-SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous")
-OFF_BY_MM, JUMP_MM = 150_000, 180_000
+SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous", "across", "backwards")
+OFF_BY_MM, JUMP_MM, ACROSS_MRAD, BACKWARDS_MRAD = 150_000, 180_000, 600, 3_000
+START_ANEW_MS = 50_000
+"""The host gives a new start so long after the beginning."""
 NO_FIX = next(number for number, fault in enumerate(FAULT) if fault.label == "NO_FIX")
 
 
@@ -49,7 +52,7 @@ def simulate(config: GuardConfig | None = None, *, seed: int, seconds: int = 240
             spell = spell if spell.fixes else next(spells)
             spell.fixes -= 1
             step |= _delivered(vehicle, config, random, spell)
-        made.append(step)
+        made.append(step | {"start_anew": number == START_ANEW_MS // config.period_ms})
     return made
 
 
@@ -86,7 +89,7 @@ def _move(vehicle: _Vehicle, config: GuardConfig, random: Random) -> None:
 def _quiet(vehicle: _Vehicle) -> dict[str, Value]:
     return {
         "advance": True, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False, "fix_elsewhere": False,
-        "next_truth_nm": vehicle.place_nm, "next_speed_um_s": vehicle.speed_um_s,
+        "forwards_only": True, "start_anew": False, "next_truth_nm": vehicle.place_nm, "next_speed_um_s": vehicle.speed_um_s,
     }  # fmt: skip
 
 
@@ -104,4 +107,11 @@ def _delivered(vehicle: _Vehicle, config: GuardConfig, random: Random, spell: _S
             said |= {"fix_offset_mm": OFF_BY_MM}
         case "jump":
             said |= {"fix_mm": place + spell.jump_mm}
+        case "across" | "backwards":
+            said |= {
+                "fix_mm": place + spell.jump_mm // 2,
+                "fix_course_mrad": ACROSS_MRAD if spell.kind == "across" else BACKWARDS_MRAD,
+            }
+        case _ if random.random() < 0.5:
+            said |= {"fix_course_mrad": random.randint(0, config.course_limit_mrad)}
     return said | ({"fix_speed_mm_s": vehicle.speed_um_s // 1_000} if random.random() < 0.5 else {})

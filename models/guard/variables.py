@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
-from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, UM_PER_MM, UM_S
+from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PER_MILLE, UM_PER_MM, UM_S
 
 FARTHEST_OFF_MM = 10_000_000
 """A fix farther off every track than this is handed in as the fault OFF_TRACK."""
@@ -22,9 +22,15 @@ JUDGED = members(
     "judged",
     "NOTHING", "PASSED", "UNCONFIRMED", "NO_FIX", "MALFORMED", "NOT_FINITE", "STALE", "FUTURE", "DUPLICATE",
     "OUT_OF_ORDER", "OFF_TRACK", "AMBIGUOUS", "TOO_COARSE", "JUMP", "SPEED_DISAGREES", "DOUBTFUL",
+    "ACROSS", "AGAINST", "OUT_OF_REACH",
 )  # fmt: skip
 NOTHING, PASSED, UNCONFIRMED = JUDGED[:3]
-OFF_TRACK, AMBIGUOUS, TOO_COARSE, JUMP, SPEED_DISAGREES, DOUBTFUL = JUDGED[-6:]
+OFF_TRACK, AMBIGUOUS, TOO_COARSE, JUMP, SPEED_DISAGREES, DOUBTFUL, ACROSS, AGAINST, OUT_OF_REACH = JUDGED[-9:]
+
+HALF_TURN_MRAD = 3_142
+"""Half a turn, rounded up: the course of what runs straight against the way."""
+QUARTER_TURN_MRAD = 1_571
+"""A quarter of a turn: what runs against the way differs from its direction by more."""
 
 
 class GuardConfig(Config):
@@ -44,6 +50,16 @@ class GuardConfig(Config):
     )
     speed_error_mm_s: int = quantity(1_000, "mm/s", 1, 20_000, "[M] of the receiver's own speed")
     confirmations: int = quantity(5, "fixes", 2, 100, "[M] fixes in a row that must agree with map and motion")
+    course_limit_mrad: int = quantity(
+        262,
+        "mrad",
+        1,
+        QUARTER_TURN_MRAD - 1,
+        "[D] 15 degrees: 9.5 of a 1:6 switch, and the error of a course over course_base_mm",
+    )
+    course_base_mm: int = quantity(20_000, "mm", 1_000, 1_000_000, "[D] between two fixes that a course is told from")
+    course_age_ms: int = quantity(10_000, "ms", 100, 600_000, "[D] most between them; with 20 m: 2 m/s and more")
+    rollback_mm: int = quantity(5_000, "mm", 0, 1_000_000, "[S] D_NVROLL 2 m (SUBSET-026 A.3.2), and the way to stop")
     speed_window_ms: int = quantity(4_000, "ms", 4, 60_000, "[D] over which speed is told from distance")
     max_age_ms: int = quantity(1_000, "ms", 0, 60_000, "[M] an older fix is stale")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
@@ -104,12 +120,19 @@ class Parts:
     fix, offset, age, ambiguous, elsewhere, speed
                    input: place along the way, distance off the track, age of the fix; other tracks are as near; no way
                    leads there from where the vehicle can be; the receiver's own speed, without direction
+    course         input: the angle between the course over ground and the way's direction, mrad; absent where none is told
+    forwards_only  input: the way is run in its own direction only; a vehicle is back by rollback_mm at most
+    start_anew     input: the host says that no place known before counts any longer
     low .. fast    where the vehicle is and how fast, nm and um/s (while recovering: if the last fix is true)
     anchor_*       where it was some steps ago, from which speed is told
     agreed         fixes in a row that kept every gate, up to the number asked for
     near_*         where the vehicle is if the last fix near the way is true, nm; the whole line before the first one
+    fair           fixes in a row that map, course and the place last known allow, up to the number asked for
+    known_*        where the vehicle is since a row was last full, nm: by direction and highest speed alone, also while nothing is
+                   held; the whole line before the first full row. It has been at known_low, and may be rollback_mm behind it
     truth, true_speed, run   ghosts: nm, um/s, and nm since the anchor
     heard_*, row   ghosts: the same of the last fix near the way, and how many in a row each follow from the one before
+    sure_*         ghosts: the same of the fixes that the law of the receiver speaks of
     """
 
     config: GuardConfig
@@ -121,6 +144,9 @@ class Parts:
     ambiguous: BoolVar
     elsewhere: BoolVar
     speed: Optional
+    course: Optional
+    forwards_only: BoolVar
+    start_anew: BoolVar
     low: NumVar
     high: NumVar
     slow: NumVar
@@ -132,12 +158,17 @@ class Parts:
     judged: NumVar
     near_low: NumVar
     near_high: NumVar
+    fair: NumVar
+    known_low: NumVar
+    known_high: NumVar
     truth: NumVar
     true_speed: NumVar
     run: NumVar
     heard_low: NumVar
     heard_high: NumVar
     row: NumVar
+    sure_low: NumVar
+    sure_high: NumVar
     next_truth: NumVar
     next_speed: NumVar
 
@@ -157,6 +188,9 @@ def parts(config: GuardConfig) -> Parts:
         boolean("fix_ambiguous"),
         boolean("fix_elsewhere"),
         optional("fix_speed_mm_s", MM_S, 0, 1_000_000),
+        optional("fix_course_mrad", PER_MILLE, 0, HALF_TURN_MRAD),
+        boolean("forwards_only"),
+        boolean("start_anew"),
         number("low_nm", NM, -reach, reach),
         number("high_nm", NM, -reach, reach),
         number("slow_um_s", UM_S, -fast, fast),
@@ -168,12 +202,17 @@ def parts(config: GuardConfig) -> Parts:
         choice("judged", enumeration(JUDGED)),
         number("near_low_nm", NM, -reach, reach),
         number("near_high_nm", NM, -reach, reach),
+        number("fair_fixes", COUNT, 0, config.confirmations),
+        number("known_low_nm", NM, -reach, reach),
+        number("known_high_nm", NM, -reach, reach),
         number("truth_nm", NM, -2 * reach, 2 * reach),
         number("true_speed_um_s", UM_S, -fast, fast),
         number("run_nm", NM, -most, most),
         number("heard_low_nm", NM, -reach, reach),
         number("heard_high_nm", NM, -reach, reach),
         number("row_fixes", COUNT, 0, config.confirmations),
+        number("sure_low_nm", NM, -reach, reach),
+        number("sure_high_nm", NM, -reach, reach),
         number("next_truth_nm", NM, -2 * reach, 2 * reach),
         number("next_speed_um_s", UM_S, -fast, fast),
     )

@@ -9,12 +9,12 @@ from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, 
 from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import COUNT, NM
 from safeloc.models.guard import Guard
-from safeloc.models.guard.variables import NO_FAULT, PASSED, UNCONFIRMED
-from safeloc.properties.guard.step import Step
+from safeloc.models.guard.variables import ACROSS, AGAINST, NO_FAULT, OUT_OF_REACH, PASSED, UNCONFIRMED
+from safeloc.properties.guard.step import HALF_TURN_MRAD, Step
 
 LAW = (
-    "the vehicle keeps its figures; a fix that completes a row, near the way and each reachable from the one before, is within "
-    "its error"
+    "the vehicle keeps its figures; a fix that completes a row, near the way, along it, each reachable from the one before and from "
+    "where the vehicle was last known, is within its error"
 )
 REQUIREMENTS = ("MRK-D6",)
 BEGINS = ("first fix", "fix agrees", "fix begins anew", "receiver believed")
@@ -24,7 +24,20 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 def properties(model: Guard) -> list[Property]:
     """Every property of the guard."""
-    makers = (_safety, _charged, _withheld, _gates, _told, _trust, _recovering, _coming_back, _use)
+    makers = (
+        _safety,
+        _charged,
+        _withheld,
+        _gates,
+        _course,
+        _carried,
+        _new_start,
+        _told,
+        _trust,
+        _recovering,
+        _coming_back,
+        _use,
+    )
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -133,16 +146,92 @@ def _gates(model: Guard) -> Iterator[Property]:
     )
 
 
+def _course(model: Guard) -> Iterator[Property]:
+    """A course across the way, or against its direction: refused, and nothing else refused for it."""
+    machine, own, step = model.machine, model.own, Step(model)
+    passed, only, most = machine.flag("passed"), own.forwards_only, own.config.confirmations
+    yield for_all_inputs(
+        "a course across the way is refused",
+        step.crosses.implies(~passed),
+        statement="a fix whose course makes a greater angle with the way than a switch and the error of a course explain is not passed on",
+    )
+    yield for_all_inputs(
+        "a course against the permitted direction is refused",
+        (only & step.runs_back).implies(~passed),
+        statement="where the way is run in its own direction only, a fix that runs backwards is not passed on",
+    )
+    yield for_all_inputs(
+        "a refused course costs the row",
+        (step.fair.one_of(ACROSS, AGAINST)).implies(own.agreed.eq(0) & own.fair.eq(0) & own.agreed.ne(most)),
+        statement="after a fix across or against the way, as many in a row are asked for as at the beginning",
+    )
+    along = ~own.course.present | (own.course.value <= own.config.course_limit_mrad)
+    yield for_all_inputs(
+        "a course along the way is not refused",
+        (along | (~only & (own.course.value >= HALF_TURN_MRAD - own.config.course_limit_mrad))).implies(
+            ~own.judged.one_of(ACROSS, AGAINST)
+        )
+        & (~step.runs_back | ~only).implies(own.judged.ne(AGAINST)),
+        statement="a course within the limit of the way, or none, is no reason to refuse; nor is one backwards where both directions "
+        "are permitted",
+    )
+
+
+def _carried(model: Guard) -> Iterator[Property]:
+    """The place last known, through every withdrawal."""
+    machine, own, step = model.machine, model.own, Step(model)
+    least, most = step.known
+    yield for_all_inputs(
+        "a place out of reach is refused",
+        step.out_of_reach.implies(~machine.flag("passed")),
+        statement="a fix where the vehicle cannot have come since a row was last full is not passed on, however long nothing was held",
+    )
+    yield for_all_inputs(
+        "a place in reach is not refused",
+        own.judged.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
+        statement="a fix that the vehicle can have come to by its direction and highest speed is not refused as out of reach",
+    )
+    fills = step.fair.eq(PASSED) & step.fair_row.eq(own.config.confirmations)
+    yield for_all_inputs(
+        "fair fixes are counted",
+        own.fair.eq(ite(own.start_anew, as_num(0, COUNT), step.fair_row)),
+        statement="the row of fair fixes grows by each that follows from the one before, and ends with one that is off the track, runs "
+        "across or against it, or is out of reach",
+    )
+    yield for_all_inputs(
+        "the place last known is carried",
+        own.start_anew
+        | own.known_low.eq(ite(fills, maximum(least, step.place - step.charge), least))
+        & own.known_high.eq(ite(fills, minimum(most, step.place + step.charge), most)),
+        statement="a fix that fills a row narrows the place last known to its error; without one it widens by a run at the highest speed, "
+        "backwards only where that is permitted, also while nothing is held",
+    )
+
+
+def _new_start(model: Guard) -> Iterator[Property]:
+    """What the host's new start does, and that nothing else does it."""
+    machine, own, line = model.machine, model.own, Step(model).line_nm
+    lost = machine.modes[0]
+    nowhere = own.known_low.eq(-line) & own.known_high.eq(line) & own.near_low.eq(-line) & own.near_high.eq(line)
+    yield for_all_inputs(
+        "a new start forgets",
+        own.start_anew.implies(
+            machine.mode.eq(lost) & own.agreed.eq(0) & own.fair.eq(0) & nowhere & ~machine.flag("passed")
+        ),
+        statement="with a new start nothing is held and nothing known, and the next fix begins a row wherever it lies",
+    )
+
+
 def _told(model: Guard) -> Iterator[Property]:
     """Why a delivery is withheld."""
     machine, own, step = model.machine, model.own, Step(model)
     lost = machine.modes[0]
-    verdict = ite(before(machine.mode).eq(lost), step.alone, step.verdict)
+    verdict = ite(before(machine.mode).eq(lost) | own.start_anew, step.fair, step.verdict)
     yield for_all_inputs(
         "a delivery is told as what it is",
         ite(verdict.eq(PASSED), own.judged.one_of(PASSED, UNCONFIRMED), own.judged.eq(verdict)),
-        statement="faults, then what the map, the vehicle's limits, and its place and speed by now speak against: the first of "
-        "these is the reason, and without any of them the fix agrees",
+        statement="faults, then what the map, the vehicle's limits, its course, the place last known, and its place and speed by now "
+        "speak against: the first of these is the reason, and without any of them the fix agrees",
     )
 
 
@@ -151,7 +240,7 @@ def _trust(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     _, _, passing, probation = machine.modes
     was_holding, holding, now = _was_holding(model), machine.flag("holding"), machine.mode
-    passed, contradicts = machine.flag("passed"), step.alone.eq(PASSED) & ~step.follows
+    passed, contradicts = machine.flag("passed"), step.fair.eq(PASSED) & ~step.follows
     yield for_all_inputs(
         "an implausible fix costs the trust",
         (was_holding & step.implausible).implies(now.ne(passing) & own.agreed.eq(0)),
@@ -177,16 +266,17 @@ def _trust(model: Guard) -> Iterator[Property]:
     by_itself = step.alone.eq(PASSED)
     yield for_all_inputs(
         "the last fix near the way is what the next is compared with",
-        own.near_low.eq(ite(by_itself, step.place - step.charge, least))
+        own.start_anew
+        | own.near_low.eq(ite(by_itself, step.place - step.charge, least))
         & own.near_high.eq(ite(by_itself, step.place + step.charge, most)),
         statement="a fix that keeps map and vehicle is held with its error, also where it is withheld, and widens by a run at the "
         "highest speed",
     )
     yield for_all_inputs(
         "what is held is given up when it bounds nothing",
-        was_holding.implies(holding.iff(step.can_be_held | step.fills)),
+        was_holding.implies(holding.iff((step.can_be_held | step.fills) & ~own.start_anew)),
         statement="what is held is given up when it is too wide, beyond the line or contradicts itself, and only then, unless a "
-        "fix that is passed on narrows it in the same step",
+        "fix that is passed on narrows it in the same step; and with a new start",
     )
 
 
@@ -194,11 +284,12 @@ def _recovering(model: Guard) -> Iterator[Property]:
     """How trust begins."""
     machine, own, step = model.machine, model.own, Step(model)
     lost, recovering, passing, _ = machine.modes
-    now, was, begins = machine.mode, before(machine.mode), step.alone.eq(PASSED)
+    now, was, begins = machine.mode, before(machine.mode), step.fair.eq(PASSED)
+    goes_on = ~own.start_anew
     yield for_all_inputs(
         "a row begins with a fix that may be true",
-        was.eq(lost).implies(ite(begins, now.eq(recovering) & own.agreed.eq(1), now.eq(lost))),
-        statement="while nothing is held, a fix that keeps map and vehicle begins a row of one, and nothing else does",
+        (was.eq(lost) & goes_on).implies(ite(begins, now.eq(recovering) & own.agreed.eq(1), now.eq(lost))),
+        statement="while nothing is held, a fix that keeps map, vehicle, course and the place last known begins a row of one, and nothing else does",
     )
     anew = now.eq(recovering) & own.agreed.eq(1)
     dropped = now.eq(lost) & own.agreed.eq(0)
@@ -207,7 +298,7 @@ def _recovering(model: Guard) -> Iterator[Property]:
     grows = ite(step.fills, now.eq(passing), now.eq(recovering) & own.agreed.eq(before(own.agreed) + 1))
     yield for_all_inputs(
         "a row that does not agree begins anew",
-        was.eq(recovering).implies(ite(step.agrees, grows, otherwise)),
+        (was.eq(recovering) & goes_on).implies(ite(step.agrees, grows, otherwise)),
         statement="while the receiver recovers, a fix that agrees lengthens the row, one that does not begins it anew, and what "
         "contradicts the map or comes too late ends it",
     )
@@ -251,7 +342,7 @@ def _use(model: Guard) -> Iterator[Property]:
     machine, own, passed = model.machine, model.own, model.machine.flag("passed")
     most = own.config.confirmations
     step = Step(model)
-    agrees = step.agrees & (step.can_be_held | step.fills | ~_was_holding(model))
+    agrees = ~own.start_anew & step.agrees & (step.can_be_held | step.fills | ~_was_holding(model))
     was = before(own.agreed)
     longer = ite(was >= most - 1, as_num(most, COUNT), was + 1)
     counted = own.agreed.eq(ite(step.follows, longer, as_num(1, COUNT)))
@@ -264,6 +355,14 @@ def _use(model: Guard) -> Iterator[Property]:
     yield reachable(
         "probation is survived",
         machine.fired("receiver believed again"),
+        further_assumption=_plain(model),
         statement="a receiver can regain its trust without losing the interval",
         requirements=REQUIREMENTS,
     )
+
+
+def _plain(model: Guard) -> Bool:
+    """The fix is fresh, on the track's axis, and comes without speed and course: a witness needs no others."""
+    own = model.own
+    with_it = ~own.speed.present & ~own.course.present & own.offset.eq(0) & own.age.eq(0)
+    return own.fix.present & with_it & own.forwards_only & ~own.start_anew

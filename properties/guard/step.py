@@ -25,9 +25,11 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.units import MS, NM, UM, UM_S
+from safeloc.language.units import COUNT, MS, NM, UM, UM_S
 from safeloc.models.guard import Guard
 from safeloc.models.guard.variables import (
+    ACROSS,
+    AGAINST,
     AMBIGUOUS,
     DOUBTFUL,
     FAULT,
@@ -36,12 +38,15 @@ from safeloc.models.guard.variables import (
     NO_FAULT,
     NOTHING,
     OFF_TRACK,
+    OUT_OF_REACH,
     PASSED,
     SPEED_DISAGREES,
     TOO_COARSE,
 )
 
 NM_PER_MM = 1_000_000
+HALF_TURN_MRAD = 3_142
+QUARTER_TURN_MRAD = 1_571
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +131,23 @@ class Step:
             ite(~own.advance, before(own.near_high), ite(most > line, as_num(line, NM), most)),
         )
 
+    @property
+    def line_nm(self) -> int:
+        """How far the line reaches either way, and a window beyond it."""
+        config = self.model.own.config
+        return (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM
+
+    @cached_property
+    def known(self) -> tuple[Num, Num]:
+        """Where the vehicle is by what was last known of it: it ran at the highest speed, back only where that is permitted."""
+        own, line = self.model.own, self.line_nm
+        ran = own.config.period_ms * self._top + self._way
+        back = ite(own.forwards_only, as_num(0, NM), as_num(ran, NM))
+        return (
+            ite(~own.advance, before(own.known_low), maximum(before(own.known_low) - back, as_num(-line, NM))),
+            ite(~own.advance, before(own.known_high), minimum(as_num(line, NM), ran + before(own.known_high))),
+        )
+
     @cached_property
     def due(self) -> Bool:
         """The window of speed is complete with this step."""
@@ -197,6 +219,46 @@ class Step:
         return _first(rows, PASSED)
 
     @cached_property
+    def crosses(self) -> Bool:
+        """Its course is farther than the limit from the way, whichever end of the way it is counted from."""
+        course, limit = self.model.own.course, self.model.own.config.course_limit_mrad
+        return course.present & (course.value > limit) & (course.value < HALF_TURN_MRAD - limit)
+
+    @cached_property
+    def runs_back(self) -> Bool:
+        """Its course is against the way's direction, by more than a quarter of a turn."""
+        return self.model.own.course.present & (self.model.own.course.value >= QUARTER_TURN_MRAD + 1)
+
+    @cached_property
+    def out_of_reach(self) -> Bool:
+        """No place that it may mean is one where the vehicle can be by what was last known of it."""
+        least, most = self.known
+        rolled = self.model.own.config.rollback_mm * NM_PER_MM
+        return (least - self.place > self.charge + rolled) | (self.place - most > self.charge)
+
+    @cached_property
+    def fair(self) -> Num:
+        """What map, vehicle, course and the place last known say of the delivery."""
+        only = self.model.own.forwards_only
+        rows = (
+            (self.alone.ne(PASSED), self.alone),
+            (only & self.runs_back, AGAINST),
+            (self.crosses, ACROSS),
+            (self.out_of_reach, OUT_OF_REACH),
+        )
+        return _first(rows, PASSED)
+
+    @cached_property
+    def fair_row(self) -> Num:
+        """How many fair fixes are in a row with this one."""
+        own, most = self.model.own, self.model.own.config.confirmations
+        goes_on = self.follows & ~own.elsewhere
+        longer = ite(before(own.fair) >= most - 1, as_num(most, COUNT), before(own.fair) + 1)
+        ended = self.fair.one_of(OFF_TRACK, ACROSS, AGAINST, OUT_OF_REACH)
+        held = ite(ended, as_num(0, COUNT), before(own.fair))
+        return ite(self.fair.ne(PASSED), held, ite(goes_on, longer, as_num(1, COUNT)))
+
+    @cached_property
     def _named_fault(self) -> Num:
         reasons = {reason.label: reason for reason in JUDGED}
         own = self.model.own
@@ -208,8 +270,9 @@ class Step:
         own = self.model.own
         beside = (self.place > self.high) | (self.place < self.low)
         rows = (
-            (self.alone.ne(PASSED), self.alone),
+            (self.fair.ne(PASSED) & self.fair.ne(OUT_OF_REACH), self.fair),
             (own.elsewhere | self._apart, JUMP),
+            (self.fair.eq(OUT_OF_REACH), OUT_OF_REACH),
             (self._too_fast | self._no_speed_left, SPEED_DISAGREES),
             (beside, DOUBTFUL),
         )
@@ -254,9 +317,9 @@ class Step:
 
     @cached_property
     def agrees(self) -> Bool:
-        """Nothing speaks against it: not map and vehicle, and not where it can be and how fast by now."""
+        """Nothing speaks against it: not map, vehicle, course and the place last known, and not where it can be and how fast by now."""
         beside = (self.place > self.high) | (self.place < self.low)
-        return self.alone.eq(PASSED) & ~any_of([*self._against, beside])
+        return self.fair.eq(PASSED) & ~any_of([*self._against, beside])
 
     @cached_property
     def follows(self) -> Bool:
@@ -267,8 +330,8 @@ class Step:
     @cached_property
     def implausible(self) -> Bool:
         """It contradicts the map, or what a vehicle can do: at all, or by now."""
-        by_now = self.alone.eq(PASSED) & any_of(self._against)
-        return any_of([self.alone.eq(OFF_TRACK), self.alone.eq(SPEED_DISAGREES), by_now])
+        by_now = self.fair.eq(PASSED) & any_of(self._against)
+        return self.fair.one_of(OFF_TRACK, SPEED_DISAGREES, ACROSS, AGAINST, OUT_OF_REACH) | by_now
 
     @cached_property
     def fills(self) -> Bool:

@@ -39,6 +39,10 @@ def guard(
     first: Annotated[
         str | None, typer.Option("--first", help="direction along the first edge: increasing or decreasing")
     ] = None,
+    both: Annotated[
+        bool,
+        typer.Option("--both-directions", help="the vehicle may also run back on the route (set back, change cabs)"),
+    ] = False,
     form: Annotated[str | None, typer.Option("--format", help="csv, jsonl or nmea; by default from the suffix")] = None,
     column: Annotated[
         list[str] | None,
@@ -67,10 +71,9 @@ def guard(
         require_not_read(where, line, stream, path, config, vehicle)
     figures, network = config_of(vehicle, config), line_of(line)
     route = route_of(network, Way(path, edges, direction(first)))
-    made = Guard(
-        figures,
-        Tracks(network, clear_mm=figures.track_clearance_mm, reach_mm=figures.tolerance_mm, route=route, crs=crs),
-    )
+    clear, reach = figures.track_clearance_mm, figures.tolerance_mm
+    tracks = Tracks(network, clear_mm=clear, reach_mm=reach, route=route, crs=crs, both_directions=both)
+    made = Guard(figures, tracks)
     kept: list[Judgement] = []
     with opened(stream) as lines, _target(where) as target:
         judgements = made.judge_all(deliveries(lines, kind, columns, sentence, stream))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, TRUE, Lit, Num, as_num, exact_to, minimum
+from safeloc.language.expr import FALSE, TRUE, Lit, Num, as_num, exact_to, ite, minimum
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine
 from safeloc.language.monitor import check_all
@@ -22,11 +22,14 @@ from safeloc.models.guard import Guard, box, build, judgement
 from safeloc.models.guard.judgement import Judged
 from safeloc.models.guard.simulate import FIRST_TRUTH, simulate
 from safeloc.models.guard.variables import (
+    ACROSS,
+    AGAINST,
     DOUBTFUL,
     FAULT,
     JUDGED,
     JUMP,
     OFF_TRACK,
+    OUT_OF_REACH,
     PASSED,
     SPEED_DISAGREES,
     GuardConfig,
@@ -51,7 +54,7 @@ def quiet(**changes: Value) -> dict[str, Value]:
     """A step of one period in which nothing is delivered, but for the changes."""
     return {
         "advance": True, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False, "fix_elsewhere": False,
-        **changes,
+        "forwards_only": True, "start_anew": False, **changes,
     }  # fmt: skip
 
 
@@ -212,6 +215,45 @@ def _farther_than_run(right: Callable[[Parts], tuple[Num, Num]]) -> Callable[[Pa
     return lambda own: (right(own)[0] - 1_000_000, right(own)[1])
 
 
+def _course_forgiven(right: Callable[..., Num]) -> Callable[..., Num]:
+    def fair(own: Parts, known: tuple[Num, Num]) -> Num:
+        return ite(right(own, known).eq(OUT_OF_REACH), OUT_OF_REACH, PASSED)
+
+    return fair
+
+
+def _backwards_forgiven(right: Callable[..., Num]) -> Callable[..., Num]:
+    return lambda own, known: ite(right(own, known).eq(AGAINST), PASSED, right(own, known))
+
+
+def _any_course_refused(right: Callable[..., Num]) -> Callable[..., Num]:
+    return lambda own, known: ite(own.course.present, ACROSS, right(own, known))
+
+
+def _reach_forgiven(right: Callable[..., Num]) -> Callable[..., Num]:
+    return lambda own, known: ite(right(own, known).eq(OUT_OF_REACH), PASSED, right(own, known))
+
+
+def _roll_back_refused(right: Callable[..., Num]) -> Callable[..., Num]:
+    def fair(own: Parts, known: tuple[Num, Num]) -> Num:
+        return right(own, (known[0] + own.config.rollback_mm * 1_000_000, known[1]))
+
+    return fair
+
+
+def _known_runs_back(right: Callable[[Parts], tuple[Num, Num]]) -> Callable[[Parts], tuple[Num, Num]]:
+    return lambda own: (right(own)[0] - 1_000_000, right(own)[1])
+
+
+def _known_stands(right: Callable[[Parts], tuple[Num, Num]]) -> Callable[[Parts], tuple[Num, Num]]:
+    return lambda own: (right(own)[0], minimum(own.known_high, right(own)[1]))
+
+
+def _nothing_forgotten(_: object) -> Callable[[Parts], dict[object, object]]:
+    return lambda own: {}
+
+
+CARRIED = "the place last known is carried"
 COSTS = "an implausible fix costs the trust"
 CONTRADICTS = "a receiver that contradicts itself loses the trust"
 COMPARED = "the last fix near the way is what the next is compared with"
@@ -227,6 +269,14 @@ EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "age is not charged": (box, "half_nm", _age_forgotten, "a fix is charged all it may be off"),
     "a receiver may contradict itself": (Judged, "follows", _contradiction_forgiven, CONTRADICTS),
     "a vehicle runs farther than it can": (judgement, "near_now", _farther_than_run, COMPARED),
+    "a course across the way is forgiven": (judgement, "_fair", _course_forgiven, "a course across the way is refused"),
+    "running backwards is forgiven": (judgement, "_fair", _backwards_forgiven, "a course against the permitted direction is refused"),
+    "every course is refused": (judgement, "_fair", _any_course_refused, "a course along the way is not refused"),
+    "a place out of reach is forgiven": (judgement, "_fair", _reach_forgiven, "a place out of reach is refused"),
+    "rolling back is refused": (judgement, "_fair", _roll_back_refused, "a place in reach is not refused"),
+    "the place last known runs back": (judgement, "known_now", _known_runs_back, CARRIED),
+    "the place last known stands": (judgement, "known_now", _known_stands, CARRIED),
+    "a new start forgets nothing": (guard, "_nowhere", _nothing_forgotten, "a new start forgets"),
     "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "what is held is given up when it bounds nothing"),
 }  # fmt: skip
 
@@ -266,6 +316,51 @@ def test_a_contradiction_costs_the_trust() -> None:
     assert ["PASSING", "PROBATION", "PROBATION", "PROBATION", "PASSING"] == modes(trace)[3:]
     assert ["DOUBTFUL", "DOUBTFUL", "UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)[3:]
     assert 0 == trace.steps[4].outputs["agreed_fixes"]
+
+
+def test_a_course_across_or_against_the_way_costs_the_trust() -> None:
+    """15 degrees pass and 15.1 do not; against the way only where both directions are permitted, and the row begins anew."""
+    for course, only, expected in (
+        (262, True, "PASSED"),
+        (263, True, "ACROSS"),
+        (2_879, False, "ACROSS"),
+        (2_880, False, "PASSED"),
+        (2_880, True, "AGAINST"),
+        (1_571, True, "ACROSS"),
+        (1_572, True, "AGAINST"),
+    ):
+        step = at(0, fix_course_mrad=course, forwards_only=only)
+        assert expected == reasons(driven(*BELIEVED, step))[-1], course
+        assert (expected == "PASSED") == (reasons(driven(*BELIEVED, step, at(0)))[-1] == "PASSED")
+
+
+GIVEN_UP = [*BELIEVED, *[quiet()] * 40]
+"""The window is given up long before its end, 4 s later."""
+
+
+def test_the_place_last_known_outlasts_withdrawal() -> None:
+    """A row behind it is refused, for ever; one as far ahead as a vehicle runs in the time is believed."""
+    assert "WITHDRAWN" == modes(driven(*GIVEN_UP))[-1]
+    behind = driven(*GIVEN_UP, *[at(-100_000)] * 20, *[quiet()] * 2_000, *[at(-100_000)] * 4)
+    assert {"OUT_OF_REACH"} == set(reasons(behind)[43:63]) == set(reasons(behind)[-4:])
+    ahead = driven(*GIVEN_UP, *[at(150_000)] * 3)
+    assert ["UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(ahead)[-3:]
+    assert ["OUT_OF_REACH"] * 3 == reasons(driven(*GIVEN_UP, *[at(250_000)] * 3))[-3:]
+
+
+def test_a_vehicle_may_roll_back_a_little() -> None:
+    """By 5 m, and a fix by its error more; where both directions are permitted, as far as it can run."""
+    assert ["PASSED", "OUT_OF_REACH"] == [reasons(driven(*GIVEN_UP, *[at(mm)] * 3))[-1] for mm in (-25_000, -25_001)]
+    back = [{**step, "forwards_only": False} for step in (*GIVEN_UP, *[at(-100_000)] * 3)]
+    assert "PASSED" == reasons(driven(*back))[-1]
+
+
+def test_a_wrong_first_place_is_forgotten_with_a_new_start() -> None:
+    """Only the host can say that; then the next row is believed wherever it lies."""
+    assert "OUT_OF_REACH" == reasons(driven(*GIVEN_UP, *[at(-100_000)] * 3))[-1]
+    assert "PASSED" == reasons(driven(*GIVEN_UP, quiet(start_anew=True), *[at(-100_000)] * 3))[-1]
+    started = driven(*BELIEVED, at(0, start_anew=True))
+    assert ("WITHDRAWN", "UNCONFIRMED") == (modes(started)[-1], reasons(started)[-1])
 
 
 def test_silence_widens_and_ends_it() -> None:

@@ -18,6 +18,7 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.guard import build
 from safeloc.models.guard.variables import FARTHEST_OFF_MM, FAULT, JUDGED, GuardConfig, parts
+from safeloc.railway.guard.course import Courses
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.tracks import Match, Tracks, Window
 from safeloc.railway.map.places import Place
@@ -70,13 +71,23 @@ class Guard:
         self.config, self.tracks = config, tracks
         self._code = _code(config.model_dump_json())
         self._state = self._code.first()
-        self._idle = self._code.read(_inputs(advance=True))
+        self._idle = self._code.read(self._inputs(advance=True))
+        self._courses = Courses(config, tracks)
         self._deliveries = Deliveries()
         self._now_ms: int | None = None
         self._at_ms: int | None = None
         self._ways = [True, True]
         self._backwards: list[int] = []
         self._place: tuple[float | None, float | None] = (None, None)
+
+    def start_anew(self) -> None:
+        """Forget every place: the host's word that what was believed before does not count.
+
+        Without it a place once believed is kept, on a known route, and no position is passed on where the vehicle cannot have
+        come from it. Call this when a first place was wrong, or when the vehicle was turned or moved otherwise.
+        """
+        self._state, _ = self._code.step(self._state, self._code.read(self._inputs(start_anew=True)))
+        self._courses.forget()
 
     def judge_all(self, deliveries: Iterable[Delivery]) -> Iterator[Judgement]:
         """Return a judgement for each delivery, as soon as it is there."""
@@ -116,8 +127,11 @@ class Guard:
         return None if found is None else (found.reason.name, found.detail)
 
     def _begin_anew(self) -> None:
-        """The receiver's clock was set back for good: all that is held is given up."""
-        self._state, self._deliveries = self._code.first(), Deliveries()
+        """The receiver's clock was set back for good: all that is held is given up, as after a silence; what is known is kept."""
+        while self._mode != "WITHDRAWN":
+            self._state, _ = self._code.step(self._state, self._idle)
+        self._deliveries = Deliveries()
+        self._courses.forget()
         self._now_ms, self._at_ms, self._backwards = None, None, []
 
     def _run_until(self, now_ms: int) -> int:
@@ -148,6 +162,8 @@ class Guard:
 
     def _matched(self, delivery: Delivery) -> Match:
         assert delivery.x is not None and delivery.y is not None
+        if self._mode == "WITHDRAWN" and self.tracks.route is None:
+            self._state = self._code.first()  # positions count from here anew
         match = self.tracks.match(delivery.x, delivery.y, self._window(), alone=self._mode == "RECOVERING")
         if abs(match.position_mm) <= self.config.position_limit_mm:
             return match
@@ -181,12 +197,13 @@ class Guard:
 
     def _step(self, delivery: Delivery, fault: str, detail: str) -> Judgement:
         """A delivery without a position to judge."""
-        self._state, _ = self._code.step(self._state, self._code.read(_inputs(fault=FAULT_NUMBER[fault])))
+        self._state, _ = self._code.step(self._state, self._code.read(self._inputs(fault=FAULT_NUMBER[fault])))
         return self._judgement(delivery, None, detail)
 
     def _located(self, delivery: Delivery, match: Match, age_ms: int) -> Judgement:
         """A delivery with a place on the map."""
-        self._state, numbers = self._code.step(self._state, self._code.read(_of_match(match, delivery, age_ms)))
+        said = self._of_match(match, delivery, age_ms)
+        self._state, numbers = self._code.step(self._state, self._code.read(said))
         (fired,) = self._code.fired(numbers).values()
         self._remember(match, fired)
         return self._judgement(delivery, match, "")
@@ -212,6 +229,26 @@ class Guard:
             detail,
         )
 
+    def _inputs(self, **given: Value) -> dict[str, Value]:
+        """A step's inputs in which nothing is delivered, but for what is given."""
+        return {
+            "advance": False, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False,
+            "fix_elsewhere": False, "forwards_only": self.tracks.one_way, "start_anew": False, **given,
+        }  # fmt: skip
+
+    def _of_match(self, match: Match, delivery: Delivery, age_ms: int) -> dict[str, Value]:
+        assert delivery.time_ms is not None and delivery.x is not None and delivery.y is not None
+        course = self._courses.angle_mrad(delivery.time_ms, delivery.x, delivery.y)
+        said = self._inputs(
+            fix_mm=match.position_mm,
+            fix_offset_mm=match.offset_mm,
+            fix_age_ms=age_ms,
+            fix_ambiguous=match.ambiguous,
+            fix_elsewhere=match.elsewhere,
+        )
+        told = {"fix_speed_mm_s": delivery.speed_mm_s, "fix_course_mrad": course}
+        return {**said, **{name: value for name, value in told.items() if value is not None}}
+
     @property
     def _mode(self) -> str:
         return MODES[self._value("mode")]
@@ -225,25 +262,6 @@ def _code(figures: str) -> Compiled:
     """The machine of a configuration (as JSON), compiled once for all receivers that have it."""
     config = GuardConfig.model_validate_json(figures)
     return compile_system(without_ghosts(lower(build(parts(config)).machine)))
-
-
-def _inputs(**given: Value) -> dict[str, Value]:
-    """A step's inputs in which nothing is delivered, but for what is given."""
-    return {
-        "advance": False, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False,
-        "fix_elsewhere": False, **given,
-    }  # fmt: skip
-
-
-def _of_match(match: Match, delivery: Delivery, age_ms: int) -> dict[str, Value]:
-    said = _inputs(
-        fix_mm=match.position_mm,
-        fix_offset_mm=match.offset_mm,
-        fix_age_ms=age_ms,
-        fix_ambiguous=match.ambiguous,
-        fix_elsewhere=match.elsewhere,
-    )
-    return said if delivery.speed_mm_s is None else {**said, "fix_speed_mm_s": delivery.speed_mm_s}
 
 
 def _no_position(delivery: Delivery) -> tuple[str, str] | None:

@@ -8,6 +8,7 @@ one legal way with the vehicle, which it misses by less than the clearance. Need
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, combinations
@@ -101,21 +102,42 @@ class Tracks:
     clear_mm   a fix tells the track only where no other one is nearer to it than this
     reach_mm   how far from the vehicle along the track it may lie at most
     route      the pieces of the route, where one is told
+    one_way    the route is run in its own direction only
     projector  what lays positions on the tracks
     roots      the pieces of track that the vehicle was on when a fix was last taken
     """
 
     def __init__(
-        self, line: Line, *, clear_mm: int, reach_mm: int, route: Route | None = None, crs: str = WGS84
+        self,
+        line: Line,
+        *,
+        clear_mm: int,
+        reach_mm: int,
+        route: Route | None = None,
+        crs: str = WGS84,
+        both_directions: bool = False,
     ) -> None:
+        """`both_directions`: the vehicle may also run back on the route, for instance to set back or with a change of cabs."""
         self.topology = Topology(line)
         self.crs, self.clear_mm, self.reach_mm = crs, clear_mm, reach_mm
         self.route = None if route is None else tuple(laid_along(route))
+        self.one_way = route is not None and not both_directions
         edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
         _with_course(line, edges)
         self.projector = Projector(line, edges=edges)
         self.projector.prepare(crs)
         self.roots: tuple[Laid, ...] = self.route or ()
+
+    def plane(self, x: float, y: float) -> tuple[float, float]:
+        """Return a position in the plane of the map, in metres. InputError if it is none in the coordinate system."""
+        return self.projector.plane(x, y, crs=self.crs)
+
+    def heading(self, place: tuple[float, float]) -> float | None:
+        """Return the way's direction at a place of the plane, in radians from east to north; without a route that of increasing
+        positions of the nearest track. None where the route runs over that track in both directions."""
+        edge, increasing = self.projector.heading(place)
+        runs = {laid.run.direction for laid in self.route or () if laid.run.edge == edge} or {"increasing"}
+        return None if len(runs) > 1 else increasing + (0.0 if runs == {"increasing"} else math.pi)
 
     def match(self, x: float, y: float, window: Window | None, *, alone: bool = False) -> Match:
         """Find the place of a fix. InputError if it is no position in the coordinate system.

@@ -19,6 +19,8 @@ from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import Place
 
 WGS84 = "EPSG:4326"
+HALF_CHORD_M = 5.0
+"""The direction of a track is that of 10 m of it, so that a corner of its course on the map is no turn."""
 LAMBERT72 = "EPSG:31370"
 PURPOSE = "projecting positions to the track"
 
@@ -50,6 +52,12 @@ class _Course:
     def place_mm(self, distance: float) -> int:
         """The position along the edge, for a distance along the plane course."""
         return min(max(round(distance / self.reached[-1] * self.length_mm), 0), self.length_mm)
+
+    def heading(self, distance: float) -> float:
+        """The direction of increasing positions around this distance along the course, in radians from east to north."""
+        begin = self.line.interpolate(max(distance - HALF_CHORD_M, 0.0))
+        end = self.line.interpolate(min(distance + HALF_CHORD_M, self.reached[-1]))
+        return math.atan2(end.y - begin.y, end.x - begin.x)
 
     def side(self, distance: float, x: float, y: float) -> int:
         """1 to the right of the course at this distance along it, -1 to the left."""
@@ -120,6 +128,12 @@ class Projector:
     def plane(self, x: float, y: float, *, crs: str = WGS84) -> tuple[float, float]:
         """Return a position in the plane of the projection: metres east and north of the line's middle. InputError as above."""
         return self._to_plane(x, y, crs)
+
+    def heading(self, place: tuple[float, float]) -> tuple[str, float]:
+        """Return the edge nearest to a place of the plane, and its direction there: radians from east to north, increasing."""
+        point = self._shapely.Point(*place)
+        course = self._courses[int(self._tree.nearest(point))]
+        return course.edge, course.heading(float(course.line.project(point)))
 
     def courses(self) -> dict[str, tuple[tuple[float, float], ...]]:
         """Return the course of every edge in that plane."""
