@@ -10,6 +10,7 @@ import typer
 
 from safeloc.cli.console import err
 from safeloc.errors import InputError
+from safeloc.railway.guard.believed import believed_times
 from safeloc.railway.map.imports.geojson import read_geojson
 from safeloc.railway.map.imports.geojson_path import read_path, route_over
 from safeloc.railway.map.model import Line
@@ -61,10 +62,16 @@ def drive(
     offset_limit_mm: Annotated[int, typer.Option(help="a fix farther off the track is not trusted", min=0)] = 15_000,
     max_speed_mm_s: Annotated[int, typer.Option(help="a fix that needs more is not trusted", min=1)] = 44_445,
 ) -> None:
-    """Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth."""
+    """Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth.
+
+    No fix that the guard of a receiver withholds on this route (`safeloc guard`) is truth, marker or balise reading.
+    """
     route = _equipped(_route(_line(line), path, edges, first), spacing_mm, at_mm or [], accuracy_mm)
-    fixes = on_route(read_fixes(log), route)
-    trusted = trusted_times(fixes, Trust(offset_limit_mm, max_speed_mm_s))
+    said = read_fixes(log)
+    fixes = on_route(said, route)
+    believed = believed_times(said, route, max_speed_mm_s=max_speed_mm_s)
+    passed = [fix for fix in fixes if fix.time_ms in believed]
+    trusted = trusted_times(passed, Trust(offset_limit_mm, max_speed_mm_s))
     balises = list(balise_records(fixes, route, Reading(length_mm, accuracy_mm), trusted))
     records = in_order(
         balises,
@@ -73,7 +80,11 @@ def drive(
         truth_records(fixes, trusted),
     )
     write_records(where, records)
-    told = f"{len(fixes)} fixes, {len(trusted)} of them trusted, {len(balises)} balise readings: {where}"
+    near = sum(abs(fix.offset_mm) <= offset_limit_mm for fix in fixes)
+    told = (
+        f"{len(fixes)} fixes, {near} near the track, {len(trusted)} of them trusted by the guard, "
+        f"{len(balises)} balise readings: {where}"
+    )
     err.print(told, markup=False)
 
 

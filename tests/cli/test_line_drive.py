@@ -28,9 +28,10 @@ def network(tmp_path: Path) -> str:
 
 @pytest.fixture
 def log(tmp_path: Path) -> str:
-    """Five fixes, 11 m and one second apart, from the stem on; the third one 200 m off the track."""
+    """Sixteen fixes, 11 m and one second apart, from the stem on; the ninth one 200 m off the track."""
     rows = [
-        f"2026-01-01T00:00:0{second},{0.0098 + 0.0001 * second},{0.002 if second == 2 else 0},A" for second in range(5)
+        f"2026-01-01T00:00:{second:02},{0.0098 + 0.0001 * second},{0.002 if second == 8 else 0},A"
+        for second in range(16)
     ]
     path = tmp_path / "log.csv"
     path.write_text(HEADING + "\n".join(rows) + "\n", encoding="utf-8")
@@ -38,17 +39,21 @@ def log(tmp_path: Path) -> str:
 
 
 def test_a_train_over_a_switch(call: Call, network: str, log: str, tmp_path: Path) -> None:
-    """Distances of both units at both ends, groups where they were placed, satellites, truth where it is trusted."""
+    """Distances of both units at both ends, groups where they were placed, satellites; truth where the guard trusts a fix: the
+    fifth in a row and on, until one is false."""
     where = tmp_path / "run.jsonl"
-    arguments = ["--edges", "stem, south", "--balise-at-mm", "1095000", "--balise-at-mm", "1130000"]
+    arguments = ["--edges", "stem, south", "--balise-at-mm", "1160000", "--balise-at-mm", "1240000"]
     called = call("drive", network, log, *arguments, "--satellite", "A=5000", "--out", str(where))
-    assert (0, f"5 fixes, 4 of them trusted, 2 balise readings: {where}\n") == (called.code, called.err)
+    assert (0, f"16 fixes, 15 near the track, 7 of them trusted by the guard, 2 balise readings: {where}\n") == (
+        called.code,
+        called.err,
+    )
     records = read_records(where)
     channels = {record.channel for record in records}
     assert {"front_wheel", "front_radar", "rear_wheel", "rear_radar", "front_marker", "truth"} == channels
     markers = [record.marker for record in records if isinstance(record, MarkerRecord)]
-    assert [500_000, 1, 500_003, 2] == markers
-    assert 4 == sum(isinstance(record, TruthRecord) for record in records)
+    assert [500_004, 500_005, 500_006, 1, 500_013, 2, 500_015] == markers
+    assert 7 == sum(isinstance(record, TruthRecord) for record in records)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +93,7 @@ def test_a_clean_recording_keeps_every_property(call: Call, tmp_path: Path) -> N
         "--out",
         str(where),
     )
-    assert called.err.startswith("714 fixes, 714 of them trusted")
+    assert called.err.startswith("714 fixes, 714 near the track, 710 of them trusted by the guard")
     replayed = call("replay", "odometry", str(where), "--config", str(config), "--period-ms", "400")
     assert 0 == replayed.code
     assert "contained: " in replayed.out
@@ -101,4 +106,20 @@ def test_a_way_may_be_told_edge_by_edge(call: Call, tmp_path: Path) -> None:
     call("import", str(data_file("trains/network_airport.geojson")), "--out", str(line))
     edges = ",".join(f"88_L_{number}" for number in EDGES_31259)
     called = call("drive", str(line), str(data_file("trains/log_31259.csv")), "--edges", edges, "--out", str(where))
-    assert f"1189 fixes, 783 of them trusted, 0 balise readings: {where}\n" == called.err
+    assert (
+        f"1189 fixes, 783 near the track, 669 of them trusted by the guard, 0 balise readings: {where}\n" == called.err
+    )
+
+
+@pytest.mark.parametrize("by", ["2013", "3955,5977,7820"], ids=["left track", "middle track"])
+def test_what_the_guard_withholds_is_no_truth(call: Call, tmp_path: Path, by: str) -> None:
+    """In log 28586 the receiver drags a false place back over the way: none of it is written as truth, and none as a marker."""
+    where = tmp_path / "run.jsonl"
+    edges = f"5916,2026,7855,7818,9754,5831,{by},9755,2014,7819,7154,9422,1388"
+    way = ",".join(f"88_L_{number}" for number in edges.split(","))
+    line, log = str(data_file("trains/network_airport.geojson")), str(data_file("trains/log_28586.csv"))
+    called = call("drive", line, log, "--edges", way, "--satellite", "PROPAGATED=10000", "--out", str(where))
+    assert 0 == called.code
+    told = [record.time_ms for record in read_records(where) if isinstance(record, TruthRecord | MarkerRecord)]
+    assert len(told) > 600
+    assert [time_ms for time_ms in told if 225_000 < time_ms < 541_000] == []

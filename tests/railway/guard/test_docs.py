@@ -33,4 +33,6 @@ def test_every_reason_is_explained() -> None:
 def test_figures_are_named_as_they_are() -> None:
     """Every figure that the text names is one of the configuration."""
     named = set(re.findall(r"`([a-z_]+_(?:mm|ms|permille)|confirmations)`", TEXT))
-    assert named - {"at_ms", "time_ms", "position_mm", "way_mm", "offset_mm"} <= set(GuardConfig.model_fields)
+    assert named - {"at_ms", "time_ms", "position_mm", "way_mm", "offset_mm", "known_from_mm", "known_to_mm"} <= set(
+        GuardConfig.model_fields
+    )
