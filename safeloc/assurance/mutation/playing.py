@@ -10,12 +10,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.assurance.mutation.claims import Claim, Held, Layer
+from safeloc.assurance.mutation.columns import Columns
 from safeloc.assurance.mutation.corpus import Run
-from safeloc.assurance.mutation.stepping import Row, differing, stepped
+from safeloc.assurance.mutation.stepping import Row, stepped
 from safeloc.errors import EngineError, InputError
-from safeloc.language.interpret import holds, start, step
+from safeloc.language.interpret import Program, holds, start
 from safeloc.language.machine import Any_
-from safeloc.language.nodes import Expr, Num, Value
+from safeloc.language.nodes import Bool, Expr, Num, Value, Var
 from safeloc.language.system import TransitionSystem, environment, without_ghosts
 from safeloc.language.units import Enumeration
 
@@ -81,11 +82,16 @@ class Trail:
 
 @dataclass(frozen=True, eq=False)
 class Trodden:
-    """The paths of all runs of the machine as it is: what runs on board, and each layer of claims."""
+    """The paths of all runs of the machine as it is: what runs on board, and each layer of claims.
+
+    on_board, columns  the values of the machine's terms along these paths
+    """
 
     whole: Held
     board: tuple[Trail, ...]
     layers: tuple[tuple[Path, ...], ...]
+    on_board: Columns
+    columns: tuple[Columns, ...]
 
 
 def trodden(whole: Held, runs: Sequence[Run]) -> Trodden:
@@ -95,7 +101,19 @@ def trodden(whole: Held, runs: Sequence[Run]) -> Trodden:
     lawful = [run for run in kept if run.whole]
     board = _Board(whole.system)
     layers = tuple(tuple(_paths(one, lawful)) for one in judging)
-    return Trodden(whole, tuple(board.trail(run) for run in kept), layers)
+    trails = tuple(board.trail(run) for run in kept)
+    columns = [
+        _columns(one.system, paths, [claim.good for claim in _judged(one)])
+        for one, paths in zip(whole.layers, layers, strict=True)
+    ]
+    on_board = _columns(without_ghosts(whole.system), [trail.path for trail in trails], ())
+    return Trodden(whole, trails, layers, on_board, tuple(columns))
+
+
+def _columns(system: TransitionSystem, paths: Sequence[Path], goods: Sequence[Bool]) -> Columns:
+    made = Columns(system.state, system.inputs, [(path.states, path.rows) for path in paths])
+    made.keep([*system.next.values(), *goods])
+    return made
 
 
 def _paths(judging: _Judging, runs: Sequence[Run]) -> Iterator[Path]:
@@ -108,8 +126,9 @@ def _paths(judging: _Judging, runs: Sequence[Run]) -> Iterator[Path]:
 def played(mutant: Held, known: Trodden) -> Played:
     """Run a mutant along all runs on which it does otherwise."""
     broken: dict[str, Broken] = {}
-    for layer, was, paths in zip(mutant.layers, known.whole.layers, known.layers, strict=True):
-        for claim, run, steps in _broken(layer, was, paths):
+    by_layer = zip(mutant.layers, known.whole.layers, known.layers, known.columns, strict=True)
+    for layer, was, paths, columns in by_layer:
+        for claim, run, steps in _broken(layer, was, paths, columns):
             name = str(claim)
             if name not in broken or steps < broken[name].steps:
                 broken[name] = Broken(name, run, steps)
@@ -131,12 +150,13 @@ def _confirm(layer: Layer, run: Run, broken: Broken) -> None:
     """EngineError where the run does not break the claim in the interpreter."""
     claim = next(claim for claim in _judged(layer) if str(claim) == broken.claim)
     system = layer.system
-    state, allowed = start(system, _chosen(system, run)), environment(system)
+    state = start(system, _chosen(system, run))
+    moving = Program([environment(system), *system.next.values()])
     for row in run.rows[: broken.steps]:
-        inputs = dict(zip(system.inputs, row, strict=True))
-        if not holds(allowed, {**state, **inputs}):
+        allowed, *after = moving({**state, **dict(zip(system.inputs, row, strict=True))})
+        if not allowed:
             raise EngineError(f"{system.name}: {run.name} breaks the assumption in the interpreter.")
-        state, _ = step(system, state, inputs)
+        state = dict(zip(system.next, after, strict=True))
     if holds(claim.good, state):
         raise EngineError(f"{system.name}: {run.name} does not break {claim} in the interpreter.")
 
@@ -162,13 +182,13 @@ def outputs_along(system: TransitionSystem, run: Run) -> tuple[Row, ...]:
 # ------------------------------------------------------------------ claims
 
 
-def _broken(layer: Layer, was: Layer, paths: Sequence[Path]) -> Iterator[tuple[Claim, str, int]]:
+def _broken(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -> Iterator[tuple[Claim, str, int]]:
     """The claims of a layer that break, by run, until enough steps were run."""
     one, other = layer.system, was.system
     if one.init is not other.init or one.assume is not other.assume or one.state != other.state:
         entries = [(path, 0) for path in paths]
     else:
-        entries = list(_entries(layer, was, paths))
+        entries = list(_entries(layer, was, paths, columns))
     judging, left = (_Judging(layer) if entries else None), MORE
     for path, begin in entries:
         if judging is None or left <= 0:
@@ -178,20 +198,18 @@ def _broken(layer: Layer, was: Layer, paths: Sequence[Path]) -> Iterator[tuple[C
         left -= len(path.rows) - begin if found or left < MORE else 0
 
 
-def _entries(layer: Layer, was: Layer, paths: Sequence[Path]) -> Iterator[tuple[Path, int]]:
+def _entries(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -> Iterator[tuple[Path, int]]:
     """The paths on which something is otherwise, each with the number of steps before it is."""
-    system = layer.system
-    moves = {
-        n: layer.system.next[var] for n, var in enumerate(system.state) if system.next[var] is not was.system.next[var]
-    }
+    moves = _other_moves(layer.system, was.system)
     goods = [new.good for new, old in zip(_judged(layer), _judged(was), strict=True) if new.good is not old.good]
-    if not moves and not goods:
-        return
-    look = differing((system.state, system.inputs), moves, goods)
-    for path in paths:
-        begin = look(path.states, path.rows)
-        if begin is not None:
-            yield path, begin
+    if moves or goods:
+        begins = columns.first_different(moves, goods)
+        yield from ((path, begin) for path, begin in zip(paths, begins, strict=True) if begin is not None)
+
+
+def _other_moves(system: TransitionSystem, was: TransitionSystem) -> dict[Var, Expr]:
+    """The next values that are other terms than they were."""
+    return {var: system.next[var] for var in system.state if system.next[var] is not was.next[var]}
 
 
 def _judged(layer: Layer) -> list[Claim]:
@@ -259,11 +277,9 @@ def _otherwise(mutant: Held, known: Trodden) -> Played:
     """The first other output of a recording, and of any run."""
     one, other = known.board[0].system, without_ghosts(mutant.system)
     told = any(term is not one.outputs[name] for name, term in other.outputs.items())
-    moves = {n: other.next[var] for n, var in enumerate(other.state) if other.next[var] is not one.next[var]}
-    board, look, words = _Board(mutant.system), differing((other.state, other.inputs), moves, ()), dict[bool, str]()
-    seen = set[Event]()
-    for trail in known.board:
-        moved = look(trail.path.states, trail.path.rows)
+    board, words, seen = _Board(mutant.system), dict[bool, str](), set[Event]()
+    begins = known.on_board.first_different(_other_moves(other, one), ())
+    for trail, moved in zip(known.board, begins, strict=True):
         seen |= trail.seen(moved)
         begin = 0 if told else moved
         if begin is not None and trail.path.run.recorded not in words:

@@ -6,7 +6,7 @@ finds counts only after the interpreter has confirmed it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from safeloc.codegen.python_terms import PythonTerms
@@ -16,7 +16,6 @@ Row = tuple[Value, ...]
 Rows = tuple[Sequence[Var], Sequence[Var]]
 """The variables of two rows of values, such as state and inputs."""
 Step = Callable[[Row, Row], Row]
-Look = Callable[[Sequence[Row], Sequence[Row]], int | None]
 
 
 def stepped(rows: Rows, terms: Sequence[Expr]) -> Step:
@@ -24,33 +23,6 @@ def stepped(rows: Rows, terms: Sequence[Expr]) -> Step:
     python, lines = _named(rows, terms)
     told = "".join(f"{python.code(term)}, " for term in terms)
     made: Step = _loaded(["def made(first, second):", *lines, f"return ({told})"])
-    return made
-
-
-def differing(rows: Rows, moves: Mapping[int, Expr], goods: Sequence[Expr]) -> Look:
-    """A function of states and of the inputs between them: before which step something is otherwise, None if nothing is.
-
-    moves   place in the state -> term over both rows: otherwise where it does not give what the next state has there
-    goods   terms over the state: otherwise where one does not hold
-    """
-    moved, judged = _moving(rows, moves), stepped((rows[0], ()), goods)
-
-    def look(states: Sequence[Row], inputs: Sequence[Row]) -> int | None:
-        begin = moved(states, inputs) if moves else None
-        for number, state in enumerate(states if goods else ()):
-            if not all(judged(state, ())):
-                return number if begin is None else min(begin, number)
-        return begin
-
-    return look
-
-
-def _moving(rows: Rows, moves: Mapping[int, Expr]) -> Look:
-    python, lines = _named(rows, list(moves.values()))
-    test = " or ".join(f"after[{place}] != {python.code(term)}" for place, term in moves.items()) or "False"
-    body = ["first, after = states[number], states[number + 1]", *lines, f"if {test}:", " return number"]
-    begin = ["def made(states, rows):", "for number, second in enumerate(rows):"]
-    made: Look = _loaded([*begin, *(f" {line}" for line in body)])
     return made
 
 
