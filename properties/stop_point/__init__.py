@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from safeloc.language.spec import Property
 from safeloc.models.stop_point import StopPoint
+from safeloc.properties.stop_point.beyond import beyond
+from safeloc.properties.stop_point.going_on import going_on
 from safeloc.properties.stop_point.orders import orders
 from safeloc.properties.stop_point.selection import selection
 from safeloc.properties.stop_point.standing import standing
@@ -16,4 +18,4 @@ from safeloc.properties.stop_point.towards import towards
 
 def properties(model: StopPoint) -> list[Property]:
     """Every property of the stop-point machine."""
-    return [prop for maker in (towards, standing, selection, orders) for prop in maker(model)]
+    return [prop for maker in (towards, going_on, standing, beyond, selection, orders) for prop in maker(model)]

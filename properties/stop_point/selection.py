@@ -121,6 +121,16 @@ def _served(model: StopPoint) -> Iterator[Property]:
         statement="a stop that was left by departure or release is remembered",
     )
     yield for_all_inputs(
+        "a stop that was left leaves no reason",
+        left.implies(own.reason.eq(NO_REASON)),
+        statement="with the end of a stop the reason that was shown with it is taken back",
+    )
+    yield for_all_inputs(
+        "a stop begins anew",
+        _selects(model).implies(own.served.eq(0) & own.reason.eq(NO_REASON)),
+        statement="when a stop becomes pending, no reason is shown, and the stop that was served before may be selected again",
+    )
+    yield for_all_inputs(
         "served is forgotten with the selection",
         (model.in_mode("IDLE") & (~own.selected.present)
          & earlier_bool(model.in_mode("APPROACH", "IDLE"))).implies(own.served.eq(0) | ~own.valid),
@@ -165,6 +175,17 @@ def _refused(model: StopPoint) -> Iterator[Property]:
             for number, stop in enumerate(own.stops, 1)
         ),
         statement="a stop that possibly lies behind is refused with that reason")  # fmt: skip
+    yield for_all_inputs(
+        "refused for lying behind only when it may",
+        (own.reason.eq(NOT_AHEAD) & before(own.reason).ne(NOT_AHEAD)).implies(
+            own.valid & own.selected.present & any_of(
+                stop.position.present & own.selected.value.eq(number) & before(own.served).ne(number)
+                & (foremost(own) > exact_to(stop.position.value, NM) + exact_to(stop.after, NM))
+                for number, stop in enumerate(own.stops, 1)
+            )
+        ),
+        statement="a stop is refused for lying behind only on a valid position, where the map has it, it was not just served, "
+        "and possibly lies behind")  # fmt: skip
     yield for_all_inputs(
         "a pending stop is not refused",
         model.machine.output("order").eq(PROCEED).implies(~own.reason.one_of(UNKNOWN_STOP, NOT_AHEAD))

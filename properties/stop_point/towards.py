@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, before, exact_to, product, with_unit
+from safeloc.language.expr import Bool, Num, any_of, before, exact_to, ite, product, with_unit
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM, UM
 from safeloc.models.stop_point import StopPoint
@@ -82,17 +82,29 @@ def _no_early_brake(model: StopPoint) -> Iterator[Property]:
     own, config = model.own, model.own.config
     fastest = own.speed + config.speed_error_mm_s
     squared = with_unit(product(fastest, fastest) * UM_PER_MM, UM)
-    left = exact_to(own.stop - own.position, UM) - exact_to(own.above + ROUNDING_MM, UM)
-    braking = left - with_unit(fastest * config.reaction_ms, UM)
-    due = (fastest > 0) & (squared >= braking * (2 * config.brake_mm_s2))
+    head = own.position + own.above
+    to_stop, to_end = own.stop - ite(own.precise, own.position, head), own.stop + own.after - head
+    due = any_of(
+        (left <= 0)
+        | (fastest > 0)
+        & (squared >= (exact_to(left - ROUNDING_MM, UM) - _reaction_um(model)) * (2 * config.brake_mm_s2))
+        for left in (to_stop, to_end)
+    )
     yield for_all_inputs(
         "no brake order before it is due",
         (ordered_before(model).eq(PROCEED) & model.machine.output("order").eq(BRAKE)).implies(
-            due | (foremost(own) >= exact_to(own.stop, NM)) | (rearmost(own) >= near_end(own))
+            due | (rearmost(own) >= near_end(own))
         ),
-        statement="the brake order comes from the braking distance of the highest possible speed before the stop on, counted "
-        "from the foremost possible place and a millimetre for rounding, or when the vehicle surely reached the window",
+        statement="the brake order comes from the braking distance of the highest possible speed on, and a millimetre for "
+        "rounding: before the stop by the measured position (without one, by the foremost possible place), or before the "
+        "window's far end by the foremost possible place; or when the vehicle surely reached the window",
     )
+
+
+def _reaction_um(model: StopPoint) -> Num:
+    """How far the vehicle runs at its highest possible speed before the brake acts."""
+    config = model.own.config
+    return with_unit((model.own.speed + config.speed_error_mm_s) * config.reaction_ms, UM)
 
 
 def _creeping(model: StopPoint) -> Iterator[Property]:
