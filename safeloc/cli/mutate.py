@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -16,11 +17,12 @@ from safeloc.assurance.mutation.composed_work import parts as parts_of
 from safeloc.assurance.mutation.declared import whole_of
 from safeloc.assurance.mutation.members import composed
 from safeloc.assurance.mutation.places import Places, noted
+from safeloc.assurance.mutation.reasons import Reasons, read_reasons, shipped_reasons
 from safeloc.assurance.mutation.results import SCHEMA, Judged, Of, as_data
 from safeloc.assurance.mutation.strength import keep_strengths
 from safeloc.assurance.mutation.table import lines
 from safeloc.assurance.mutation.work import Judging, Plan
-from safeloc.catalogue import Target, load_target
+from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
@@ -57,6 +59,13 @@ def mutate(
     machine_only: Annotated[
         bool, typer.Option("--machine-only", help="tell of the machine alone wrong, not of the term wrong everywhere")
     ] = False,
+    reasons: Annotated[
+        Path | None,
+        typer.Option(
+            "--reasons",
+            help="TOML with written reasons why no proof needs to notice; by default what ships with the machine",
+        ),
+    ] = None,
     cache: CacheOption = None,
     fresh: FreshOption = False,
     as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
@@ -72,43 +81,53 @@ def mutate(
     store, plan = store_in(cache), Plan(Limits(seconds=seconds, seed=seed), seed, jobs)
     parts: list[Of] = [one.value for one in of or [Part.MACHINE]]
     with Progressing(1, quiet=as_json) as progress:
-        job = _Job(loaded, places, plan, most, tuple(only or ()), progress, None if fresh else store, store)
-        judged, number = job.of_composition(parts) if loaded.system.parts else job.of_machine(parts)
+        known = _reasons(loaded, reasons, changed=config is not None)
+        job = _Job(loaded, places, plan, most, tuple(only or ()), known, progress, None if fresh else store, store)
+        judged, number, why = job.of_composition(parts) if loaded.system.parts else job.of_machine(parts)
     if not only:
         keep_strengths(store, loaded, judged, number)
     took = time.monotonic() - began
     if as_json:
-        print_json(as_data(loaded.name, judged, of=number, seed=seed, seconds=took))
+        print_json(as_data(loaded.name, judged, of=number, seed=seed, seconds=took, reasons=why))
         return
-    for line in lines(loaded.name, judged, of=number, machine_only=machine_only):
+    for line in lines(loaded.name, judged, of=number, machine_only=machine_only, reasons=why):
         out.print(line, markup=False)
+
+
+def _reasons(target: Target, given: Path | None, *, changed: bool) -> Reasons:
+    """What is handed over; else what ships, which speaks of the configuration that ships."""
+    if given is not None:
+        return read_reasons(given)
+    return Reasons() if changed or target.spec not in ENTRIES else shipped_reasons(target.name)
 
 
 @dataclass(frozen=True, eq=False)
 class _Job:
-    """What was asked for; the results come with how many mutants there are."""
+    """What was asked for; the results come with how many mutants there are, and the written reasons by id."""
 
     target: Target
     places: Places
     plan: Plan
     most: int | None
     only: tuple[str, ...]
+    reasons: Reasons
     progress: Progressing
     look_in: Store | None
     keep_in: Store
 
-    def of_machine(self, parts: Sequence[Of]) -> tuple[list[Judged], int]:
+    def of_machine(self, parts: Sequence[Of]) -> tuple[list[Judged], int, dict[str, str]]:
         whole, seed = whole_of(self.target), self.plan.seed
         some = (
             by_id(whole, self.places, self.only, most=self.most, seed=seed)
             if self.only
             else chosen(whole, self.places, parts, most=self.most, seed=seed)
         )
+        why = self.reasons.of(some.existing)
         self._begin(some.number)
         judging = Judging(self.target, whole, self.plan, self._heard, self.look_in, self.keep_in)
-        return judge(judging, some), some.of
+        return judge(judging, some), some.of, why
 
-    def of_composition(self, asked: Sequence[Of]) -> tuple[list[Judged], int]:
+    def of_composition(self, asked: Sequence[Of]) -> tuple[list[Judged], int, dict[str, str]]:
         whole = composed(self.target, self.places)
         if [*asked] != [Part.MACHINE.value]:
             raise InputError(
@@ -116,8 +135,10 @@ class _Job:
                 f"give one of its machines: {', '.join(whole.members)}."
             )
         some = parts_of(whole, self.places, most=self.most, seed=self.plan.seed, only=self.only)
+        why = self.reasons.of({"machine": some.existing})
         self._begin(some.number)
-        return JudgingComposed(whole, self.plan, self._heard, self.look_in, self.keep_in).all(some), some.of
+        judging = JudgingComposed(whole, self.plan, self._heard, self.look_in, self.keep_in)
+        return judging.all(some), some.of, why
 
     def _begin(self, number: int) -> None:
         self.progress.say(f"mutants of {self.target.name}", number)

@@ -56,3 +56,20 @@ def test_the_world_of_a_composition(call: Call) -> None:
         called.err.split()
     )
     assert "odometry, delocalized" in " ".join(called.err.split())
+
+
+def test_written_reasons(call: Call, tmp_path: Path) -> None:
+    """A survivor is told with the reason that a file gives; a reason for what there is not is refused with exit code 2."""
+    command = ("mutate", SPEC, "--sample", "12", "--cache", str(tmp_path))
+    [open_, *_] = json.loads(call(*command, "--json").out)["without_reason"]
+    file = tmp_path / "why.toml"
+    file.write_text(f'[[machine]]\nmutants = ["{open_}"]\nreason = "Nothing safe rests on what is counted here."\n')
+    told = call(*command, "--reasons", str(file))
+    assert 0 == told.code
+    assert "1 with a written reason" in told.out
+    assert "REASON: Nothing safe rests on what is counted here." in told.out
+    assert open_ not in json.loads(call(*command, "--reasons", str(file), "--json").out)["without_reason"]
+    file.write_text(file.read_text().replace(open_, "brake-0"))
+    stale = call(*command, "--reasons", str(file))
+    assert 2 == stale.code
+    assert "there is no mutant 'brake-0' of the machine any more" in " ".join(stale.err.split())

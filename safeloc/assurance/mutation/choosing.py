@@ -25,12 +25,14 @@ MADE: Mapping[Of, Callable[[Declared, Places], list[Mutant]]] = {
 class Chosen:
     """Mutants to judge, by part of the declaration; `of` is how many there are in these parts.
 
-    against  mutants of the machine by which weaker claims are weighed; none where no claim is judged
+    against   mutants of the machine by which weaker claims are weighed; none where no claim is judged
+    existing  the ids of all mutants of these parts, chosen or not
     """
 
     parts: Mapping[Of, Sequence[Mutant]]
     of: int
     against: Sequence[Mutant]
+    existing: Mapping[Of, frozenset[str]]
 
     @property
     def number(self) -> int:
@@ -43,14 +45,18 @@ def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | 
 
     def some(part: Of) -> list[Mutant]:
         every = MADE[part](whole, places)
-        counted.append(len(every))
+        existing[part] = _ids(every)
         return sample(every, len(every) if most is None else most, seed)
 
-    counted = list[int]()
+    existing = dict[Of, frozenset[str]]()
     made: dict[Of, Sequence[Mutant]] = {part: some(part) for part in dict.fromkeys(parts)}
-    of = sum(counted)
+    of = sum(map(len, existing.values()))
     against = made.get("machine") or some("machine") if "claims" in made else []
-    return Chosen(made, of, against)
+    return Chosen(made, of, against, existing)
+
+
+def _ids(mutants: Sequence[Mutant]) -> frozenset[str]:
+    return frozenset(one.id for one in mutants)
 
 
 def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> Chosen:
@@ -62,7 +68,8 @@ def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | No
         raise InputError(f"{whole.machine.name} has no mutant {missing[0]!r}; --json lists them, of each --of.")
     machine = every["machine"]
     against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
-    return Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against)
+    existing = {part: _ids(own) for part, own in every.items()}
+    return Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
 
 
 def judge(judging: Judging, some: Chosen) -> list[Judged]:

@@ -31,11 +31,16 @@ QUESTIONS = 40
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Mutants of a composition: of its machines, and of its wires; `of` is how many there are in all."""
+    """Mutants of a composition: of its machines, and of its wires; `existing` are the ids of all there are."""
 
     members: Sequence[Mutant]
     wires: Mapping[str, WireEdit]
-    of: int
+    existing: frozenset[str]
+
+    @property
+    def of(self) -> int:
+        """How many there are in all."""
+        return len(self.existing)
 
     @property
     def number(self) -> int:
@@ -52,7 +57,8 @@ def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only:
     if missing:
         raise InputError(f"{whole.target.name} has no mutant {missing[0]!r}; --json lists them.")
     members = [one for one in chosen if one.id not in wires]
-    return Parts(members, {one.id: wires[one.id] for one in chosen if one.id in wires}, len(every))
+    existing = frozenset(one.id for one in every)
+    return Parts(members, {one.id: wires[one.id] for one in chosen if one.id in wires}, existing)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from types import MappingProxyType
 from typing import Any, Literal
 
 SCHEMA = "safeloc-mutation/1"
@@ -84,6 +85,10 @@ class Judged:
     of: Of = "machine"
     direction: str = ""
 
+    def outcome(self, *, machine_only: bool) -> Outcome:
+        """What became of it in one of the two ways."""
+        return self.alone if machine_only else self.everywhere
+
     @property
     def proves_itself(self) -> bool:
         """Whether claims notice the wrong machine only as long as they are not wrong along with it."""
@@ -147,8 +152,30 @@ def by_requirement(judged: Sequence[Judged]) -> dict[str, Score]:
     return {name: score([one.everywhere for one in judged if name in one.requirements]) for name in names}
 
 
-def as_data(target: str, judged: Sequence[Judged], *, of: int, seed: int, seconds: float) -> dict[str, Any]:
-    """The result as JSON has it; `of` is how many mutants there are in all."""
+def questions(judged: Sequence[Judged], *, machine_only: bool = False) -> list[Judged]:
+    """Those that no proof notices."""
+    return [one for one in judged if one.outcome(machine_only=machine_only).fate in QUESTIONS]
+
+
+def needless(judged: Sequence[Judged], reasons: Mapping[str, str]) -> list[Judged]:
+    """Those with a written reason why no proof notices them, and a proof does, or they are not wrong at all."""
+    return [one for one in judged if one.id in reasons and one.everywhere.fate not in QUESTIONS]
+
+
+def as_data(
+    target: str,
+    judged: Sequence[Judged],
+    *,
+    of: int,
+    seed: int,
+    seconds: float,
+    reasons: Mapping[str, str] = MappingProxyType({}),
+) -> dict[str, Any]:
+    """The result as JSON has it.
+
+    of       how many mutants there are in all
+    reasons  by id the written reasons why no proof needs to notice
+    """
     machine = of_part(judged, "machine")
     others: dict[str, list[Judged]] = {part: of_part(judged, part) for part in OTHERS}
     return {
@@ -163,7 +190,11 @@ def as_data(target: str, judged: Sequence[Judged], *, of: int, seed: int, second
         **{part: _score_data(score([one.alone for one in own])) for part, own in others.items() if own},
         "requirements": {name: _score_data(one) for name, one in by_requirement(judged).items()},
         "kills_alone": kills_alone(judged),
-        "results": [{**asdict(one), "proves_itself": one.proves_itself} for one in judged],
+        "without_reason": [one.id for one in questions(judged) if one.id not in reasons],
+        "needless_reasons": [one.id for one in needless(judged, reasons)],
+        "results": [
+            {**asdict(one), "proves_itself": one.proves_itself, "reason": reasons.get(one.id, "")} for one in judged
+        ],
     }
 
 
@@ -173,7 +204,7 @@ def _score_data(one: Score) -> dict[str, Any]:
 
 def from_data(data: dict[str, Any]) -> Judged:
     """One result, read back."""
-    plain = {name: value for name, value in data.items() if name != "proves_itself"}
+    plain = {name: value for name, value in data.items() if name not in ("proves_itself", "reason")}
     for name in ("where", "shared_with", "requirements"):
         plain[name] = tuple(plain[name])
     for name in ("everywhere", "alone"):

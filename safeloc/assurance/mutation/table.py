@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 from safeloc.assurance.mutation.results import (
     OTHERS,
@@ -13,15 +14,24 @@ from safeloc.assurance.mutation.results import (
     Score,
     by_requirement,
     kills_alone,
+    needless,
     of_part,
+    questions,
     score,
 )
 
 WORDS = {"world": "a clause of the world wrong", "claims": "a weaker claim in its place"}
 
 
-def lines(target: str, judged: Sequence[Judged], *, of: int, machine_only: bool) -> Iterator[str]:
-    """All lines of a result."""
+def lines(
+    target: str,
+    judged: Sequence[Judged],
+    *,
+    of: int,
+    machine_only: bool,
+    reasons: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[str]:
+    """All lines of a result; those with a written reason last."""
     machine = of_part(judged, "machine")
     yield f"{target}: {len(judged)} of {of} mutants"
     if machine:
@@ -30,7 +40,19 @@ def lines(target: str, judged: Sequence[Judged], *, of: int, machine_only: bool)
         own = of_part(judged, part)
         if own:
             yield f"  {WORDS[part]}: {_told(score([one.alone for one in own]))}"
-    yield from (line for one in judged for line in _questions(one, machine_only=machine_only))
+    yield from _counted(judged, reasons, machine_only=machine_only)
+    for with_reason in (False, True):
+        some = [one for one in judged if (one.id in reasons) == with_reason]
+        yield from (line for one in some for line in _questions(one, reasons, machine_only=machine_only))
+
+
+def _counted(judged: Sequence[Judged], reasons: Mapping[str, str], *, machine_only: bool) -> Iterator[str]:
+    open_ = questions(judged, machine_only=machine_only)
+    known = sum(one.id in reasons for one in open_)
+    if open_:
+        yield f"  no proof notices {len(open_)}: {known} with a written reason, {len(open_) - known} without"
+    for one in needless(judged, reasons):
+        yield f"  a reason that is needed no more: {one.id} is {one.everywhere.fate}"
 
 
 def _of_machine(machine: Sequence[Judged], *, machine_only: bool) -> Iterator[str]:
@@ -49,10 +71,11 @@ def _told(one: Score) -> str:
     return f"{one.killed_by_proof} of {one.asked} noticed by a proof ({one.share:.0%}); {fates}"
 
 
-def _questions(one: Judged, *, machine_only: bool) -> Iterator[str]:
-    outcome = one.alone if machine_only else one.everywhere
+def _questions(one: Judged, reasons: Mapping[str, str], *, machine_only: bool) -> Iterator[str]:
+    outcome = one.outcome(machine_only=machine_only)
     if outcome.fate in QUESTIONS or outcome.fate == UNPROVED:
-        yield f"{_question(one, outcome, machine_only=machine_only)}"
+        told = f"\n    REASON: {reasons[one.id]}" if one.id in reasons else ""
+        yield f"{_question(one, outcome, machine_only=machine_only)}{told}"
 
 
 def _question(one: Judged, outcome: Outcome, *, machine_only: bool) -> str:

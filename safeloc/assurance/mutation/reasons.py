@@ -1,0 +1,93 @@
+"""Written reasons why no proof needs to notice a mutant: a file of its own for each target, `models/mutants/<name>.toml`.
+
+    [[machine]]                              # or world, claims: what of the declaration is wrong
+    mutants = ["stop_point-b88ce033c1"]      # ids, as `safeloc mutate` tells them
+    reason = "..."
+
+An id is of the mutant's content. A reason whose mutant there is no more is refused, so that none outlives what it speaks of.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from safeloc.assurance.mutation.results import Of
+from safeloc.errors import InputError
+
+SHIPPED = Path(__file__).resolve().parents[2] / "models" / "mutants"
+SHORTEST = 30
+"""Characters of a reason at least: a word is none."""
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+    mutants: Annotated[list[str], Field(min_length=1)]
+    reason: Annotated[str, Field(min_length=SHORTEST)]
+
+
+class _File(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+    machine: list[_Entry] = []
+    world: list[_Entry] = []
+    claims: list[_Entry] = []
+
+
+@dataclass(frozen=True)
+class Reasons:
+    """The reasons of one target, by id of the mutant, for each part of the declaration; `file` is where they stand."""
+
+    file: str = ""
+    by_part: Mapping[Of, Mapping[str, str]] = field(default_factory=dict)
+
+    def of(self, existing: Mapping[Of, Collection[str]]) -> dict[str, str]:
+        """The reason of each mutant, of the parts that are looked at.
+
+        existing  the ids of all mutants there are, by part. InputError where a reason speaks of another one
+        """
+        found: dict[str, str] = {}
+        for part, ids in existing.items():
+            own = self.by_part.get(part, {})
+            gone = sorted(set(own) - set(ids))
+            if gone:
+                raise InputError(
+                    f"{self.file}: there is no mutant {gone[0]!r} of the {part} any more. Judge the one that took its place "
+                    "(--json lists all ids), or take the reason away."
+                )
+            found |= own
+        return found
+
+
+def shipped_reasons(name: str) -> Reasons:
+    """The reasons that ship for a machine of this name; none where it has no file."""
+    path = SHIPPED / f"{name}.toml"
+    return read_reasons(path) if path.is_file() else Reasons()
+
+
+def read_reasons(path: Path) -> Reasons:
+    """Read a file of reasons. InputError with file and field for anything that does not fit."""
+    try:
+        content = _File.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}).") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: not TOML ({error}).") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"]))
+        raise InputError(f"{path}: field {place}: {first['msg']} (got {first['input']!r}).") from error
+    parts: dict[Of, list[_Entry]] = {"machine": content.machine, "world": content.world, "claims": content.claims}
+    return Reasons(str(path), {part: _by_id(path, entries) for part, entries in parts.items() if entries})
+
+
+def _by_id(path: Path, entries: list[_Entry]) -> dict[str, str]:
+    twice = [one for one, count in Counter(one for entry in entries for one in entry.mutants).items() if count > 1]
+    if twice:
+        raise InputError(f"{path}: {twice[0]!r} has two reasons; leave one.")
+    return {one: entry.reason for entry in entries for one in entry.mutants}
