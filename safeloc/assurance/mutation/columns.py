@@ -1,19 +1,22 @@
 """Values of terms along known runs, a column a term: what was worked out for the machine as it is serves every mutant of it.
 
-A mutant shares nearly all of its terms with the machine (`Canon`), so that only what is above the wrong term is worked out anew. The
-numbers are exact, as in the interpreter.
+A mutant shares nearly all of its terms with the machine (`Canon`). What is above the wrong term is worked out anew only in the rows in
+which a part of it has another value. The numbers are exact, as in the interpreter.
 """
 
 from __future__ import annotations
 
 import operator
 from array import array
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeAlias, assert_never
+from itertools import compress
+from typing import TYPE_CHECKING, Any, TypeAlias, assert_never
 
 from safeloc.language.nodes import (
     Add,
     And,
+    Bool,
     BoolVar,
     Choose,
     ChooseBool,
@@ -34,7 +37,7 @@ from safeloc.language.nodes import (
     Value,
     Var,
 )
-from safeloc.language.terms import in_order
+from safeloc.language.terms import children, in_order
 
 Row = tuple[Value, ...]
 Column: TypeAlias = Sequence[int]
@@ -50,20 +53,26 @@ _OF_TWO: Mapping[type[Expr], Callable[[Any, Any], Any]] = {
 _TURNED = bytes([1, 0]) + bytes(254)
 
 
+Along: TypeAlias = tuple[Sequence[Row], Sequence[Row]]
+"""The states of a path, and the inputs between them."""
+
+
+Pair: TypeAlias = tuple[Expr, Expr]
+"""A term as it is now, and as it was."""
+
+
 class Columns:
     """Terms over a state and the inputs that come in it, along paths that stand one behind the other.
 
     The last state of a path has no inputs: what stands there of a term that reads inputs means nothing.
     """
 
-    def __init__(
-        self, state: Sequence[Var], inputs: Sequence[Var], paths: Sequence[tuple[Sequence[Row], Sequence[Row]]]
-    ) -> None:
+    def __init__(self, state: Sequence[Var], inputs: Sequence[Var], paths: Sequence[Along]) -> None:
         nothing = tuple(0 for _ in inputs)
         states = [row for before, _ in paths for row in before]
         told = [row for before, rows in paths for row in _as_many(rows, len(before), nothing)]
-        self._kept: dict[Expr, Column] = {}
         self._length = len(states)
+        self._kept: dict[Expr, Column] = {}
         self._ends: list[tuple[int, int]] = []
         begin = 0
         for before, _ in paths:
@@ -75,45 +84,107 @@ class Columns:
 
     def keep(self, terms: Iterable[Expr]) -> None:
         """Work out the columns of these terms, and of all below them, for good."""
-        self._made(terms, self._kept)
+        self._make(terms, self._kept)
 
-    def first_different(self, moves: Mapping[Var, Expr], goods: Sequence[Expr]) -> list[int | None]:
+    def first_different(self, moves: Iterable[Pair], goods: Iterable[Pair]) -> list[int | None]:
         """By path, before which step something is otherwise; None where nothing is.
 
-        moves  variable of the state -> term: otherwise where it does not give what the next state has there
-        goods  otherwise where one of them does not hold
+        moves  next values: what they were is what stands in the next state of each path
+        goods  what holds, as it was, in every state
         """
-        found: dict[Expr, Column] = {}
-        self._made([*moves.values(), *goods], found)
-        moved = [self._moved(self._kept[var], self._of(term, found)) for var, term in moves.items()]
-        broken = [bytes(self._of(term, found)).translate(_TURNED) for term in goods]
+        seen = _Differences(self)
+        moved, broken = (sorted({row for pair in pairs for row in seen.of(*pair)}) for pairs in (moves, goods))
         return [_least(moved, broken, begin, end) for begin, end in self._ends]
 
-    def _moved(self, was: Column, term: Column) -> bytes:
-        """Where the term does not give the value that stands one row further down."""
-        return bytes(map(operator.ne, term, was[1:]))
+    def column(self, term: Expr, besides: dict[Expr, Column]) -> Column:
+        """The values of a term, worked out with what is kept and what was worked out besides."""
+        self._make([term], besides)
+        found = self._kept.get(term)
+        return besides[term] if found is None else found
 
-    def _of(self, term: Expr, found: Mapping[Expr, Column]) -> Column:
-        column = found.get(term)
-        return self._kept[term] if column is None else column
+    def _make(self, terms: Iterable[Expr], besides: dict[Expr, Column]) -> None:
+        def of(part: Expr) -> Column:
+            return besides[part] if part in besides else self._kept[part]
 
-    def _made(self, terms: Iterable[Expr], found: dict[Expr, Column]) -> None:
         for node in in_order(terms, self._kept):
-            found[node] = _column(node, _values(node, lambda part: self._of(part, found), self._length))
+            if node not in besides:
+                besides[node] = _column(node, _values(node, of, self._length))
+
+
+class _Differences:
+    """In which rows terms have another value than they had, and which.
+
+    Terms of one form are compared part by part: only in the rows in which a part is otherwise the whole is worked out.
+    """
+
+    def __init__(self, known: Columns) -> None:
+        self._known = known
+        self._besides: dict[Expr, Column] = {}
+        self._found: dict[Pair, dict[int, Value]] = {}
+
+    def of(self, now: Expr, was: Expr) -> Mapping[int, Value]:
+        """Value by row; no row in which it is the same."""
+        waiting: list[Pair] = [(now, was)]
+        while waiting:
+            pair = waiting[-1]
+            before = [part for part in _parts(*pair) if part not in self._found]
+            if before:
+                waiting += before
+            else:
+                waiting.pop()
+                if pair not in self._found:
+                    self._found[pair] = self._worked_out(*pair)
+        return self._found[now, was]
+
+    def _worked_out(self, now: Expr, was: Expr) -> dict[int, Value]:
+        if now is was:
+            return {}
+        old = self._known.column(was, self._besides)
+        parts = _parts(now, was)
+        if not parts:
+            new = self._known.column(now, self._besides)
+            return {row: new[row] for row in compress(range(len(new)), map(operator.ne, new, old))}
+        rows = sorted(set().union(*(self._found[part] for part in parts)))
+        some = {part: self._in_rows(part, other, rows) for part, other in parts}
+        values = _values(now, some.__getitem__, len(rows))
+        return {row: value for row, value in zip(rows, values, strict=True) if value != old[row]}
+
+    def _in_rows(self, now: Expr, was: Expr, rows: Sequence[int]) -> Column:
+        changed, old = self._found[now, was], self._known.column(was, self._besides)
+        values = [changed[row] if row in changed else old[row] for row in rows]
+        return bytes(values) if isinstance(now, Bool) else values
+
+
+def _parts(now: Expr, was: Expr) -> list[Pair]:
+    """The parts of two terms of one form; none where they are of different forms, or have no parts."""
+    if now is was or type(now) is not type(was):
+        return []
+    match now, was:
+        case Compare(op, _, _), Compare(other, _, _) if op != other:
+            return []
+        case FloorDiv(_, divisor, _), FloorDiv(_, other_divisor, _) if divisor != other_divisor:
+            return []
+    new, old = children(now), children(was)
+    return [*zip(new, old, strict=True)] if len(new) == len(old) else []
 
 
 def _as_many(rows: Sequence[Row], length: int, nothing: Row) -> list[Row]:
     return [*rows[:length], *[nothing] * (length - len(rows))]
 
 
-def _least(moved: Sequence[bytes], broken: Sequence[bytes], begin: int, end: int) -> int | None:
-    """The first row of a path that is marked; its last state does not move."""
-    found = [one.find(1, begin, end - 1) for one in moved] + [one.find(1, begin, end) for one in broken]
-    return min((place - begin for place in found if place >= 0), default=None)
+def _least(moved: Sequence[int], broken: Sequence[int], begin: int, end: int) -> int | None:
+    """The first of these rows on a path; its last state does not move."""
+    first = [*_first_within(moved, begin, end - 1), *_first_within(broken, begin, end)]
+    return min(first) - begin if first else None
+
+
+def _first_within(rows: Sequence[int], begin: int, end: int) -> Sequence[int]:
+    place = bisect_left(rows, begin)
+    return [row for row in rows[place : place + 1] if row < end]
 
 
 def _column(node: Expr, values: Iterable[Any]) -> Column:
-    if isinstance(node, (Truth, BoolVar, Not, And, Or, ChooseBool, Compare)):
+    if isinstance(node, Bool):
         return bytes(values)
     listed = list(values)
     try:
@@ -122,8 +193,10 @@ def _column(node: Expr, values: Iterable[Any]) -> Column:
         return listed
 
 
-def _values(node: Node, of: Callable[[Expr], Any], length: int) -> Iterable[Any]:
+def _values(node: Expr, of: Callable[[Expr], Any], length: int) -> Iterable[Any]:
     """The value of a node in each row, from those of its parts."""
+    if TYPE_CHECKING:
+        assert isinstance(node, Node)
     match node:
         case Lit(value, _) | Truth(value):
             return [value] * length

@@ -58,13 +58,14 @@ def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, 
     shipped = [run for path in target.streams if (run := whole_run(target, path)) is not None]
     witnesses = _witnesses(target, system, limits) if searched else []
     known = [*witnesses, *shipped]
-    runs = [_run(system, f"witness {number}", trace) for number, trace in enumerate(witnesses, 1)]
+    runs = [run_of(system, f"witness {number}", trace) for number, trace in enumerate(witnesses, 1)]
     with suppress(NoFirstStateError):
         runs += _drawn(system, properties, known, seed)
     return [*sorted(runs, key=lambda run: len(run.rows)), *recorded(target, system)]
 
 
-def _run(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
+def run_of(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
+    """A trace as a run, for as many steps as are run."""
     rows = tuple(tuple(step.inputs[var.name] for var in system.inputs) for step in trace.steps[:LONGEST])
     return Run(name, trace.initial, rows, recorded)
 
@@ -74,7 +75,7 @@ def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
     for path in target.streams:
         whole = whole_run(target, path)
         if whole is not None:
-            yield _run(system, name_of(path), whole, recorded=True)
+            yield run_of(system, name_of(path), whole, recorded=True)
         else:
             yield _on_board(system, path)
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from safeloc.assurance.mutation import results
 from safeloc.assurance.mutation.claims import Canon, Claim, Held, held
 from safeloc.assurance.mutation.conservative import conservative
-from safeloc.assurance.mutation.corpus import corpus
+from safeloc.assurance.mutation.corpus import Run, corpus, run_of
 from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.equivalence import equivalent
 from safeloc.assurance.mutation.induction import Failed, Proofs, as_it_is, excluded, impossible, no_longer
 from safeloc.assurance.mutation.mutants import Mutant
-from safeloc.assurance.mutation.playing import Played, Trodden, played, trodden
+from safeloc.assurance.mutation.playing import Played, Trodden, played, tells_otherwise, trodden
 from safeloc.assurance.mutation.results import Judged, Outcome
 from safeloc.errors import SafelocError
 from safeloc.language.spec import Goal, always, observe
@@ -94,12 +94,14 @@ def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declar
     if overlapping:
         return Outcome(results.OVERLAP, tuple(f"rows {pair} exclude each other" for pair in overlapping), "one query")
     failed = no_longer(mutant, on.proofs, on.canon, on.limits)
-    if not seen.other and not failed.undecided:
+    noticed, run = unproved(mutant, failed, on.limits) if failed.claims else (None, None)
+    is_other = bool(seen.other) or (run is not None and tells_otherwise(on.whole, mutant, run))
+    if not is_other and not failed.undecided:
         same = equivalent(on.whole, mutant, on.canon, on.limits, still_proved=not failed.claims)
         if same:
             return Outcome(results.EQUIVALENT, (), same)
-    if failed.claims:
-        return unproved(mutant, failed, on.limits)
+    if noticed is not None:
+        return noticed
     never = impossible(mutant, seen.seen, on.canon, on.limits)
     if never:
         return Outcome(results.NEVER, tuple(never), "excluded in one step, for all inputs in range")
@@ -117,8 +119,8 @@ def by_a_run(seen: Played) -> Outcome:
     )
 
 
-def unproved(mutant: Held, failed: Failed, limits: Limits) -> Outcome:
-    """A run is searched that breaks one of the claims; where none is found they are no longer proved."""
+def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run | None]:
+    """A run is searched that breaks one of the claims, and comes too; where none is found they are no longer proved."""
     claims = failed.claims
     for layer in mutant.layers:
         goals = {_goal(mutant, claim): claim for claim in claims if any(claim is own for own in layer.claims)}
@@ -126,9 +128,10 @@ def unproved(mutant: Held, failed: Failed, limits: Limits) -> Outcome:
         if found:
             shortest = min(found, key=lambda goal: len(found[goal].steps))
             names = tuple(str(goals[goal]) for goal in found)
-            return Outcome(results.SEARCHED, names, f"{len(found[shortest].steps)} steps: {goals[shortest]}")
+            told = f"{len(found[shortest].steps)} steps: {goals[shortest]}"
+            return Outcome(results.SEARCHED, names, told), run_of(mutant.system, "found", found[shortest])
     how = "not all decided within the limits" if failed.undecided else "refuted in one step of induction"
-    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {SEARCH_DEPTH} steps was found")
+    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {SEARCH_DEPTH} steps was found"), None
 
 
 def _goal(mutant: Held, claim: Claim) -> Goal:

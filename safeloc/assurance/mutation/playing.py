@@ -10,16 +10,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.assurance.mutation.claims import Claim, Held, Layer
-from safeloc.assurance.mutation.columns import Columns
+from safeloc.assurance.mutation.columns import Columns, Pair
 from safeloc.assurance.mutation.corpus import Run
 from safeloc.assurance.mutation.stepping import Row, stepped
 from safeloc.errors import EngineError, InputError
 from safeloc.language.interpret import Program, holds, start
 from safeloc.language.machine import Any_
-from safeloc.language.nodes import Bool, Expr, Num, Value, Var
+from safeloc.language.nodes import Bool, Expr, Num, Value
 from safeloc.language.system import TransitionSystem, environment, without_ghosts
 from safeloc.language.units import Enumeration
 
+WORLD = 1
+"""The layer of claims that rely on the assumption."""
 MORE = 400
 """Steps that are run after the first claim has broken, to see which others break."""
 
@@ -186,30 +188,32 @@ def _broken(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -
     """The claims of a layer that break, by run, until enough steps were run."""
     one, other = layer.system, was.system
     if one.init is not other.init or one.assume is not other.assume or one.state != other.state:
-        entries = [(path, 0) for path in paths]
+        entries: Iterator[tuple[Path, int]] = ((path, 0) for path in paths)
     else:
-        entries = list(_entries(layer, was, paths, columns))
-    judging, left = (_Judging(layer) if entries else None), MORE
+        entries = _entries(layer, was, paths, columns)
+    judging, left = None, MORE
     for path, begin in entries:
-        if judging is None or left <= 0:
-            return
+        judging = judging or _Judging(layer)
         found = judging.broken(path, begin)
         yield from ((judging.claims[place], path.run.name, steps) for place, steps in found.items())
         left -= len(path.rows) - begin if found or left < MORE else 0
+        if left <= 0:
+            return
 
 
 def _entries(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -> Iterator[tuple[Path, int]]:
     """The paths on which something is otherwise, each with the number of steps before it is."""
     moves = _other_moves(layer.system, was.system)
-    goods = [new.good for new, old in zip(_judged(layer), _judged(was), strict=True) if new.good is not old.good]
+    goods = [(new.good, old.good) for new, old in zip(_judged(layer), _judged(was), strict=True)]
+    goods = [pair for pair in goods if pair[0] is not pair[1]]
     if moves or goods:
         begins = columns.first_different(moves, goods)
         yield from ((path, begin) for path, begin in zip(paths, begins, strict=True) if begin is not None)
 
 
-def _other_moves(system: TransitionSystem, was: TransitionSystem) -> dict[Var, Expr]:
+def _other_moves(system: TransitionSystem, was: TransitionSystem) -> list[Pair]:
     """The next values that are other terms than they were."""
-    return {var: system.next[var] for var in system.state if system.next[var] is not was.next[var]}
+    return [(system.next[var], was.next[var]) for var in system.state if system.next[var] is not was.next[var]]
 
 
 def _judged(layer: Layer) -> list[Claim]:
@@ -297,6 +301,15 @@ def told_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, 
         for was, now in zip(trail.told, board.trail(trail.path.run).told, strict=True):
             if was != now:
                 yield dict(zip(names, was, strict=True)), dict(zip(names, now, strict=True))
+
+
+def tells_otherwise(whole: Held, mutant: Held, run: Run) -> bool:
+    """Whether the world allows the run, and other outputs come along it than those of the machine as it is."""
+    judging = _Judging(whole.layers[WORLD])
+    path = judging.path(run)
+    if path is None or len(path.rows) < len(run.rows):
+        return False
+    return outputs_along(whole.system, run) != outputs_along(mutant.system, run)
 
 
 class _Board:

@@ -11,16 +11,13 @@ from safeloc.assurance.mutation.claims import Held, held
 from safeloc.assurance.mutation.induction import impossible, no_longer
 from safeloc.assurance.mutation.judging import Bench, by_a_run, unproved
 from safeloc.assurance.mutation.mutants import Mutant
-from safeloc.assurance.mutation.playing import Event, Path, played
+from safeloc.assurance.mutation.playing import WORLD, Event, Path, played
 from safeloc.assurance.mutation.results import Outcome
 from safeloc.assurance.mutation.stepping import Step, stepped
 from safeloc.assurance.mutation.weaker import Relation
 from safeloc.errors import SafelocError
 from safeloc.language.expr import FALSE
 from safeloc.language.system import environment, in_range
-
-WORLD = 1
-"""The layer of claims that rely on the assumption."""
 
 
 def of_world(on: Bench, mutant: Mutant) -> tuple[Outcome, Relation | str]:
@@ -65,7 +62,7 @@ def _lost(on: Bench, made: Held) -> Outcome | None:
     if seen.broken:
         return by_a_run(seen)
     failed = no_longer(made, on.proofs, on.canon, on.limits)
-    return unproved(made, failed, on.limits) if failed.claims else None
+    return unproved(made, failed, on.limits)[0] if failed.claims else None
 
 
 def _shut_out(on: Bench, made: Held) -> Outcome | None:
