@@ -77,6 +77,11 @@ def _ran_through(own: Parts) -> Bool:
 def _truth(model: AxleSection) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, clear, occupied, _, _ = machine.modes
+    yield _held(
+        "a section that counts is healthy",
+        machine.flag("healthy").iff(machine.mode.eq(clear) | machine.mode.eq(occupied)),
+        "the count is said to be healthy while the section is told to be clear or occupied, and at no other time",
+    )
     is_clear, before_ = machine.flag("clear"), before(machine.mode)
     accepted = own.answer.eq(ACCEPTED)
     yield _lawful("clear is clear", is_clear.implies(own.axles.eq(0)), "a section reported clear has no axle in it")

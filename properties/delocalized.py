@@ -20,7 +20,8 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 def properties(machine: Machine, config: DelocalizedConfig | None = None) -> list[Property]:
     """Containment, restrictive state, latched reason, and no resurrection without a checked reference."""
-    return [*_interval(machine, config or DelocalizedConfig()), *_restriction(machine), *_state(machine)]
+    config = config or DelocalizedConfig()
+    return [*_interval(machine, config), *_restriction(machine), *_state(machine, config.tolerance_mm)]
 
 
 def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]:
@@ -66,7 +67,7 @@ def _restriction(machine: Machine) -> Iterator[Property]:
     )
 
 
-def _state(machine: Machine) -> Iterator[Property]:
+def _state(machine: Machine, most: int) -> Iterator[Property]:
     """How the delocalized state is entered and left, and the reason that is kept in it."""
     delocalized, localized = machine.modes
     mode, is_lost, was_lost = machine.mode, machine.mode.eq(delocalized), before(machine.mode).eq(delocalized)
@@ -83,6 +84,19 @@ def _state(machine: Machine) -> Iterator[Property]:
         "no resurrection",
         (was_lost & mode.eq(localized)).implies(reference & valid),
         statement="the delocalized state is left only with a valid source and a checked absolute reference",
+    )
+    tolerable = all_of(
+        var <= most for var in machine.inputs if isinstance(var, NumVar) and var.name.startswith("source_margin_")
+    )
+    yield for_all_inputs(
+        "a usable position is passed on",
+        (valid & tolerable & (~was_lost | reference)).implies(~is_lost),
+        statement="a valid position within the tolerance does not delocalize, and with a checked reference it localizes again",
+    )
+    yield for_all_inputs(
+        "no reason while localized",
+        (~is_lost).implies(reason.eq(LOCATED)),
+        statement="while a position is passed on no reason is stated",
     )
     yield for_all_inputs(
         "reason latched",

@@ -155,6 +155,11 @@ def _failures(model: Emitter) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, tested, failed = machine.modes
     mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    yield for_all_inputs(
+        "a failed chain is told",
+        machine.flag("failed").iff(mode.eq(failed)),
+        statement="the chain is said to have failed from the failure until it is tested again",
+    )
     in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
     yield for_all_inputs(
         "own pattern from elsewhere fails",

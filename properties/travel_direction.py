@@ -18,7 +18,7 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 def properties(model: TravelDirection) -> list[Property]:
     """Every property of the direction machine."""
-    makers = (_true, _both, _begins, _confirmed, _taken_back, _stays, _turning, _half, _contradiction)
+    makers = (_true, _both, _begins, _confirmed, _taken_back, _agrees, _stays, _turning, _half, _contradiction)
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -123,6 +123,19 @@ def _taken_back(model: TravelDirection) -> Iterator[Property]:
         "a balise that fits the other direction takes it back",
         (_tells(own) & refuted).implies(stated.eq(UNKNOWN)),
         statement="a direction is stated no longer when the models passed fit the other one",
+    )
+
+
+def _agrees(model: TravelDirection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    stated, passed = machine.output("direction"), _passed_last(own)
+    agrees = ite(
+        passed.eq(own.before), earlier_num(stated).eq(ALONG), passed.eq(own.after) & earlier_num(stated).eq(AGAINST)
+    )
+    yield for_all_inputs(
+        "a balise that fits the direction leaves it stated",
+        (_tells(own) & ~own.backwards & agrees).implies(stated.eq(earlier_num(stated))),
+        statement="a direction stays stated at a balise whose models are passed in its order",
     )
 
 

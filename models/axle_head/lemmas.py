@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, NumVar, all_of, between
 from safeloc.language.units import UM_PER_MM
-from safeloc.models.axle_head.variables import Parts
+from safeloc.models.axle_head.variables import NO_AXLE, Parts
 
 
 def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
@@ -19,4 +19,5 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
     return {
         "the mode is where the wheel is": all_of([current.eq(free).implies(~between(0, own.wheel, end - 1)), *places]),
         "a wheel does not disturb": current.ne(disturbed),
+        "an axle is told when the head is free": current.ne(free).implies(own.axle.eq(NO_AXLE)),
     }
