@@ -11,7 +11,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM
 from safeloc.models.delocalized import DelocalizedConfig
-from safeloc.models.vocabulary.reasons import LOCATED
+from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, TOLERANCE
 from safeloc.properties.no_interval import no_interval
 
 SOURCE_IS_TRUE = "a valid source interval holds the truth"
@@ -92,6 +92,17 @@ def _state(machine: Machine, most: int) -> Iterator[Property]:
         "a usable position is passed on",
         (valid & tolerable & (~was_lost | reference)).implies(~is_lost),
         statement="a valid position within the tolerance does not delocalize, and with a checked reference it localizes again",
+    )
+    cause = next(var for var in machine.inputs if isinstance(var, NumVar) and var.name == "source_reason")
+    enters = ~was_lost & is_lost
+    yield for_all_inputs(
+        "the reason is the first one",
+        (enters & valid).implies(reason.eq(TOLERANCE))
+        & (enters & ~valid & cause.ne(LOCATED)).implies(reason.eq(cause))
+        & (enters & ~valid & cause.eq(LOCATED)).implies(reason.eq(NO_REFERENCE)),
+        statement="a vehicle that is delocalized states that the tolerance is exceeded where the source is valid, else the "
+        "source's own reason, and that a reference is missing where the source states none",
+        requirements=("MRK-D1", "MRK-D2"),
     )
     yield for_all_inputs(
         "no reason while localized",

@@ -83,7 +83,7 @@ def shares(counts: Mapping[str, int], total: int) -> dict[str, int]:
 
 def of_target(own: Loaded, most: int, seed: int, jobs: int, out: Path) -> list[Mapping[str, Any]]:
     """Judge what FILE does not have yet; a line for each of this sample, in its order."""
-    wanted, judge = _sample(own, most, seed, jobs)
+    wanted, judge = parts_of_sample(own, most, seed, jobs)
     reasons = shipped_reasons(own.name).of({"machine": frozenset(own.ids)})
     done = {line["id"]: line for line in kept_lines(out) if line["target"] == own.name}
 
@@ -95,7 +95,7 @@ def of_target(own: Loaded, most: int, seed: int, jobs: int, out: Path) -> list[M
     return [done[one] for one in wanted]
 
 
-def _sample(
+def parts_of_sample(
     own: Loaded, most: int, seed: int, jobs: int
 ) -> tuple[list[str], Callable[[Sequence[str], OnJudged], object]]:
     """The ids of the sample, and what judges some of them."""
