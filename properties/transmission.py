@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 
-from safeloc.language.expr import before, between, exact_to, with_unit
+from safeloc.language.expr import Bool, Num, all_of, before, between, exact_to, ite, was, with_unit
 from safeloc.language.spec import Property, always, earlier_bool
-from safeloc.language.units import MM, NM
-from safeloc.models.transmission import Transmission
+from safeloc.language.units import MM, MS, NM
+from safeloc.models.transmission import Slot, Transmission, TransmissionConfig
 
 LAW = "a position that is sent holds the truth when it is sent; the vehicle moves no faster than its highest speed"
 REQUIREMENTS = ("FVA-9", "FVA-18", "RFL-14")
@@ -57,4 +59,92 @@ def properties(model: Transmission) -> list[Property]:
             machine.fired("report revokes").implies(~valid),
             statement="a report that revokes takes the position away in the step in which it arrives",
         ),
+        *_on_its_way(model),
+        *_arrived(model),
+        *_kept(model),
     ]
+
+
+@dataclass(frozen=True, eq=False)
+class _Before:
+    """A report that was kept before the step: whether it was there and is young enough still, and its age now."""
+
+    slot: Slot
+    config: TransmissionConfig
+
+    @property
+    def age(self) -> Num:
+        """One cycle more than before."""
+        return before(self.slot.age) + 1
+
+    @property
+    def young(self) -> Bool:
+        """There, and not too old by now."""
+        return was(self.slot.there) & (self.age <= self.config.age_limit_cycles)
+
+    @property
+    def narrow(self) -> Bool:
+        """Within the limit on either side, its age charged."""
+        charged = with_unit(self.age * self.config.run_mm, MM)
+        widths = (before(self.slot.below), before(self.slot.above))
+        return all_of(width <= self.config.margin_limit_mm - charged for width in widths)
+
+    def is_in(self, slot: Slot) -> Bool:
+        """The slot keeps this report, one cycle older."""
+        numbers = ((slot.position, self.slot.position), (slot.below, self.slot.below), (slot.above, self.slot.above))
+        same = all_of(now.eq(before(then)) for now, then in numbers)
+        return slot.there & slot.valid.iff(was(self.slot.valid)) & same & slot.age.eq(self.age)
+
+
+def _on_its_way(model: Transmission) -> Iterator[Property]:
+    own, flying = model.own, model.own.flying
+    known = _Before(flying, own.config)
+    numbers = ((flying.position, own.position), (flying.below, own.below), (flying.above, own.above))
+    as_sent = all_of(now.eq(then) for now, then in numbers) & flying.valid.iff(own.valid) & flying.age.eq(0)
+    yield for_all_inputs(
+        "a report that is sent is on its way",
+        own.sent.implies(flying.there & as_sent),
+        statement="what the sender sends is on its way as it was sent, in place of what was sent before",
+    )
+    yield for_all_inputs(
+        "a report on its way is not changed",
+        (~own.sent & ~own.arrived & known.young).implies(known.is_in(flying)),
+        statement="until it arrives a report stays as it was sent, and grows older in every cycle",
+    )
+    yield for_all_inputs(
+        "a report arrives once",
+        (~own.sent & (own.arrived | ~known.young)).implies(~flying.there),
+        statement="a report that arrived, or is too old, is not on its way any longer",
+    )
+
+
+def _arrived(model: Transmission) -> Iterator[Property]:
+    own, valid = model.own, model.machine.flag("valid")
+    known = _Before(own.flying, own.config)
+    arrives, usable = own.arrived & known.young, was(own.flying.valid) & known.narrow
+    yield for_all_inputs(
+        "a report that arrives is given out",
+        (arrives & usable).implies(valid & known.is_in(own.held)),
+        statement="a position that arrives, no wider than the limit with its age charged, is given out as it was sent",
+    )
+    yield for_all_inputs(
+        "a report that arrives without a usable position takes the last one away",
+        (arrives & ~usable).implies(~valid),
+        statement="a report that holds no position, or one that is too wide by now, takes away what arrived before it",
+    )
+
+
+def _kept(model: Transmission) -> Iterator[Property]:
+    own, valid, age = model.own, model.machine.flag("valid"), model.machine.output("age_ms")
+    known, coming = _Before(own.held, own.config), _Before(own.flying, own.config)
+    waits = earlier_bool(valid) & ~(own.arrived & coming.young)
+    yield for_all_inputs(
+        "a position is given out until the next arrives",
+        (waits & known.young & known.narrow).implies(valid & known.is_in(own.held)),
+        statement="while no report arrives, the one that is held is given out as long as it is young and narrow enough",
+    )
+    yield for_all_inputs(
+        "the age is told",
+        ite(valid, age.eq(with_unit(own.held.age * own.config.period_ms, MS)), age.eq(0)),
+        statement="the age of what is given out is told, and none where nothing is",
+    )
