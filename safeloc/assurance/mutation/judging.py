@@ -18,7 +18,7 @@ from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.equivalence import equivalent
 from safeloc.assurance.mutation.induction import Failed, Proofs, as_it_is, excluded, impossible, no_longer
 from safeloc.assurance.mutation.mutants import Mutant
-from safeloc.assurance.mutation.playing import Played, Trodden, played, tells_otherwise, trodden
+from safeloc.assurance.mutation.playing import WORLD, Played, Trodden, played, tells_otherwise, trodden
 from safeloc.assurance.mutation.results import Judged, Outcome
 from safeloc.errors import SafelocError
 from safeloc.language.spec import Goal, always, observe
@@ -122,8 +122,9 @@ def by_a_run(seen: Played) -> Outcome:
 def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run | None]:
     """A run is searched that breaks one of the claims, and comes too; where none is found they are no longer proved."""
     claims = failed.claims
-    for layer in mutant.layers:
-        goals = {_goal(mutant, claim): claim for claim in claims if any(claim is own for own in layer.claims)}
+    for number, layer in enumerate(mutant.layers):
+        some = [claim for claim in claims if any(claim is own for own in layer.claims)]
+        goals = {_goal(mutant, claim, unconditional=number < WORLD): claim for claim in some}
         found = first_runs(list(goals), Limits(depth=SEARCH_DEPTH, seconds=limits.seconds)).found
         if found:
             shortest = min(found, key=lambda goal: len(found[goal].steps))
@@ -134,5 +135,8 @@ def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run
     return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {SEARCH_DEPTH} steps was found"), None
 
 
-def _goal(mutant: Held, claim: Claim) -> Goal:
-    return claim.goal if claim.goal is not None else observe(mutant.system, always(claim.name, claim.good))
+def _goal(mutant: Held, claim: Claim, *, unconditional: bool) -> Goal:
+    """What the claim says, under what its layer relies on: all goals of one search have one assumption."""
+    if claim.goal is not None:
+        return claim.goal
+    return observe(mutant.system, always(claim.name, claim.good, unconditional=unconditional))

@@ -81,3 +81,8 @@ def machine() -> Machine:
 def properties(made: Machine) -> list[Property]:
     """Its claims."""
     return claims(made, _OWN[0])
+
+
+def latest() -> Own:
+    """The variables of the machine that was made last."""
+    return _OWN[0]

@@ -8,14 +8,18 @@ from pathlib import Path
 import pytest
 
 from safeloc.assurance.mutation.claims import Canon, held
-from safeloc.assurance.mutation.judging import bench, judged
+from safeloc.assurance.mutation.declared import declared, remade
+from safeloc.assurance.mutation.induction import as_it_is, no_longer
+from safeloc.assurance.mutation.judging import bench, judged, unproved
 from safeloc.assurance.mutation.mutants import sample
-from safeloc.assurance.mutation.playing import played
+from safeloc.assurance.mutation.playing import played, tells_otherwise
 from safeloc.assurance.mutation.results import Judged, Outcome, as_data, by_requirement, from_data, kills_alone, score
 from safeloc.assurance.mutation.table import lines
 from safeloc.assurance.mutation.work import Judging, Plan
+from safeloc.language.expr import ite
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
+from tests.assurance.mutation import gate
 from tests.assurance.mutation.shop import every, known, loaded, mutant, outcome
 
 PLAN = Plan(Limits(seconds=2), 0, 2)
@@ -144,6 +148,24 @@ def test_a_recording_that_comes_out_otherwise(tmp_path: Path) -> None:
     seen = judged(recorded, mutant("figure replaced by zero", "1 becomes 0"))
     assert ("a recording comes out otherwise", ()) == (seen.everywhere.fate, seen.everywhere.by)
     assert "braked, step 1: brakings 0 instead of 1" == seen.everywhere.how
+
+
+def test_claims_for_all_inputs_are_searched_for_all_inputs() -> None:
+    """A range on board and a claim without the assumption are searched together, also where only a fast vehicle breaks the range."""
+    _, whole = declared("tests.assurance.mutation.gate:machine")
+    canon, limits, of = Canon(), Limits(seconds=2), gate.latest()
+    opens, shuts, counts = whole.machine.transitions
+    fast = replace(counts, set={of.ran: ite(of.speed > gate.FASTEST_MM_S, of.noise, 2)})
+    wrong = [replace(opens, when=of.opened), fast, shuts]
+    _, known = as_it_is(whole, canon, limits)
+    mutant_ = held(replace(whole, machine=remade(whole.machine, transitions=wrong)), canon)
+    failed = no_longer(mutant_, known, canon, limits)
+    assert {"range ran", "property opens for slow ones"} <= set(map(str, failed.claims))
+    noticed, run = unproved(mutant_, failed, limits)
+    assert "refuted by bounded search" == noticed.fate
+    assert {"range ran", "property opens for slow ones"} <= set(noticed.by)
+    assert run is not None
+    assert not tells_otherwise(held(whole, canon), held(whole, canon), run)
 
 
 def test_unknown_mutants_have_no_place() -> None:
