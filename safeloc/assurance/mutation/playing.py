@@ -220,13 +220,18 @@ def _judged(layer: Layer) -> list[Claim]:
     return [claim for claim in layer.claims if claim.kind != "helper"]
 
 
+def _next(system: TransitionSystem) -> list[Expr]:
+    """The values after a step, in the order of a row of the state."""
+    return [system.next[var] for var in system.state]
+
+
 class _Judging:
     """The claims of one layer along a run."""
 
     def __init__(self, layer: Layer) -> None:
         self._system = system = layer.system
         self.claims = _judged(layer)
-        self._step = stepped((system.state, system.inputs), [system.assume, *system.next.values()])
+        self._step = stepped((system.state, system.inputs), [system.assume, *_next(system)])
         self._look = stepped((system.state, ()), [claim.good for claim in self.claims])
 
     def path(self, run: Run) -> Path | None:
@@ -318,7 +323,7 @@ class _Board:
     def __init__(self, whole: TransitionSystem) -> None:
         self._system = system = without_ghosts(whole)
         self._columns = [number for number, var in enumerate(whole.inputs) if var not in whole.ghosts]
-        self._step = stepped((system.state, system.inputs), list(system.next.values()))
+        self._step = stepped((system.state, system.inputs), _next(system))
         self._look = stepped((system.state, ()), list(system.outputs.values()))
         self._fired = stepped((system.state, system.inputs), list(system.fired.values()))
 
