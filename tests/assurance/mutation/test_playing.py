@@ -6,9 +6,10 @@ from safeloc.assurance.mutation.claims import Canon, held
 from safeloc.assurance.mutation.corpus import Run
 from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.playing import WORLD, trodden
-from safeloc.language.expr import boolean, number
+from safeloc.language.expr import Bool, Num, NumVar, boolean, number
 from safeloc.language.interpret import start, step
 from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import BoolVar
 from safeloc.language.units import COUNT
 from safeloc.language.world import World
 
@@ -17,7 +18,7 @@ FAR, NEAR, NEXT = number("far", COUNT, 0, 90), number("near", COUNT, 0, 90), boo
 
 def _machine(*, turned: bool) -> Machine:
     waits, works = table = modes("WAITS", "WORKS")
-    moves = {FAR: NEAR + 1, NEAR: FAR + 2}
+    moves: dict[NumVar | BoolVar, Num | Bool] = {FAR: NEAR + 1, NEAR: FAR + 2}
     told = dict(reversed(moves.items())) if turned else moves
     rows = [Transition("works", waits, works, NEXT), Transition("waits", works, waits, ~NEXT)]
     return Machine(
