@@ -68,7 +68,7 @@ def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | No
         raise InputError(f"{whole.machine.name} has no mutant {missing[0]!r}; --json lists them, of each --of.")
     machine = every["machine"]
     against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
-    existing = {part: _ids(own) for part, own in every.items()}
+    existing: dict[Of, frozenset[str]] = {part: _ids(own) for part, own in every.items()}
     return Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
 
 

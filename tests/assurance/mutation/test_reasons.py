@@ -13,7 +13,7 @@ from safeloc.assurance.mutation.declared import whole_of
 from safeloc.assurance.mutation.members import composed
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.reasons import SHIPPED, Reasons, read_reasons, shipped_reasons
-from safeloc.assurance.mutation.results import Outcome, as_data, from_data
+from safeloc.assurance.mutation.results import Of, Outcome, as_data, from_data
 from safeloc.assurance.mutation.table import lines
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
@@ -108,7 +108,9 @@ def test_what_ships_speaks_of_what_there_is(name: str) -> None:
     with noted() as places:
         target = load_target(name)
     if target.system.parts:
-        existing = {"machine": parts(composed(target, places), places, most=1, seed=0).existing}
+        existing: dict[Of, frozenset[str]] = {
+            "machine": parts(composed(target, places), places, most=1, seed=0).existing
+        }
         assert reasons.of(existing)
     else:
         some = chosen(whole_of(target), places, [part for part in MADE if part in reasons.by_part], most=1, seed=0)
