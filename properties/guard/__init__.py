@@ -365,4 +365,5 @@ def _plain(model: Guard) -> Bool:
     """The fix is fresh, on the track's axis, and comes without speed and course: a witness needs no others."""
     own = model.own
     with_it = ~own.speed.present & ~own.course.present & own.offset.eq(0) & own.age.eq(0)
-    return own.fix.present & with_it & own.forwards_only & ~own.start_anew
+    clear = own.fault.eq(NO_FAULT) & ~own.ambiguous & ~own.elsewhere & own.advance
+    return own.fix.present & with_it & clear & own.forwards_only & ~own.start_anew

@@ -269,6 +269,11 @@ EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "age is not charged": (box, "half_nm", _age_forgotten, "a fix is charged all it may be off"),
     "a receiver may contradict itself": (Judged, "follows", _contradiction_forgiven, CONTRADICTS),
     "a vehicle runs farther than it can": (judgement, "near_now", _farther_than_run, COMPARED),
+    "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "what is held is given up when it bounds nothing"),
+}  # fmt: skip
+
+
+QUICK_EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "a course across the way is forgiven": (judgement, "_fair", _course_forgiven, "a course across the way is refused"),
     "running backwards is forgiven": (judgement, "_fair", _backwards_forgiven, "a course against the permitted direction is refused"),
     "every course is refused": (judgement, "_fair", _any_course_refused, "a course along the way is not refused"),
@@ -277,8 +282,19 @@ EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "the place last known runs back": (judgement, "known_now", _known_runs_back, CARRIED),
     "the place last known stands": (judgement, "known_now", _known_stands, CARRIED),
     "a new start forgets nothing": (guard, "_nowhere", _nothing_forgotten, "a new start forgets"),
-    "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "what is held is given up when it bounds nothing"),
 }  # fmt: skip
+"""What breaks these claims does so in one step."""
+
+
+@pytest.mark.parametrize("edit", QUICK_EDITS)
+def test_a_wrong_edit_of_course_or_reach_is_noticed_in_one_step(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Refusals by course and by the place last known are claimed in both directions, and follow in one step where nothing is edited."""
+    where, name, wrong, broken = QUICK_EDITS[edit]
+    assert not_kept(MODEL.machine, PROPERTIES[broken]) == set()
+    monkeypatch.setattr(where, name, wrong(getattr(where, name)))
+    made = build(parts(CONFIG))
+    found = {prop.name: prop for prop in properties(made)}
+    assert broken in not_kept(made.machine, found[broken])
 
 
 SLOW = ("the row grows by two", "whatever is held is kept", "a jump costs no trust")
