@@ -330,7 +330,7 @@ def test_a_contradiction_costs_the_trust() -> None:
     """Two fixes beside what is held, one before it and one behind: one of them is false, and a row has to be filled anew."""
     trace = driven(*BELIEVED, at(-14_600), at(19_500), at(0), at(0), at(0))
     assert ["PASSING", "PROBATION", "PROBATION", "PROBATION", "PASSING"] == modes(trace)[3:]
-    assert ["DOUBTFUL", "DOUBTFUL", "UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)[3:]
+    assert ["DOUBTFUL", "OUT_OF_REACH", "UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)[3:]
     assert 0 == trace.steps[4].outputs["agreed_fixes"]
 
 

@@ -94,7 +94,7 @@ def test_a_late_fix_is_charged_its_age() -> None:
 
 
 def test_a_long_silence_withdraws() -> None:
-    """After an hour nothing is held, and the machine has not been stepped once a period for it."""
+    """After an hour nothing is held; on a route the place last known has been carried through it, step by step."""
     made = believed()
     found = made.judge(fix(3_600, 100))
     assert ("UNCONFIRMED", "RECOVERING") == (found.reason, found.mode)
