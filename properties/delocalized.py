@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from safeloc.language.absence import while_there
-from safeloc.language.expr import BoolVar, NumVar, all_of, before, between, exact_to
+from safeloc.language.expr import BoolVar, NumVar, all_of, any_of, before, between, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM
@@ -85,12 +85,12 @@ def _state(machine: Machine, most: int) -> Iterator[Property]:
         (was_lost & mode.eq(localized)).implies(reference & valid),
         statement="the delocalized state is left only with a valid source and a checked absolute reference",
     )
-    tolerable = all_of(
-        var <= most for var in machine.inputs if isinstance(var, NumVar) and var.name.startswith("source_margin_")
+    too_wide = any_of(
+        var > most for var in machine.inputs if isinstance(var, NumVar) and var.name.startswith("source_margin_")
     )
     yield for_all_inputs(
         "a usable position is passed on",
-        (valid & tolerable & (~was_lost | reference)).implies(~is_lost),
+        (is_lost & (~was_lost | reference) & valid).implies(too_wide),
         statement="a valid position within the tolerance does not delocalize, and with a checked reference it localizes again",
     )
     cause = next(var for var in machine.inputs if isinstance(var, NumVar) and var.name == "source_reason")

@@ -80,7 +80,7 @@ class _Before:
     @property
     def young(self) -> Bool:
         """There, and not too old by now."""
-        return was(self.slot.there) & (self.age <= self.config.age_limit_cycles)
+        return was(self.slot.there) & (self.age * self.config.period_ms <= self.config.age_limit_ms)
 
     @property
     def narrow(self) -> Bool:

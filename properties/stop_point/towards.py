@@ -82,8 +82,8 @@ def _no_early_brake(model: StopPoint) -> Iterator[Property]:
     own, config = model.own, model.own.config
     fastest = own.speed + config.speed_error_mm_s
     squared = with_unit(product(fastest, fastest) * UM_PER_MM, UM)
-    head = own.position + own.above
-    to_stop, to_end = own.stop - ite(own.precise, own.position, head), own.stop + own.after - head
+    beyond = own.position - own.stop + own.above
+    to_stop, to_end = ite(own.precise, own.stop - own.position, -beyond), own.after - beyond
     due = any_of(
         (left <= 0)
         | (fastest > 0)

@@ -128,7 +128,20 @@ def test_what_an_output_may_be_is_put_out() -> None:
     assert [] == shared_terms(Target("m", (chosen,), lower(chosen), (claim,)))
 
 
-@pytest.mark.parametrize("name", ["odometry", "balise", "fibre_area", "satellite", "guard", "localizer"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "odometry",
+        "delocalized",
+        "balise",
+        "stop_point",
+        "fibre_area",
+        "transmission",
+        "satellite",
+        "guard",
+        "localizer",
+    ],
+)
 def test_a_shipped_machine_shares_nothing_without_a_reason(name: str) -> None:
     """Each part that a law has in common with its machine has a written reason; claims have none in common."""
     shared = shared_terms(load_target(name))
