@@ -316,7 +316,7 @@ def balise_runs(system: TransitionSystem) -> dict[str, NDArray[Any]]:
     """Twenty-four runs of drawn rows, each from another place on: messages come to some of them, to none or to all."""
     inputs = arrays(system, [drawn_run(system, 3, 80, lawful=False).steps])
     places = np.arange(50)[:, None] + np.arange(24) // 8
-    heard = np.arange(50)[:, None] % 5 < np.array([0] * 8 + [1] * 4 + [4] * 4 + [1] * 8)
+    heard = np.arange(50)[:, None] % 5 < np.array([0] * 8 + [1, 4] * 4 + [1] * 8)
     found = {name: array[places, 0] for name, array in inputs.items()}
     for option in system.optionals:
         present = found[option.present.name] & heard
