@@ -11,7 +11,7 @@ from safeloc.language.units import NM
 from safeloc.models.arbitration import Arbitration
 from safeloc.models.arbitration.variables import Source
 from safeloc.models.vocabulary.absent import NO_POSITION_MM
-from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.properties.no_interval import no_interval
 
 SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
@@ -20,7 +20,7 @@ REQUIREMENTS = ("RFL-13", "RFL-14")
 
 def properties(model: Arbitration) -> list[Property]:
     """Every property of the arbitration machine, for whatever sources it has."""
-    makers = (_safety, _fail_safe, _leading, _front)
+    makers = (_safety, _fail_safe, _withdrawn, _leading, _estimated, _front)
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -107,6 +107,54 @@ def _fail_safe(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "reason stated", own.reason.eq(LOCATED).iff(given), "a reason is stated exactly while nothing is given out"
     )
+    accepted = any_of(source.valid & source.reference for source in own.sources)
+    yield _free(
+        "a reference is told when it is accepted",
+        machine.flag("reference_accepted").iff(given & accepted),
+        "a reference is told exactly in a step in which a position is given out and a valid source accepted a reference",
+    )
+    named = own.first.eq(Lit(0, own.named)) & own.second.eq(Lit(0, own.named))
+    yield _free(
+        "nobody is named in vain", given.implies(named), "while a position is given out no contradiction is named"
+    )
+
+
+def _withdrawn(model: Arbitration) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    given, _, _ = _given(model)
+    lost = earlier_bool(given) & ~given
+    valid = any_of(source.valid for source in own.sources)
+    apart = any_of(_apart(one, other) for one in own.sources for other in own.sources if one is not other)
+    contradicted = own.reason.eq(CONTRADICTION)
+    if len(own.sources) > 1:
+        yield _free(
+            "a contradiction is the reason",
+            (lost & valid).implies(contradicted.iff(apart)),
+            "a position is withdrawn for a contradiction exactly where two valid sources exclude each other",
+        )
+    for source, mode in zip(own.sources, machine.modes[1:], strict=True):
+        why = ite(source.reason.eq(LOCATED), NO_REFERENCE, source.reason)
+        yield _free(
+            f"the reason of {source.name} is passed on",
+            (lost & ~valid & before(machine.mode).eq(mode)).implies(own.reason.eq(why)),
+            f"where {source.name} led and no source states an interval any more, its reason is told",
+        )
+    too_wide = own.reason.eq(TOLERANCE)
+    most = own.config.tolerance_mm
+    narrow = any_of(
+        one.valid & other.valid & (one.high - other.low <= most) for one in own.sources for other in own.sources
+    )
+    yield _free(
+        "a narrow interval is tolerable",
+        (lost & narrow).implies(~too_wide),
+        "a position is not withdrawn for its tolerance where what the sources have in common is no wider than it",
+    )
+    lags = own.reason.eq(SENSOR_FAILURE) & valid
+    yield _free(
+        "withdrawn for a reason",
+        (lost & valid).implies(contradicted | too_wide | lags),
+        "while a source states an interval a position is withdrawn for a contradiction, its tolerance, or a lag beyond its limit",
+    )
 
 
 def _leading(model: Arbitration) -> Iterator[Property]:
@@ -117,7 +165,7 @@ def _leading(model: Arbitration) -> Iterator[Property]:
         yield _free(
             f"{source.name} leads validly", leads.implies(source.valid), f"{source.name} leads only while valid"
         )
-        others = all_of(one.valid.implies(source.margin <= one.margin) for one in own.sources)
+        others = all_of(one.valid.implies(_no_wider(source, one)) for one in own.sources)
         yield _free(
             f"{source.name} leads by its margin",
             leads.implies(others),
@@ -127,13 +175,41 @@ def _leading(model: Arbitration) -> Iterator[Property]:
             continue
         changed = leads & earlier_bool(given) & before(machine.mode).ne(mode)
         better = [
-            before(machine.mode).eq(other).implies(~one.valid | (source.margin < one.margin))
+            before(machine.mode).eq(other).implies(~one.valid | ~_no_wider(one, source))
             for one, other in zip(own.sources, machine.modes[1:], strict=True)
         ]
         yield _free(
             f"{source.name} takes over for a reason",
             changed.implies(all_of(better)),
             f"{source.name} takes over only from a source that is no longer valid or has the greater margin",
+        )
+        earlier = own.sources[: own.sources.index(source)]
+        yield _free(
+            f"{source.name} comes after those declared before it",
+            (leads & before(machine.mode).ne(mode)).implies(
+                all_of(one.valid.implies(~_no_wider(one, source)) for one in earlier)
+            ),
+            f"{source.name} begins to lead only with a smaller margin than every valid source that is declared before it",
+        )
+
+
+def _no_wider(source: Source, other: Source) -> Bool:
+    """Its greater margin is no greater than the greater one of the other."""
+    sides = (source.below, source.above)
+    return all_of((side <= other.below) | (side <= other.above) for side in sides)
+
+
+def _estimated(model: Arbitration) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, low, high = _given(model)
+    position = own.position
+    for source, mode in zip(own.sources, machine.modes[1:], strict=True):
+        theirs = source.position
+        nearest = position.eq(theirs) | (position.eq(low) & (theirs < low)) | (position.eq(high) & (theirs > high))
+        yield _free(
+            f"{source.name} gives the estimate",
+            machine.mode.eq(mode).implies(between(low, position, high) & nearest),
+            f"while {source.name} leads, the position is that of {source.name}, or the nearest place that all have in common",
         )
 
 
@@ -155,6 +231,16 @@ def _front(model: Arbitration) -> Iterator[Property]:
         (kept & own.distance.present).implies(front - safe_before <= own.distance.value),
         "the min safe front end never advances by more than the distance estimated (OCORA 7244): that of the odometer",
     )
+    yield _free(
+        "min safe front end begins at the interval's",
+        (given & ~earlier_bool(given)).implies(front.eq(low)),
+        "where a position is given out for the first time its min safe front end is the lower end of the interval",
+    )
+    yield _free(
+        "min safe front end lags no farther than it must",
+        (kept & own.distance.present).implies(front.eq(low) | (front - safe_before).eq(own.distance.value)),
+        "the min safe front end is the interval's lower end, or advances by the whole distance estimated",
+    )
     most = own.config.max_step_mm
     change = own.position - before(own.position)
     estimated = ite(change > most, most, ite(change < -most, -most, change))
@@ -162,6 +248,11 @@ def _front(model: Arbitration) -> Iterator[Property]:
         "min safe front end advances with the estimate",
         (kept & ~own.distance.present).implies(front - safe_before <= estimated),
         "without a measured distance the min safe front end never advances by more than the estimated position does",
+    )
+    yield _free(
+        "min safe front end lags no farther than the estimate",
+        (kept & ~own.distance.present).implies(front.eq(low) | (front - safe_before).eq(estimated)),
+        "without a measured distance it is the interval's lower end, or advances by as much as the estimated position does",
     )
 
 
