@@ -79,6 +79,11 @@ def _patterns(model: TrainOrder) -> Iterator[Property]:
         statement="as many patterns as trains, lying apart: the first belongs to the first train, and so on, in that cycle",
     )
     yield for_all_inputs(
+        "associated patterns are somebody's",
+        associated.iff(any_of(one.ne(0) for one in own.belongs)),
+        statement="patterns are told to be associated exactly where one of them is said to be a train",
+    )
+    yield for_all_inputs(
         "a fault ends the order",
         own.fault.implies(~associated & ~is_ordered),
         statement="with a disturbed counter no order is known, until the area is empty",
@@ -114,8 +119,8 @@ def _order(model: TrainOrder) -> Iterator[Property]:
     nobody = all_of(one.eq(0) for one in own.order)
     yield for_all_inputs(
         "an order begins with an empty area",
-        (before(machine.mode).eq(unknown) & is_ordered).implies(own.clear & nobody),
-        statement="an order is known again only in a cycle in which the counters tell that the area is empty",
+        (before(machine.mode).eq(unknown) & is_ordered).implies(all_of([own.clear, nobody, _events(own).eq(0)])),
+        statement="an order is known again only in a cycle in which the counters tell that the area is empty, and no event",
     )
     none = before(own.order[0]).eq(0)
     impossible = {
@@ -143,9 +148,14 @@ def _order(model: TrainOrder) -> Iterator[Property]:
     for name, moved in _moved(model).items():
         yield for_all_inputs(
             f"the order follows: {name}",
-            (was_ordered & is_ordered & ~machine.fired("area is empty")).implies(moved),
+            (was_ordered & is_ordered & ~(own.clear & _events(own).eq(0))).implies(moved),
             statement="the order changes only by the event of the cycle, at the end of the area where it happened",
         )
+    yield for_all_inputs(
+        "an empty area has nobody in its order",
+        (is_ordered & own.clear & _events(own).eq(0)).implies(nobody),
+        statement="where the counters tell that the area is empty, and no event, the order names nobody",
+    )
 
 
 def _again(model: TrainOrder) -> Bool:
