@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import COUNT, NM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
@@ -124,6 +124,12 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
         "spoilt until over",
         (before_.eq(spoilt) & mode.ne(spoilt)).implies(own.over & mode.eq(done) & ~sound),
         "what is left of a spoilt passage is never taken for another train",
+    )
+    yield _held(
+        "a spoilt passage that is over is told",
+        all_of([before_.eq(spoilt), own.over, own.axle.eq(NO_AXLE), ~own.fault]).implies(machine.flag("record_ready")),
+        "the cycle in which a spoilt passage is told to be over, without an axle or a fault in it, is told as a passage without a "
+        "record",
     )
     longer = ite(before(own.pause) >= own.pause.high, before(own.pause), before(own.pause) + 1)
     yield _held(

@@ -10,8 +10,10 @@ from safeloc.language.expr import Bool, all_of, any_of, as_num, between, with_un
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.route import Route
-from safeloc.models.route.variables import NO_REASON, SENSOR_FAILURE, TOLERANCE, Parts
+from safeloc.models.route.variables import NO_REASON, SENSOR_FAILURE, TOLERANCE, Hypothesis, Parts
+from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.measured import ADMITTED
+from safeloc.properties.no_interval import no_interval
 from safeloc.properties.route.figures import REQUIREMENTS, Told, bounds, carried, ran
 
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -24,10 +26,10 @@ def reports(model: Route) -> Iterator[Property]:
 
 
 def _silent(model: Route) -> Iterator[Property]:
-    silent = all_of(~route.possible for route in model.own.routes)
+    machine, silent = model.machine, all_of(~route.possible for route in model.own.routes)
     yield for_all_inputs(
         "nothing is reported without a start",
-        carried(model) | (silent & model.machine.output("route").eq(0)),
+        carried(model) | (silent & machine.output("route").eq(0)),
         statement="idle or lost, no route and no interval is reported",
     )
     yield for_all_inputs(
@@ -36,10 +38,22 @@ def _silent(model: Route) -> Iterator[Property]:
         statement="the cycle in which no route fits any more is the cycle in which nothing is reported",
     )
     yield for_all_inputs(
+        "no place on a route that is refuted",
+        all_of(
+            [machine.flag("valid") | no_interval(machine), *(_no_place(model, route) for route in model.own.routes)]
+        ),
+        statement="a route that is not possible has no interval, and while no route is decided there is no position",
+    )
+    yield for_all_inputs(
         "no resurrection",
         (carried(model) & ~earlier_bool(carried(model))).implies(model.own.start.present),
         statement="after a contradiction only a new start, with its own reference, begins to report",
     )
+
+
+def _no_place(model: Route, route: Hypothesis) -> Bool:
+    ends = (model.machine.output(f"route_{route.number}_{end}_mm") for end in ("low", "high"))
+    return route.possible | all_of(end.eq(NO_POSITION_MM) for end in ends)
 
 
 def _wide(model: Route) -> Iterator[Property]:
