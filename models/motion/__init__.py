@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, number
@@ -45,6 +45,11 @@ class MotionConfig(Config):
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
     max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
     measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
+    standing_believed: bool = Field(
+        default=True,
+        description="the vehicle counts as standing where the odometer measures nothing and the check unit no more than its floor",
+    )
+    creep_mm_s: int = quantity(0, "mm/s", 0, 10_000, "[M] 0: a vehicle that counts as standing does not creep")
     gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
 
@@ -52,6 +57,11 @@ class MotionConfig(Config):
     def _can_check(self) -> MotionConfig:
         if self.check is None:
             return self
+        if self.creep_mm_s and not self.standing_believed:
+            raise ValueError(
+                f"creep_mm_s is {self.creep_mm_s}, but standing_believed is false: a creep is added only to a vehicle that counts "
+                "as standing; leave one of them out."
+            )
         for name, law in (("odometer", self.odometer), ("check", self.check)):
             if law.drift_mm_s2:
                 raise ValueError(f"{name}.drift_mm_s2 must be 0: units are compared that count distance.")
@@ -74,6 +84,11 @@ class MotionConfig(Config):
             self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm,
             self.gap_limit_cycles, self.gap_limit_cycles + 1,
         )  # fmt: skip
+
+    @property
+    def creep(self) -> int | None:
+        """The fastest that a vehicle creeps which counts as standing, mm/s; None where none counts as standing."""
+        return self.creep_mm_s if self.standing_believed else None
 
     @property
     def limits(self) -> Limits:
@@ -100,7 +115,7 @@ class Parts:
     def around(self) -> Surroundings:
         """What the world knows."""
         check = None if self.check is None else self.check.unit
-        return Surroundings(self.ghosts, self.config.physics, self.odometer, check)
+        return Surroundings(self.ghosts, self.config.physics, self.odometer, check, self.config.creep)
 
     @property
     def told(self) -> Bool:
@@ -156,7 +171,7 @@ def parts(config: MotionConfig) -> Parts:
     return Parts(
         config,
         measures,
-        None if config.check is None else unit_check(measures, config.check, config.band_mm),
+        None if config.check is None else unit_check(measures, config.check, config.band_mm, config.creep),
         number("distance_mm", MM, -limits.max_step_mm, limits.max_step_mm),
         ghosts(config.physics, config.position_limit_mm, laws, config.told),
     )
@@ -180,8 +195,8 @@ def build(own: Parts) -> Motion:
         doc=(
             "The vehicle's odometer, told only where the vehicle can have run the distance, and its true movement: no "
             "faster than its highest speed, and on the line. With a check unit one of the two is assumed to keep its "
-            "law, whichever, and the vehicle to stand where the odometer measures nothing and the check unit no more than "
-            "its floor; what a distance is worth is told with it. Without one, that is assumed by those who use it."
+            "law, whichever; and, unless configured otherwise, the vehicle to stand where the odometer measures nothing and the "
+            "check unit no more than its floor; what a distance is worth is told with it. Without one, that is assumed by those who use it."
         ),
     )
     return Motion(made, own)

@@ -13,7 +13,8 @@ the sum back towards 0 without charge. So for every run of cycles, whenever it b
 the error. Nothing is judged by a threshold: units that agree cost little, a wheel that slides is charged what it misses.
 
 A distance that comes without its check is not told. While the odometer measures nothing and the check unit no more than
-its floor, the vehicle is taken to stand: nothing is charged.
+its floor, the vehicle is taken to stand: nothing is charged but what it may creep then. Where standing is not believed, such
+a cycle is charged as any other.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import (
+    FALSE,
     Bool,
     BoolVar,
     Expr,
@@ -58,6 +60,7 @@ def told_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
 class UnitCheck:
     """The odometer, the unit that checks it, and what is told.
 
+    creep_nm    the fastest that a vehicle creeps which is taken to stand, nm a cycle; None: none is taken to stand
     apart       what the two differ by and has not been charged, nm
     told, more  whether the last cycle's distance is told, and the charge beyond the odometer's law, nm
     unheard     cycles since a distance was told
@@ -66,6 +69,7 @@ class UnitCheck:
     odometer: Odometer
     unit: Odometer
     band_nm: int
+    creep_nm: int | None
     apart: NumVar
     told: BoolVar
     more: NumVar
@@ -78,7 +82,9 @@ class UnitCheck:
 
     @cached_property
     def standing(self) -> Bool:
-        """The odometer measures nothing, and the check unit no more than its floor."""
+        """The odometer measures nothing, and the check unit no more than its floor; where that is believed."""
+        if self.creep_nm is None:
+            return FALSE
         still = self.unit.law.floor_mm_s * self.unit.limits.period_ms // 1_000
         return all_of([self.checked, self.odometer.step.value.eq(0), between(-still, self.unit.step.value, still)])
 
@@ -145,7 +151,7 @@ class UnitCheck:
         shift = exact_to(self.shift, NM)
         either = maximum(self.odometer.most_error + abs_(shift), self.unit.most_error + abs_(self._settled - shift))
         law = self.odometer.law.growth_nm(abs_(self.distance), as_num(0, MS), self.odometer.limits.period_ms)
-        run = ite(self.standing, as_num(0, NM), maximum(either - law, 0))
+        run = ite(self.standing, as_num(self.creep_nm or 0, NM), maximum(either - law, 0))
         return ite(self.checked, run, maximum(self._alone(self.odometer), self._alone(self.unit)))
 
     def _alone(self, one: Odometer) -> Num:
@@ -172,13 +178,15 @@ class UnitCheck:
         }
 
 
-def unit_check(odometer: Odometer, law: ErrorLaw, band_mm: int) -> UnitCheck:
-    """A check by a unit of that law, with fresh variables."""
+def unit_check(odometer: Odometer, law: ErrorLaw, band_mm: int, creep_mm_s: int | None) -> UnitCheck:
+    """A check by a unit of that law, with fresh variables; `creep_mm_s`: of a vehicle that stands, None where none is believed to."""
     limits, band = odometer.limits, band_mm * NM_PER_MM
+    creep = None if creep_mm_s is None else creep_mm_s * limits.period_ms * (NM_PER_MM // 1_000)
     return UnitCheck(
         odometer,
         a_unit(law, limits, "check"),
         band,
+        creep,
         number("units_apart_nm", NM, -band, band),
         boolean("distance_told"),
         number("told_more_nm", NM, 0, most_told_nm(limits.max_step_mm)),

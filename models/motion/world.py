@@ -3,7 +3,8 @@
     the lawful unit   delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing; nobody
                       knows which of the two it is
     the other unit    does as it likes
-    standing          where the odometer measures nothing and the check unit no more than its floor, the vehicle stands
+    standing          where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or
+                      creeps no faster than configured; or nothing is said of that
 
 Without a check unit nothing is assumed of the odometer here: who uses its distances assumes that it keeps its law.
 """
@@ -108,12 +109,16 @@ def _units(physics: Physics, laws: tuple[ErrorLaw, ErrorLaw], told: ErrorLaw) ->
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """The ghosts with the raw inputs and figures that the world knows."""
+    """The ghosts with the raw inputs and figures that the world knows.
+
+    `creep_mm_s`: the fastest that a vehicle creeps while its units measure nothing; None where nothing is said of that.
+    """
 
     ghosts: Ghosts
     physics: Physics
     odometer: Odometer
     check: Odometer | None
+    creep_mm_s: int | None
 
     @property
     def units(self) -> tuple[Measuring, Measuring]:
@@ -199,7 +204,9 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
         f"the {name}, where it is the lawful unit, keeps its law": _keeps(own, seen, unit, lawful, name)
         for name, unit, lawful in zip(("odometer", "check unit"), own.units, LAWFUL, strict=True)
     }
-    return {**laws, "a vehicle that measures nothing stands": _standing(own, seen)}
+    if own.creep_mm_s is None:
+        return laws
+    return {**laws, "a vehicle that measures nothing stands": _standing(own, seen, own.creep_mm_s)}
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str) -> Law:
@@ -218,18 +225,19 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
     )
 
 
-def _standing(own: Surroundings, seen: CheckGhosts) -> Law:
+def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
     odometer, check = own.units
     floor = check.law.floor_mm_s * own.physics.period_ms // THOUSAND
     nothing = all_of([odometer.can_be_run, check.can_be_run, odometer.step.value.eq(0)])
     still = nothing & (check.step.value <= floor) & (check.step.value >= -floor)
-    stands = own.ghosts.true_step.eq(0) & seen.next_wander.eq(seen.wander)
+    creep = creep_mm_s * own.physics.period_ms * (NM_PER_MM // THOUSAND)
+    stands = between(-creep, own.ghosts.true_step, creep) & seen.next_wander.eq(seen.wander)
     return Law(
         (still & seen.lawful.eq(CHECK_LAWFUL)).implies(stands),
-        "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, even if the "
-        "odometer is the unit that may fail: a vehicle that creeps with a locked wheel slower than the floor (2 km/h for a "
-        "radar) breaks this law, and no error is added for the distance that it creeps.",
-        ("floor_mm_s",),
+        "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or creeps no faster "
+        "than configured, even if the odometer is the unit that may fail: a vehicle that creeps faster with a locked wheel, and "
+        "slower than the floor (2 km/h for a radar), breaks this law, and no error is added for what it creeps beyond.",
+        ("floor_mm_s", "creep_mm_s"),
         "[M] a wheel that stands while the vehicle creeps for long is noticed by brake and wheel slide protection",
         "supplier",
         "wheel slide protection; cold movement detection while parked",

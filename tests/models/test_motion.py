@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from safeloc.language.composition import compose
-from safeloc.language.expr import Expr, Var, as_num, maximum
+from safeloc.language.expr import Expr, Num, Var, as_num, ite, maximum
 from safeloc.language.interpret import run
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import NM
@@ -53,6 +54,53 @@ def test_the_law_is_owed_and_kept(source: SourceName) -> None:
     known = base(one_user(compose_machines(LocalizerConfig(sources=(source,))), {}))
     assert f"what {source} is owed is kept" in names(known.kept)
     assert not known.refuted
+
+
+CREEPS = CHECKED.model_copy(update={"creep_mm_s": 500})
+NOT_BELIEVED = CHECKED.model_copy(update={"standing_believed": False})
+
+
+def _with(motion: MotionConfig) -> Localizer:
+    """A vehicle that is located by balises, with that motion."""
+    return compose_machines(LocalizerConfig(sources=("balise",), motion=motion))
+
+
+@pytest.mark.parametrize("motion", [CREEPS, NOT_BELIEVED])
+def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConfig) -> None:
+    """The same is proved where a vehicle that measures nothing may creep, and where nothing is assumed of it."""
+    known = base(one_user(_with(motion), {}))
+    assert "what balise is owed is kept" in names(known.kept)
+    assert not known.refuted
+
+
+def test_a_creep_is_charged_to_the_last_unit() -> None:
+    """One nm less in a cycle that charges the creep alone: owed, and not kept."""
+    whole = _with(CREEPS)
+    charged = whole.motion.machine.output("more_nm")
+    assert isinstance(charged, Num)
+    one_less = ite(charged.eq(CREEPS.creep_mm_s * 100_000), charged - 1, charged)
+    assert "what balise is owed is kept" in names(base(one_user(whole, {"odometer_more_nm": one_less})).refuted)
+
+
+def test_standing_is_one_clause_or_none() -> None:
+    """Where standing is not believed, no clause speaks of it; and a creep is then refused."""
+    named = [build(parts(config)).machine.world.clauses for config in (CHECKED, NOT_BELIEVED)]
+    assert set(named[0]) - set(named[1]) == {"a vehicle that measures nothing stands"}
+    with pytest.raises(ValueError, match="standing_believed is false"):
+        MotionConfig(check=CHECKED.check, standing_believed=False, creep_mm_s=1)
+
+
+def test_who_rolls_away_is_covered_unless_standing_is_believed() -> None:
+    """Two minutes at 0.5 m/s with a locked wheel and a radar that hears nothing below its floor."""
+    drive = move(VehicleConfig(max_speed_mm_s=500, acceleration_mm_s2=1_000), [Leg(500, 120)], 100)
+    zero = np.zeros_like(drive.step_nm)
+    nothing = Distances("odometer", zero, np.ones(len(zero), dtype=np.bool_), zero)
+    uncovered = [
+        uncovered_nm(told(motion, nothing, replace(nothing, name="check")), drive)
+        for motion in (CHECKED, CREEPS, NOT_BELIEVED)
+    ]
+    constant = CHECKED.told.constant_mm * 1_000_000
+    assert uncovered[0] > 50_000_000_000 > constant >= max(uncovered[1:])
 
 
 def _no_charge(_: Localizer) -> Mapping[str, Expr]:
