@@ -12,7 +12,7 @@ import reprlib
 import sys
 import tomllib
 import traceback
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from inspect import isfunction
@@ -28,12 +28,17 @@ from safeloc.language.machine import Machine
 from safeloc.language.renamed import FIELDS
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
+from safeloc.models.localizer import LocalizerConfig
 from safeloc.railway.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
 from safeloc.runtime.outside import read_bytes
 from safeloc.shipped import ENTRIES
+from safeloc.shipped.hosting import for_hosts
+from safeloc.shipped.own_sources import KINDS, SEPARATOR, with_own_sources
 from safeloc.target import Entry, Target
 
+NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
+"""A function by its file or module, among several that are joined."""
 NEARLY = ("properties", "property", "props")
 """Names that look as if `properties` was meant."""
 LARGEST_CONFIG = 1_000_000
@@ -77,6 +82,9 @@ def configured(spec: str, names: Sequence[str]) -> Iterator[tuple[str, Target]]:
 
 
 def _found(spec: str, config: Path | None) -> Target:
+    kind, plus, sources = spec.partition(SEPARATOR)
+    if plus and kind in KINDS:
+        return _with_sources(kind, sources, config)
     if ":" in spec:
         return _own(spec, config)
     if spec not in ENTRIES:
@@ -89,6 +97,45 @@ def _found(spec: str, config: Path | None) -> Target:
         )
     entry = ENTRIES[spec]
     return _made(entry, read_config(entry.config, config), config)
+
+
+def sources_of(spec: str) -> list[str]:
+    """List the users' functions that a requested name has behind `localizer+`; the name itself where it has none."""
+    kind, _, sources = spec.partition(SEPARATOR)
+    return NAMED.findall(sources) if kind in KINDS and sources else [spec]
+
+
+def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
+    """List the names of all that is verified of a localizer with these sources: each one's contract, the localizer with them
+    alone, and the localizer with its own as well. InputError for another machine.
+    """
+    if spec != "localizer":
+        raise InputError(f"--source is for the localizer; {spec!r} takes no source of your own.")
+    together = SEPARATOR.join(sources)
+    contracts = [f"contract{SEPARATOR}{one}" for one in sources]
+    return [*contracts, f"alone{SEPARATOR}{together}", f"{spec}{SEPARATOR}{together}"]
+
+
+def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
+    """The localizer with a user's sources, or one of them by itself: `localizer+FILE.py:NAME`, several joined by `+`."""
+    named = NAMED.findall(sources)
+    if SEPARATOR.join(named) != sources or not named:
+        raise InputError(f"{sources!r} names no source; give FILE.py:NAME or package.module:NAME, several joined by +.")
+    own, makers = read_config(LocalizerConfig, config), [_maker(one) for one in named]
+    assert isinstance(own, LocalizerConfig)
+    with _as_input_error(sources):
+        return for_hosts(with_own_sources(kind, makers, own))
+
+
+def _maker(spec: str) -> Callable[..., Any]:
+    where, _, name = spec.rpartition(":")
+    found = getattr(_module(where), name, None)
+    if not callable(found):
+        raise InputError(
+            f"{where} has no function {name!r}; a source is a function of a Vehicle that returns a Machine."
+        )
+    made: Callable[..., Any] = found
+    return made
 
 
 def _made(entry: Entry, config: BaseModel, path: Path | None) -> Target:

@@ -177,6 +177,16 @@ def test_own_machine_is_verified(installed: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_source_of_ones_own_is_verified(installed: Path, tmp_path: Path) -> None:
+    """The beacons of docs/localizer.md outside of the repository: their contract, and the localizer with them alone."""
+    shutil.copy(ROOT / "docs" / "examples" / "beacons.py", tmp_path)
+    for kind in ("contract", "alone"):
+        code, printed = called(installed, tmp_path, "prove", f"{kind}+beacons.py:source")
+        assert code == 0, printed
+        assert "all holds" in printed
+
+
+@pytest.mark.slow
 def test_wrong_guard_is_shown(installed: Path, tmp_path: Path) -> None:
     """The door released at any speed: exit code 1, and the run that shows it."""
     wrong = readme_door().replace("wanted & speed.eq(0)", "wanted")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import (
@@ -34,6 +34,7 @@ class ArbitrationConfig(Config):
     """Which ways of locating there are, and what is tolerable."""
 
     sources: tuple[str, ...] = SOURCES
+    own: tuple[str, ...] = Field(default=(), description="sources of your own, after these")
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
     max_step_mm: int = quantity(4_459, "mm", 1, 200_000, "[D] 160 km/h in 100 ms, and a measuring step")
     lag_limit_mm: int = quantity(
@@ -44,9 +45,17 @@ class ArbitrationConfig(Config):
     @model_validator(mode="after")
     def _known_sources(self) -> ArbitrationConfig:
         unknown = [name for name in self.sources if name not in SOURCES]
-        if unknown or len(set(self.sources)) != len(self.sources) or not self.sources:
+        if unknown or len(set(self.sources)) != len(self.sources) or not self.every:
             raise ValueError(f"sources {list(self.sources)} must be some of {list(SOURCES)}, each at most once.")
+        taken = [name for name in self.own if name in (*SOURCES, "none", "withheld") or not name.isidentifier()]
+        if taken or len({name.upper() for name in self.own}) != len(self.own):
+            raise ValueError(f"own {list(self.own)} must be names of their own, each once, none of {list(SOURCES)}.")
         return self
+
+    @property
+    def every(self) -> tuple[str, ...]:
+        """All sources, in the order in which they are declared."""
+        return (*self.sources, *self.own)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,10 +131,10 @@ def parts(config: ArbitrationConfig) -> Parts:
     """Fresh variables for one vehicle."""
     limit, widest = config.position_limit_mm, 10 * config.tolerance_mm
     reach = (limit + 2 * widest) * NM_PER_MM
-    named = enumeration(members("source", "NONE", *(name.upper() for name in config.sources)))
+    named = enumeration(members("source", "NONE", *(name.upper() for name in config.every)))
     return Parts(
         config,
-        tuple(_source(name, config) for name in config.sources),
+        tuple(_source(name, config) for name in config.every),
         optional("distance_mm", MM, -config.max_step_mm, config.max_step_mm),
         number("common_position_mm", MM, -limit, limit),
         number("common_margin_below_mm", MM, 0, config.tolerance_mm),

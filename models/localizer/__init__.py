@@ -13,12 +13,12 @@
 
 A later machine sees what an earlier one computed in the same step. Any of the five sources may be left out. Each keeps its
 own proofs; what arbitration, the links and the restrictive state assume of the machines before them, and the satellites'
-position of a reference, is not assumed of the whole, but owed by those, and proved.
+position of a reference, is not assumed of the whole, but owed by those, and proved. Sources of a user's own come behind the five.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from safeloc.language.composition import Clause, Composition, compose
@@ -28,13 +28,16 @@ from safeloc.models import arbitration, delocalized, motion, transmission
 from safeloc.models.arbitration import Arbitration, Source
 from safeloc.models.arbitration.variables import parts as arbitration_parts
 from safeloc.models.localizer.configuration import CHECKED, LocalizerConfig, SourceName
-from safeloc.models.localizer.sources import PIECES, Piece, Stated
+from safeloc.models.localizer.own_source import Maker, OwnSource, Vehicle, distinct, own_source, vehicle_of
+from safeloc.models.localizer.sources import PIECES, Piece, Stated, plainly
 from safeloc.models.motion import Motion
 from safeloc.models.transmission import Transmission, TransmissionConfig
 from safeloc.models.vocabulary.absent import heard_interval
 from safeloc.models.vocabulary.reasons import NO_REFERENCE
 
-__all__ = ["CHECKED", "Localizer", "LocalizerConfig", "More", "Piece", "SourceName", "Stated", "compose_machines"]
+__all__ = [
+    "CHECKED", "Localizer", "LocalizerConfig", "More", "OwnSource", "Piece", "SourceName", "Stated", "Vehicle", "compose_machines",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,19 +77,25 @@ def compose_machines(
     config: LocalizerConfig | None = None,
     *,
     name: str = "localizer",
+    own: Sequence[Maker] = (),
+    only_own: bool = False,
     behind: Callable[[Motion, Machine, Transmission], More] = _no_more,
 ) -> Localizer:
     """The localizer of a vehicle: its sources in declared order, then what counts, then what is done with it.
 
+    own      functions that make further sources (safeloc.models.localizer.own_source); `only_own`: and no shipped ones
     behind   from the movement, the restrictive state and the uplink: what another composition adds
     """
     config = config or LocalizerConfig()
     moves = motion.build(motion.parts(config.motion))
     pieces: dict[str, Piece] = {}
-    for source in config.arbitration.sources:
+    shipped = () if only_own else config.arbitration.sources
+    for source in shipped:
         pieces[source] = PIECES[source](config, moves, pieces)
+    further = _own_pieces(config, moves, own)
+    pieces |= further
     downlink, link_wires = _downlink(config, moves, pieces)
-    counts = arbitration.build(arbitration_parts(config.arbitration))
+    counts = arbitration.build(arbitration_parts(config.arbitration_of(shipped, tuple(further))))
     guard = delocalized.machine(
         delocalized.DelocalizedConfig(
             tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm
@@ -114,6 +123,14 @@ def compose_machines(
         discharge=[*owed, *links, counts.machine, guard, uplink.machine, *more.discharge],
     )
     return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
+
+
+def _own_pieces(config: LocalizerConfig, moves: Motion, own: Sequence[Maker]) -> dict[str, Piece]:
+    """The sources that a user added, by their machines' names."""
+    vehicle = vehicle_of(moves, config.widest_mm)
+    made = [own_source(make, vehicle) for make in own]
+    distinct(made)
+    return {one.machine.name: Piece((one.machine,), {}, plainly(one.machine), models=(one,)) for one in made}
 
 
 # ------------------------------------------------------------------ what stands behind the sources

@@ -56,8 +56,18 @@ class LocalizerConfig(Config):
     @property
     def arbitration(self) -> ArbitrationConfig:
         """What arbitration depends on."""
+        return self.arbitration_of(tuple(name for name in SOURCES if name in self.sources), ())
+
+    @property
+    def widest_mm(self) -> int:
+        """The greatest margin of a source that is heard."""
+        return 10 * self.tolerance_mm
+
+    def arbitration_of(self, shipped: tuple[str, ...], own: tuple[str, ...]) -> ArbitrationConfig:
+        """What arbitration depends on between these shipped sources and a user's own."""
         return ArbitrationConfig(
-            sources=tuple(name for name in SOURCES if name in self.sources),
+            sources=shipped,
+            own=own,
             tolerance_mm=self.tolerance_mm,
             max_step_mm=self.motion.limits.max_step_mm,
             position_limit_mm=self.motion.position_limit_mm,
@@ -91,7 +101,7 @@ class LocalizerConfig(Config):
     @model_validator(mode="after")
     def _fits(self) -> LocalizerConfig:
         """What is left out need not fit."""
-        widest, used = 10 * self.tolerance_mm, self.used
+        widest, used = self.widest_mm, self.used
         for name, limit in {
             "odometry.tolerance_mm": self.odometry.tolerance_mm,
             "balise.tolerance_mm": self.balise.tolerance_mm,

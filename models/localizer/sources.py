@@ -66,7 +66,7 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
     model = odometry.build(own)
     wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
     told = {var: term for one in wires for var, term in one.items()}
-    return Piece((model.machine,), told, _plainly(model.machine), models=(model,))
+    return Piece((model.machine,), told, plainly(model.machine), models=(model,))
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
@@ -78,7 +78,7 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
     model = balise.build(own)
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
     owed = _owed_law(Clause(model.machine, balise.ODOMETER), moves)
-    return Piece((model.machine,), wires, _plainly(model.machine), owed, (model,))
+    return Piece((model.machine,), wires, plainly(model.machine), owed, (model,))
 
 
 def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
@@ -86,7 +86,7 @@ def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
     return () if moves.own.check is None else (law,)
 
 
-def _plainly(machine: Machine) -> Stated:
+def plainly(machine: Machine) -> Stated:
     """What a machine states whose outputs have the common names and reasons."""
     return Stated(
         machine.flag("valid"),

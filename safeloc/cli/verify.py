@@ -11,7 +11,7 @@ import typer
 
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.mutation.strength import stamp, strengths_of
-from safeloc.catalogue import ENTRIES, Target, load_target
+from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in, tell_kept
 from safeloc.cli.options import (
@@ -45,6 +45,10 @@ from safeloc.report.proof_evidence import evidence_data
 def verify(
     targets: Annotated[list[str] | None, typer.Argument(help="machines; by default all shipped ones")] = None,
     config: ConfigOption = None,
+    source: Annotated[
+        list[str] | None,
+        typer.Option("--source", help="of the localizer: a source of your own as FILE.py:NAME (repeatable)"),
+    ] = None,
     folder: Annotated[Path, typer.Option("--out", help="folder of the report")] = Path("safeloc-report"),
     depth: DepthOption = 25,
     seconds: SecondsOption = 30.0,
@@ -69,10 +73,10 @@ def verify(
     as_json: JsonOption = False,
 ) -> None:
     """Prove, test, replay the shipped recordings, and write the report: the main command."""
-    names = targets or list(ENTRIES)
+    names = _named(targets, source)
     if again:
         raise typer.Exit(watch(sys.argv[1:], beside(names, config)))
-    if config is not None and len(names) > 1:
+    if config is not None and len(names) > 1 and not source:
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
     store = store_in(cache)
@@ -102,6 +106,15 @@ def verify(
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
+
+
+def _named(targets: list[str] | None, sources: list[str] | None) -> list[str]:
+    """The names of what is verified."""
+    if not sources:
+        return targets or list(ENTRIES)
+    if targets is None or len(targets) != 1:
+        raise typer.BadParameter("--source is for the localizer; give it as the only machine.")
+    return with_sources(targets[0], sources)
 
 
 def _put_back(report: KeptReport | None, folder: Path) -> bool:

@@ -18,6 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
+from safeloc.catalogue import sources_of
 from safeloc.cli.console import err, out
 from safeloc.language.verdict import WORST_FIRST
 
@@ -95,7 +96,8 @@ def _told(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds
 
 def beside(machines: Sequence[str], config: Path | None) -> list[Path]:
     """List the files to watch besides the package: the Python files next to a user's own, and a configuration."""
-    own = [name.rpartition(":")[0] for name in machines if ":" in name]
+    named = [one for name in machines for one in sources_of(name)]
+    own = [name.rpartition(":")[0] for name in named if ":" in name]
     folders = dict.fromkeys(Path(name).parent if name.endswith(".py") else Path.cwd() for name in own)
     return [path for folder in folders for path in folder.glob("*.py")] + ([] if config is None else [config])
 

@@ -23,7 +23,7 @@ from safeloc.models import (
     verification,
 )
 from safeloc.models.arbitration import configurations as arbitration_configurations
-from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer import LocalizerConfig, OwnSource
 from safeloc.models.localizer import configurations as localizer_configurations
 from safeloc.models.localizer import picture as localizer_picture
 from safeloc.models.localizer_sections import LocalizerSectionsConfig
@@ -34,6 +34,7 @@ from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import localizer_sections as localizer_sections_properties
 from safeloc.properties import odometry as odometry_properties
+from safeloc.properties import own_source as own_source_properties
 from safeloc.properties import reflector as reflector_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.properties import transmission as transmission_properties
@@ -60,7 +61,11 @@ def _transmission(config: BaseModel) -> Target:
 
 def _localizer(config: BaseModel) -> Target:
     assert isinstance(config, LocalizerConfig)
-    whole = localizer.compose_machines(config)
+    return localized(localizer.compose_machines(config), config)
+
+
+def localized(whole: localizer.Localizer, config: LocalizerConfig) -> Target:
+    """Return a localizer with its claims, recordings and picture."""
     doc = (
         "All ways of locating of one vehicle in one step: what those that state a position have in common, led by the one with "
         "the smallest margin; nothing where they exclude each other; and what the trackside sees of it."
@@ -101,6 +106,8 @@ def _claimed(model: object) -> tuple[Machine, Sequence[Property]]:
             return model.machine, verification_properties.properties(model)
         case transmission.Transmission():
             return model.machine, transmission_properties.properties(model)
+        case OwnSource():
+            return model.machine, own_source_properties.properties(model)
         case arbitration.Arbitration():
             return model.machine, arbitration_properties.properties(model)
         case _:

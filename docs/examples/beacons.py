@@ -1,0 +1,55 @@
+"""Ultra-wideband beacons as a source of the localizer: `safeloc verify localizer --source beacons.py:source`.
+
+A tag at the front end measures the range to a beacon ahead, whose place the map has. Between two ranges the interval
+grows by what the vehicle can run.
+"""
+
+from safeloc.language.expr import Bool, Num, between, exact_to, ite, number, optional
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
+from safeloc.language.world import Law
+from safeloc.models.localizer import Vehicle
+from safeloc.models.vocabulary.absent import margin_if, position_if
+from safeloc.models.vocabulary.reasons import LOCATED, SENSOR_FAILURE
+
+SURVEY_MM, RANGING_MM, LATENCY_CYCLES, WIDEST_MM = 100, 300, 1, 45_000
+TRUE_RANGE = "The beacon's place less the range is the front end's, within survey, ranging error and a cycle's run."
+
+
+def holds(middle: Num, error: Num | int, truth: Num) -> Bool:
+    """The truth is no farther from the middle than the error."""
+    return between(exact_to(middle - error, NM), truth, exact_to(middle + error, NM))
+
+
+def source(vehicle: Vehicle) -> Machine:
+    """The beacons' machine for a vehicle."""
+    far, run = vehicle.position_limit_mm, vehicle.farthest_mm
+    beacon, distance = optional("beacon_mm", MM, 500_000 - far, far), optional("range_mm", MM, 0, 500_000)
+    position, margin = number("place_mm", MM, -far, far), number("error_mm", MM, 0, WIDEST_MM)
+    silent, located = table = modes("SILENT", "LOCATED")
+    mode, fresh = current_mode(table), SURVEY_MM + RANGING_MM + LATENCY_CYCLES * run
+    valid, ranged, place = mode.eq(located), beacon.present & distance.present, beacon.value - distance.value
+    law = Law(ranged.implies(holds(place, fresh, vehicle.truth_after)), TRUE_RANGE, owner="supplier", source="[M]")
+    wider = margin + run
+    return Machine(
+        name="beacons",
+        modes=table,
+        inputs=[beacon, distance],
+        state={position: 0, margin: 0},
+        transitions=[
+            Transition("range", table, located, ranged, {position: place, margin: fresh}),
+            Transition("run on", located, located, wider <= WIDEST_MM, {margin: wider}, rank=1),
+            Transition("too wide", located, silent, set={position: 0, margin: 0}, rank=2),
+            Transition("no beacon yet", silent, silent, rank=2),
+        ],
+        outputs={
+            "valid": valid,
+            "position_mm": position_if(valid, position),
+            **{f"margin_{side}_mm": margin_if(valid, margin) for side in ("below", "above")},
+            "reference_accepted": valid & margin.eq(fresh),
+            "reason": ite(valid, LOCATED, SENSOR_FAILURE),
+        },
+        world=vehicle.world({"a range is true": law}),
+        lemmas={"the interval holds the front end": valid.implies(holds(position, margin, vehicle.truth))},
+        mode_variable=mode,
+    )
