@@ -28,13 +28,12 @@ from safeloc.language.machine import Machine
 from safeloc.language.renamed import FIELDS
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
-from safeloc.models.localizer import LocalizerConfig
 from safeloc.railway.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
 from safeloc.runtime.outside import read_bytes
 from safeloc.shipped import ENTRIES
 from safeloc.shipped.hosting import for_hosts
-from safeloc.shipped.own_sources import KINDS, SEPARATOR, with_own_sources
+from safeloc.shipped.own_sources import KINDS, SEPARATOR, WITH_SOURCES, with_own_sources
 from safeloc.target import Entry, Target
 
 NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
@@ -109,7 +108,7 @@ def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
     """List the names of all that is verified of a localizer with these sources: each one's contract, the localizer with them
     alone, and the localizer with its own as well. InputError for another machine.
     """
-    if spec != "localizer":
+    if spec != WITH_SOURCES:
         raise InputError(f"--source is for the localizer; {spec!r} takes no source of your own.")
     together = SEPARATOR.join(sources)
     contracts = [f"contract{SEPARATOR}{one}" for one in sources]
@@ -121,8 +120,7 @@ def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
     named = NAMED.findall(sources)
     if SEPARATOR.join(named) != sources or not named:
         raise InputError(f"{sources!r} names no source; give FILE.py:NAME or package.module:NAME, several joined by +.")
-    own, makers = read_config(LocalizerConfig, config), [_maker(one) for one in named]
-    assert isinstance(own, LocalizerConfig)
+    own, makers = read_config(ENTRIES[WITH_SOURCES].config, config), [_maker(one) for one in named]
     with _as_input_error(sources):
         return for_hosts(with_own_sources(kind, makers, own))
 

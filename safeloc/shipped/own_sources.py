@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from pydantic import BaseModel
+
 from safeloc.errors import InputError
 from safeloc.language.system import lower
 from safeloc.models import localizer, motion
@@ -15,12 +17,15 @@ from safeloc.reported import Reported
 from safeloc.shipped.localizer import localized
 from safeloc.target import Target
 
+WITH_SOURCES = "localizer"
+"""The machine that takes sources of a user's own."""
 SEPARATOR = "+"
 """Stands between the word for what is made and the sources: `localizer+beacons.py:source`."""
 
 
-def with_own_sources(kind: str, makers: Sequence[Maker], config: LocalizerConfig) -> Target:
+def with_own_sources(kind: str, makers: Sequence[Maker], config: BaseModel) -> Target:
     """Return what `KINDS` makes of a user's sources; InputError where one is not of the form that the localizer hears."""
+    assert isinstance(config, LocalizerConfig)
     return KINDS[kind](makers, config)
 
 
@@ -43,7 +48,7 @@ def _alone(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
 
 
 def _beside(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
-    return _bare(localized(localizer.compose_machines(config, own=makers), config), "localizer")
+    return _bare(localized(localizer.compose_machines(config, own=makers), config), WITH_SOURCES)
 
 
 def _bare(target: Target, name: str) -> Target:
@@ -54,7 +59,7 @@ def _bare(target: Target, name: str) -> Target:
 KINDS: Mapping[str, Callable[[Sequence[Maker], LocalizerConfig], Target]] = {
     "contract": _contract,
     "alone": _alone,
-    "localizer": _beside,
+    WITH_SOURCES: _beside,
 }
 """What is made of a user's sources, by the word for it:
 
