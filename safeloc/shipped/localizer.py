@@ -142,7 +142,7 @@ def _localizer_sections(config: BaseModel) -> Target:
     system, streams = whole.composition.system, recorded(localizer_sections.NAME)
     return Target(
         localizer_sections.NAME, system.machines, system, properties, config, doc, streams, localizer_picture.PASSED_ON,
-        pictures=(localizer_picture.picture(config.localizer, _says_of_sections),),
+        pictures=(localizer_picture.picture(config.localizer, _says_of_sections),), members=_members(whole.localizer),
     )  # fmt: skip
 
 

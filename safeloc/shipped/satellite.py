@@ -71,9 +71,10 @@ def _target(
 ) -> Target:
     system, machines = whole.composition.system, (whole.selection.machine, whole.machine)
     streams, pictures = recorded(system.name), _pictures(reported, config)
+    members = {whole.selection.machine.name: tuple(selection_properties.properties(whole.selection))}
     return Target(
         system.name, machines, system, tuple(properties), config, doc, streams, reported,
-        lambda seed: _simulated(config, seed), pictures,
+        lambda seed: _simulated(config, seed), pictures, members=members,
     )  # fmt: skip
 
 
