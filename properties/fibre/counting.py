@@ -60,6 +60,15 @@ def _numbers(model: Fibre) -> Iterator[Property]:
         statement="without a signal there is neither count nor place",
         requirements=COUNTS,
     )
+    follows = mode.ne(waiting) & ~machine.flag("error")
+    yield for_all_inputs(
+        "a count that is known is told",
+        machine.flag("count_known").iff(own.counted & follows)
+        & machine.output("count").eq(ite(follows & (own.counted | mode.eq(located)), own.count, as_num(0, COUNT))),
+        statement="while sections are followed, the count is told from the first signal on, and where the train is located; "
+        "otherwise none is",
+        requirements=COUNTS,
+    )
     yield for_all_inputs(
         "every signal counts by direction",
         (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),

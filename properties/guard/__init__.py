@@ -7,7 +7,7 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, reachable
-from safeloc.language.units import COUNT, NM
+from safeloc.language.units import COUNT, NM, NM_PER_MM
 from safeloc.models.guard import Guard
 from safeloc.models.guard.variables import ACROSS, AGAINST, NO_FAULT, OUT_OF_REACH, PASSED, UNCONFIRMED
 from safeloc.properties.guard.step import HALF_TURN_MRAD, Step
@@ -32,6 +32,7 @@ def properties(model: Guard) -> list[Property]:
         _course,
         _carried,
         _new_start,
+        _told_whole,
         _told,
         _trust,
         _recovering,
@@ -91,6 +92,18 @@ def _charged(model: Guard) -> Iterator[Property]:
         "a fix narrows to its charge only",
         (_was_holding(model) & machine.flag("passed")).implies(narrowed),
         statement="a fix that is passed on narrows what is held no further than to what it may be off itself",
+    )
+
+
+def _told_whole(model: Guard) -> Iterator[Property]:
+    """The place last known, rounded outward to a millimetre and no farther."""
+    machine, own = model.machine, model.own
+    behind = own.known_low - exact_to(machine.output("known_from_mm"), NM) - own.config.rollback_mm * NM_PER_MM
+    ahead = exact_to(machine.output("known_to_mm"), NM) - own.known_high
+    yield for_all_inputs(
+        "the place last known is told whole",
+        between(0, behind, NM_PER_MM - 1) & between(0, ahead, NM_PER_MM - 1),
+        statement="what is told of the place last known holds all of it, with the way that a vehicle may roll back, to a millimetre",
     )
 
 
