@@ -4,6 +4,9 @@ While a train passes a channel, its clusters of axles pass one by one. Each chan
 distance behind the front end and freed of that channel's coupling, is the same picture; over many channels noise and
 coupling average out. With a gauge of some metres the bogies of two coupled coaches are one cluster, and single axles
 are not seen: the count of clusters is what is measured.
+
+A count is that of the train when it passed the first channels of its profile: a vehicle that it lost since is still in it. So
+no count is told whose profile began farther back than `told_run_mm` of run, as reckoned at most; however long it stood.
 """
 
 from __future__ import annotations
@@ -48,11 +51,20 @@ class Count:
     confident: bool
 
 
+@dataclass(frozen=True)
+class _Profiled:
+    """Clusters in a whole profile, and the run so far when the train's last axle passed the first channel of it, mm."""
+
+    clusters: int
+    began_mm: float
+
+
 @dataclass(frozen=True, eq=False)
 class _Moment:
-    """One window: when, where the train's middle was measured, and every channel's energy."""
+    """One window: when, after how much run, where the train's middle was measured, and every channel's energy."""
 
     time_ms: float
+    run_mm: float
     middle_mm: float
     energy: Single
 
@@ -66,15 +78,17 @@ class Counter:
         self._profile: Numbers | None = None
         self._gathered = 0
         self._next: int | None = None
-        self._counts: deque[int] = deque(maxlen=config.counting.agree)
+        self._counts: deque[_Profiled] = deque(maxlen=config.counting.agree)
+        self._run_mm, self._began_mm, self._time_ms = 0.0, 0.0, math.nan
 
     def follow(self, time_ms: float, middle_mm: float, length_mm: float, speed_mm_s: float, energy: Single) -> None:
         """Process one window: place of the middle, length between the outermost axles, speed (signed), all as measured."""
+        self.runs(time_ms, speed_mm_s)
         if abs(speed_mm_s) < SLOWEST_MM_S or (self._moments and self._turned(middle_mm, speed_mm_s)):
             self._start_again()
         if abs(speed_mm_s) < SLOWEST_MM_S:
             return
-        self._moments.append(_Moment(time_ms, middle_mm, energy))
+        self._moments.append(_Moment(time_ms, self._run_mm, middle_mm, energy))
         ahead = 1 if speed_mm_s > 0 else -1
         reach = ahead * (length_mm / 2 + BEYOND_MM)
         passed = self._channel(middle_mm - reach, ahead)
@@ -87,13 +101,20 @@ class Counter:
 
     @property
     def count(self) -> Count | None:
-        """The last count; None before there is one."""
-        if not self._counts:
+        """The last count; None before there is one, and where too much was run since it began."""
+        if not self._counts or self._run_mm - self._counts[-1].began_mm > self._config.counting.told_run_mm:
             return None
-        clusters = self._counts[-1]
-        agreed = len(self._counts) == self._counts.maxlen and len(set(self._counts)) == 1
+        clusters = self._counts[-1].clusters
+        agreed = len(self._counts) == self._counts.maxlen and len({one.clusters for one in self._counts}) == 1
         each = self._config.counting.axles_per_vehicle
         return Count(clusters, each * (clusters - 1) if each and clusters > 1 else None, agreed)
+
+    def runs(self, time_ms: float, speed_mm_s: float) -> None:
+        """Go on to a window of which nothing is counted: the run so far, at most, with what the speed may be wrong by."""
+        if not math.isnan(self._time_ms):
+            most = abs(speed_mm_s) + self._config.detection.speed_error_mm_s
+            self._run_mm += most * (time_ms - self._time_ms) / 1_000
+        self._time_ms = time_ms
 
     def _turned(self, middle_mm: float, speed_mm_s: float) -> bool:
         return (middle_mm - self._moments[0].middle_mm) * speed_mm_s < -TURNED_MM * abs(speed_mm_s)
@@ -139,13 +160,14 @@ class Counter:
         course = np.interp(bins, behind, course)
         if self._profile is None:
             self._profile = np.zeros(len(bins))
+            self._began_mm = self._moments[max(0, int((behind <= length_mm / 2).sum()) - 1)].run_mm
         shared = min(len(bins), len(self._profile))
         self._profile = self._profile[:shared] + course[:shared] / max(
             float(course.mean()), float(np.finfo(np.float64).tiny)
         )
         self._gathered += 1
         if self._gathered * inter.channel_mm >= counting.run_mm:
-            self._counts.append(clusters(self._profile, self._config))
+            self._counts.append(_Profiled(clusters(self._profile, self._config), self._began_mm))
             self._profile, self._gathered = None, 0
 
 

@@ -164,6 +164,13 @@ class Counting(Config):
 
     bin_mm: int = quantity(1_000, "mm", 100, 10_000, "[D] resolution of the train's profile")
     run_mm: int = quantity(300_000, "mm", 10_000, 10_000_000, "[D] run over which one profile is gathered")
+    told_run_mm: int = quantity(
+        750_000,
+        "mm",
+        10_000,
+        100_000_000,
+        "[D] two profiles, what lies between, and what the run is reckoned too long by",
+    )
     dip_percent: int = quantity(20, "% of a cluster's height", 1, 90, "[D] how far the profile falls between clusters")
     agree: int = quantity(3, "profiles", 1, 50, "[D] so many counts in a row agree")
     axles_per_vehicle: int = quantity(0, "axles", 0, 64, "0: only clusters are told; 4: coaches with two bogies each")

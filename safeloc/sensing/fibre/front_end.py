@@ -161,12 +161,12 @@ class FrontEnd:
                 self._count(track, fit, window)
 
     def _count(self, track: Track, fit: Fit, window: _Window) -> None:
-        run = track.last
-        if not (run.cut_low or run.cut_high):
-            length = fit.high_mm - fit.low_mm
-            self._watches[track.number].counter.follow(
-                window.time_ms, (run.low_mm + run.high_mm) / 2, length, fit.speed_mm_s, window.energy
-            )
+        run, counter = track.last, self._watches[track.number].counter
+        if run.cut_low or run.cut_high:
+            counter.runs(window.time_ms, fit.speed_mm_s)
+        else:
+            length, middle = fit.high_mm - fit.low_mm, (run.low_mm + run.high_mm) / 2
+            counter.follow(window.time_ms, middle, length, fit.speed_mm_s, window.energy)
 
     def _listen(self, energies: Energies, window: int, time_ms: float) -> list[Heard]:
         level = self._tone_quiet.level

@@ -78,3 +78,39 @@ def test_turning_back_starts_the_profile_again() -> None:
         speed = 40_000 if window < 200 else -40_000
         counter.follow(window * 50.0, middle * 1_000.0, 100_000, speed, still)
     assert counter.count is None
+
+
+def told_after_a_loss(legs: list[tuple[float, float]], lost_m: float) -> list[float]:
+    """Run since the last coach came off (after so much run, in m), wherever a count of all six clusters is told.
+
+    legs  speed in m/s, and for how many seconds
+    """
+    counter, middle, ran, time_s, found = Counter(CONFIG), 600.0, 0.0, 0.0, list[float]()
+    centre = (np.arange(CONFIG.interrogator.channels) * 10_000 + CONFIG.interrogator.span_mm / 2) / 1_000
+    for speed, seconds in legs:
+        for _ in range(round(seconds / 0.05)):
+            time_s, middle, ran = time_s + 0.05, middle + speed * 0.05, ran + abs(speed) * 0.05
+            behind, length = (0 if ran < lost_m else 1), 130.0 - (0 if ran < lost_m else 26)
+            places = [middle + (13 if behind else 0) - length / 2 + 26 * joint for joint in range(6 - behind)]
+            energy = 1 + 100 * sum(np.exp(-(((centre - place) / 6) ** 2)) for place in places)
+            seen = (places[0] + places[-1]) / 2
+            counter.follow(time_s * 1_000, seen * 1_000, length * 1_000, speed * 1_000, np.asarray(energy, np.float32))
+            if ran > lost_m and counter.count is not None and counter.count.clusters == 6:
+                found.append(ran - lost_m)
+    return found
+
+
+RUN_ON, IN_STARTS, TO_AND_FRO = (
+    [(40.0, 75.0)],
+    [(40.0, 35.0), *[(0.0, 60.0), (20.0, 10.0)] * 8],
+    [(40.0, 35.0), *[(-20.0, 10.0), (20.0, 10.0)] * 5],
+)
+
+
+@pytest.mark.parametrize("legs", [RUN_ON, IN_STARTS, TO_AND_FRO], ids=["runs on", "stops and starts", "to and fro"])
+@pytest.mark.parametrize("lost_m", [1_001.0, 1_100.0, 1_250.0])
+def test_a_count_is_not_told_for_longer_than_its_run(legs: list[tuple[float, float]], lost_m: float) -> None:
+    """A coach that was lost is counted for some run, never for more than the figure, whenever it is lost and however it runs."""
+    told = told_after_a_loss(legs, lost_m)
+    assert told
+    assert CONFIG.counting.told_run_mm / 1_000 >= max(told)
