@@ -16,8 +16,8 @@ from safeloc.language.expr import Bool, BoolVar, Num, all_of, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution
-from safeloc.language.units import NM
-from safeloc.models.area import report_law
+from safeloc.language.units import NM, UM
+from safeloc.models.area import left_law, report_law
 from safeloc.models.area.slot import ACCEPTED
 from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, ends
@@ -26,9 +26,10 @@ from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
 
 LAW = (
-    "the fibre's bounds and code law at both ends; count and length told of a pattern are that pattern's; a pattern with "
-    "all axles counted is the whole train, and a train loses vehicles at the end that trails; undisturbed counters count "
-    "every vehicle; top speed; no vehicle passes another; reports of other trains are true"
+    "the fibre's bounds and code law at both ends; count and length told of a pattern are that pattern's, the count at some "
+    "moment within its run; a train with all axles counted is whole and no longer than its reference, loses vehicles at the "
+    "end that trails at any moment, and these stay there; undisturbed counters count every vehicle; top speed; no vehicle "
+    "passes another; reports of other trains are true"
 )
 CLAIM = ("FVA-1", "FVA-10", "FWG-1", "FWG-11")
 STAY = ("FVA-2", "FVA-11")
@@ -88,6 +89,13 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         requirements=CLEAR,
     )
     yield under_assumption(
+        "a train that is counted out has left with all its axles",
+        _left_law(model),
+        statement="what the area assumes of a train that is counted out is kept: nothing of it, and no part that it lost, is in "
+        "the area",
+        requirements=(*STAY, *CLEAR),
+    )
+    yield under_assumption(
         "the verification is told the truth",
         seen.bool(place_law(verified.own)),
         statement="what the verification assumes of the front's interval is kept by the fibre machines",
@@ -112,6 +120,14 @@ def _report_law(model: FibreArea) -> Bool:
     there = of(slot.there)
     assert isinstance(there, BoolVar)
     return Substitution({there: earlier_bool(there)}).bool(of.bool(report_law(slot)))
+
+
+def _left_law(model: FibreArea) -> Bool:
+    """The law of leaving, for a train that was in the area before the step."""
+    slot, of = model.area.own.slots[0], model.composition.of(model.area.machine)
+    there = of(slot.there)
+    assert isinstance(there, BoolVar)
+    return Substitution({there: earlier_bool(there)}).bool(of.bool(left_law(model.area.own, slot)))
 
 
 def _wired_in_range(model: FibreArea) -> Bool:
@@ -255,6 +271,8 @@ def _sections(model: FibreArea) -> Iterator[Property]:
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
     )
+    yield from _charged(model)
+    yield from _counted_out(model)
     low, high = of.num(slot.low), of.num(slot.high)
     present, edge = of.bool(slot.present), model.config.sections.area.limit_mm
     stays = earlier_bool(present) & present & ~of.bool(slot.enters) & ~_trusted(model)
@@ -264,6 +282,86 @@ def _sections(model: FibreArea) -> Iterator[Property]:
         statement="while the train is not trusted, neither end of where it may be comes nearer to the other",
         requirements=CLEAR,
     )
+
+
+def _counted_out(model: FibreArea) -> Iterator[Property]:
+    """A train that leaves with fewer axles than it came in with frees nothing."""
+    slot, area = model.area.own.slots[0], _of_slot(model)
+    own, of = model.entry, model.composition.of(model.entry.machine)
+    inside = of.num(own.inside)
+    missing = (of.num(own.axles_out.value) - of.num(own.axles_in.value)).ne(earlier_num(inside))
+    uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
+    empty = area.bool(model.area.own.healthy & model.area.own.clear)
+    enters, present = area.bool(slot.enters), area.bool(slot.present)
+    yield for_all_inputs(
+        "a train that leaves a part behind has not left",
+        (earlier_bool(present) & missing & ~enters & ~empty).implies(present & ~_leaves(model)),
+        statement="while other axles of a train were counted out than in, it stays in the area and sections may be its own: no "
+        "event of leaving frees them, only counters that report the area empty",
+        requirements=(*STAY, *CLEAR),
+    )
+    yield for_all_inputs(
+        "a train of which axles were not counted is not counted out",
+        (uncounted | (~enters & ~earlier_bool(of.bool(own.sure)))).implies(~of.bool(own.sure) & ~_leaves(model)),
+        statement="from a cycle on in which a counter was disturbed, a train does not leave, until another one enters in its place: "
+        "its balance of axles is not sure any more",
+        requirements=(*STAY, *CLEAR),
+    )
+
+
+def _charged(model: FibreArea) -> Iterator[Property]:
+    """How far out an end of a counted train is believed, in figures of its own; and of a part that was lost."""
+    own, of = model.report.own, model.composition.of(model.report.machine)
+    seen, figures = model.composition.of(model.verification.machine), model.config.parting
+    told = _told(model) & of.bool(model.report.machine.flag("integer"))
+    long = seen.num(model.verification.own.kept_high)
+    run = of.num(own.straight)
+    low, high = of.num(own.told_low), of.num(own.told_high)
+    front, rear = of.num(own.front_low), of.num(own.rear_high)
+    most = figures.count_run_mm + figures.roll_back_mm
+    yield for_all_inputs(
+        "a count is charged its run",
+        told.implies(
+            ((low + most <= front - long) | (run < -figures.count_run_mm))
+            & ((high - most >= rear + long) | (run > figures.count_run_mm))
+        ),
+        statement="in a cycle in which a train counts as whole, each end is told as far out as that of a whole train within the "
+        "count's run, unless that end has led for longer than this run",
+        requirements=(*COUNTS, *CLEAR),
+    )
+    yield for_all_inputs(
+        "an end leads by run one way only",
+        all_of(_one_way(model, run)),
+        statement="run one way is counted from zero again by a cycle in which the train stands, turns, is not heard, or is gone",
+        requirements=(*COUNTS, *CLEAR),
+    )
+    slot = model.area.own.slots[0]
+    there = _of_slot(model)
+    parted = there.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
+    rear_um, front_um = there.num(slot.true_rear), there.num(slot.true_front)
+    for one in model.sections:
+        mine = model.composition.of(one.machine)
+        start, end = (mine.num(exact_to(bound, UM)) for bound in (one.start, one.end))
+        yield under_assumption(
+            f"{one.machine.name} is never clear over a part that was lost",
+            (parted & mine.bool(one.machine.flag("clear"))).implies((front_um < start) | (rear_um > end)),
+            statement="from the rear end of what a train lost last to its front end no section is FREE, whenever it parted",
+            requirements=(*COUNTS, *CLEAR),
+        )
+
+
+def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
+    """Run one way grows while it goes on, and is none from the cycle on in which it does not."""
+    told = model.composition.of(model.front.machine)
+    seen = model.composition.of(model.verification.machine)
+    heard = told.bool(model.front.own.run.present), told.num(model.front.own.run.value)
+    yield (earlier_num(run) <= 0) | (run >= earlier_num(run)) | (run <= 0)
+    yield (earlier_num(run) >= 0) | (run <= earlier_num(run)) | (run >= 0)
+    yield (run > 0).implies(heard[1] > 0)
+    yield (run < 0).implies(heard[1] < 0)
+    yield run.ne(0).implies(heard[0])
+    yield run.ne(0).implies(seen.bool(model.verification.own.associated))
+    yield _leaves(model).implies(run.eq(0))
 
 
 def _of_sections(model: FibreArea) -> Iterator[Property]:

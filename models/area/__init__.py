@@ -35,13 +35,14 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.area.variables import AreaConfig, Parts, parts
-from safeloc.models.area.world import moves_clause, report_law, reports_clause, um, world
+from safeloc.models.area.world import left_law, moves_clause, report_law, reports_clause, um, world
 
 __all__ = [
     "Area",
     "AreaConfig",
     "Parts",
     "build",
+    "left_law",
     "machine",
     "moves_clause",
     "parts",
@@ -65,8 +66,12 @@ def machine(config: AreaConfig | None = None) -> Machine:
     return build(parts(config or AreaConfig())).machine
 
 
-def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
-    """The machine over the given variables; `kept`: slots whose reports an earlier machine vouches for, not assumed."""
+def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] = ()) -> Area:
+    """The machine over the given variables.
+
+    kept         slots whose reports an earlier machine vouches for, not assumed
+    counted_out  slots of which an earlier machine counts the axles: that all of the train left is its to tell, not assumed
+    """
     table = modes("UNSWEPT", "SWEPT")
     current = current_mode(table)
     limit = own.config.limit_mm
@@ -80,7 +85,7 @@ def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
         state={**state, own.rejected: 0},
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, table)),
-        world=world(own, kept),
+        world=world(own, kept, counted_out),
         lemmas=lemmas(own, current, table),
         initially=ends_in_order(own),
         mode_variable=current,

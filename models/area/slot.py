@@ -66,6 +66,7 @@ class Slot:
                         low (high) end and no vehicle passes another
     there, true_rear, true_front  ghosts: the train itself, um
     from_low, from_high  ghosts: it came in at that end, and since then the counters were undisturbed
+    next_all_out        ghost: none of its axles is in the area, nor of a part that it lost; where an earlier machine counts them
     """
 
     number: int
@@ -92,6 +93,7 @@ class Slot:
     next_front: NumVar
     from_low: BoolVar
     from_high: BoolVar
+    next_all_out: BoolVar
 
     @property
     def inputs(self) -> list[Var | Optional]:
@@ -222,4 +224,5 @@ def slot(number_: int, reach: Reach, count_limit: int) -> Slot:
         number(f"{name}_next_front_um", UM, -far - step, far + step),
         boolean(f"{name}_from_low"),
         boolean(f"{name}_from_high"),
+        boolean(f"{name}_next_all_out"),
     )

@@ -21,8 +21,12 @@ from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVE
 from safeloc.models.area.variables import Parts
 
 
-def world(own: Parts, kept: Sequence[Slot]) -> World:
-    """Trains and uncounted vehicles; `kept`: slots whose reports an earlier machine vouches for, not assumed."""
+def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> World:
+    """Trains and uncounted vehicles.
+
+    kept         slots whose reports an earlier machine vouches for, not assumed
+    counted_out  slots of which an earlier machine vouches that all of the train left
+    """
     first: dict[Var, Initial] = {own.loose: ANY, own.loose_rear: ANY, own.loose_front: ANY}
     moves: dict[Var, Expr] = {
         own.loose: own.next_loose,
@@ -32,12 +36,18 @@ def world(own: Parts, kept: Sequence[Slot]) -> World:
     for one in own.slots:
         first |= {one.there: False, one.true_rear: ANY, one.true_front: ANY, one.from_low: False, one.from_high: False}
         moves |= _train_moves(own, one)
-    return World(first, _choices(own), moves, _laws(own, kept))
+    return World(first, _choices(own, counted_out), moves, _laws(own, kept, counted_out))
 
 
-def _choices(own: Parts) -> list[Var]:
+def _choices(own: Parts, counted_out: Sequence[Slot]) -> list[Var]:
     ends: Iterable[Var] = (var for one in own.slots for var in (one.next_rear, one.next_front))
-    return [*ends, own.next_loose, own.next_loose_rear, own.next_loose_front]
+    return [
+        *(one.next_all_out for one in counted_out),
+        *ends,
+        own.next_loose,
+        own.next_loose_rear,
+        own.next_loose_front,
+    ]
 
 
 def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
@@ -77,9 +87,11 @@ def reports_clause(one: Slot) -> str:
     return f"reports of train {one.number} are true"
 
 
-def _laws(own: Parts, kept: Sequence[Slot]) -> dict[str, Law]:
+def _laws(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> dict[str, Law]:
     moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
-    counted = {f"train {one.number} is counted": _counting_law(own, one) for one in own.slots}
+    counted = {
+        f"train {one.number} is counted": _counting_law(own, one, by_axles=one in counted_out) for one in own.slots
+    }
     reports = {reports_clause(one): _reports_law(one) for one in own.slots if one not in kept}
     return {
         "uncounted vehicles stay on the line": _line_law(own),
@@ -124,26 +136,37 @@ def _movement_law(own: Parts, one: Slot) -> Law:
     )
 
 
-def _counting_law(own: Parts, one: Slot) -> Law:
+def left_law(own: Parts, one: Slot) -> Bool:
+    """One that undisturbed counters count out has left completely, at the end that they tell."""
+    out_low, out_high = one.next_front < um(own.low_end), one.next_rear > um(own.high_end)
+    gone = one.there & own.healthy
+    return (gone & one.event.eq(LEAVES_LOW)).implies(out_low) & (gone & one.event.eq(LEAVES_HIGH)).implies(out_high)
+
+
+def _counting_law(own: Parts, one: Slot, *, by_axles: bool) -> Law:
     step = own.config.reach.cycle_mm * UM_PER_MM
-    rear, front = one.next_rear, one.next_front
-    at_low, at_high = front <= um(own.low_end) + step, rear >= um(own.high_end) - step
-    out_low, out_high = front < um(own.low_end), rear > um(own.high_end)
+    at_low, at_high = one.next_front <= um(own.low_end) + step, one.next_rear >= um(own.high_end) - step
+    left = left_law(own, one)
     term = all_of(
         [
             one.enters.implies(~one.there),
             one.event.eq(ENTERS_LOW).implies(at_low),
             one.event.eq(ENTERS_HIGH).implies(at_high),
-            all_of([one.there, own.healthy, one.event.eq(LEAVES_LOW)]).implies(out_low),
-            all_of([one.there, own.healthy, one.event.eq(LEAVES_HIGH)]).implies(out_high),
+            one.next_all_out.implies(left) if by_axles else left,
         ]
+    )
+    enters = "A train that is counted in gets a slot that no train in the area has, and is no farther in than it runs in a cycle; "
+    leaves = (
+        "one that leaves, with no axle of it or of a part that it lost between undisturbed counters, is beyond the end that they tell."
+        if by_axles
+        else "one that undisturbed counters count out has left completely, at the end that they tell: as many axles as came in."
     )
     return Law(
         term,
-        "A train that is counted in gets a slot that no train in the area has, and is no farther in than it runs in a cycle; one that "
-        "undisturbed counters count out has left completely, at the end that they tell.",
+        enters + leaves,
         ("max_speed_mm_s", "period_ms"),
-        "[S] ES fibre source, l. 479-546; FVA-2",
+        "[S] ES fibre source, l. 479-546; FVA-2"
+        + ("" if by_axles else "; [D] proved of the axles' balance in fibre_area"),
         "supplier",
         "counts at both ends agree whenever the area is empty",
     )

@@ -4,7 +4,7 @@
     emitter       function check of the fibre chain                                      models.emitter
     entry         the train is counted in; its reference comes, or is overdue            fibre_area.entry
     verification  both ends against the entry record, over the whole stay                models.verification
-    report        which ends of the pattern are the train's                              fibre_area.report
+    report        which ends of the pattern are the train's, which may have parted       fibre_area.report
     area          where every train of the area may be, and uncounted vehicles           models.area
     section_n     virtual sections: FREE, OCCUPIED, AMBIGUOUS, UNKNOWN                   models.sections
 
@@ -19,7 +19,8 @@ Inputs of a cycle, by name. What is not listed is wired:
                                    ahead_*, behind_*, reference_accepted, reference_count, reference_position_mm,
                                    word_found, word_count, word_position_mm
     emitter.heard_pattern, emitter.heard_place_mm, emitter.test_requested
-    entry.event                    the axle counters at the area's ends: this train enters or has left
+    entry.event                    the axle counters at the area's ends: this train enters, or what ran of it has left
+    entry.axles_in, .axles_out     axles of this train that they counted in this cycle, into the area and out of it; absent in disturbance
     entry.reference_comes          NOBODY, AXLE_COUNTER or NEIGHBOUR: whose record for this train comes in this cycle
     verification.record_*          that record: sound, axles, length, speed, place of the front, age
     verification.associated        a pattern belongs to this train, by order on the track (models.train_order)
@@ -44,17 +45,30 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.composition import Composition, compose
-from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, ceil_to, floor_to, ite
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Num,
+    Var,
+    all_of,
+    as_num,
+    between,
+    ceil_to,
+    floor_to,
+    ite,
+)
 from safeloc.language.units import MM, UM
 from safeloc.models import area as area_model
 from safeloc.models import emitter as emitter_model
 from safeloc.models import fibre as fibre_model
 from safeloc.models import verification as verification_model
 from safeloc.models.area import Area, AreaConfig
+from safeloc.models.area.separation import Following
 from safeloc.models.emitter import Emitter, EmitterConfig
 from safeloc.models.fibre import Fibre, FibreConfig
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry, entry
+from safeloc.models.fibre_area.parting import PartingConfig, ToldRun
 from safeloc.models.fibre_area.report import Report
 from safeloc.models.sections import Section, SectionsConfig, section, section_wires
 from safeloc.models.verification import Verification, VerificationConfig
@@ -67,7 +81,10 @@ class FibreAreaConfig(Config):
     fibre: FibreConfig = FibreConfig()
     emitter: EmitterConfig = EmitterConfig()
     verification: VerificationConfig = VerificationConfig()
-    sections: SectionsConfig = SectionsConfig(area=AreaConfig(trains=1, period_ms=500))
+    sections: SectionsConfig = SectionsConfig(
+        area=AreaConfig(trains=1, period_ms=500), following=Following(accuracy_mm=860_000)
+    )
+    parting: PartingConfig = PartingConfig()
     record_wait_cycles: int = quantity(240, "cycles", 1, 100_000, "[D] 2 min: 740 m at 22 km/h past the counter")
 
     @model_validator(mode="after")
@@ -102,19 +119,32 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
     """All machines of one train and its area in one step (FVA-1, FVA-9)."""
     config = config or FibreAreaConfig()
     area_parts = area_model.parts(config.sections.area)
+    first = area_parts.slots[:1]
     front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
     pattern_limit_um = front.own.ghosts.truth.high // 1_000 + 1
     machines = (
         front,
         rear,
         emitter_model.build(emitter_model.parts(config.emitter)),
-        entry(config.record_wait_cycles),
+        entry(config.record_wait_cycles, config.verification.axle_limit),
         verification_model.build(verification_model.parts(config.verification), place_kept=True),
-        report_model.build(report_model.parts(config.sections.area.reach, pattern_limit_um)),
-        area_model.build(area_parts, kept=area_parts.slots[:1]),
+        report_model.build(_report_parts(config, pattern_limit_um)),
+        area_model.build(area_parts, kept=first, counted_out=first),
     )
     cuts = tuple(section(config.sections, f"section_{n}") for n in range(1, config.sections.sections + 1))
     return joined(config, *machines, cuts)
+
+
+def told_run(fibre: FibreConfig) -> ToldRun:
+    """What the run of a pattern is good for."""
+    return ToldRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
+
+
+def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_model.Parts:
+    long = config.verification.length_limit_mm
+    return report_model.parts(
+        config.parting, config.sections.area.reach, told_run(config.fibre), pattern_limit_um, long
+    )
 
 
 def joined(
@@ -131,7 +161,7 @@ def joined(
     """The given machines, wired."""
     wires: dict[Var, Expr] = {
         **_verification_wires(verification, front, rear, emitter, entry_),
-        **_report_wires(config, report, front, rear, verification),
+        **_report_wires(config, report, front, rear, verification, entry_),
         **_area_wires(area, report, entry_),
     }
     for one in sections:
@@ -186,27 +216,32 @@ def _verification_wires(
 
 
 def _report_wires(
-    config: FibreAreaConfig, report: Report, front: Fibre, rear: Fibre, verification: Verification
+    config: FibreAreaConfig, report: Report, front: Fibre, rear: Fibre, verification: Verification, entry_: Entry
 ) -> dict[Var, Expr]:
-    """Both ends of the pattern, and whether its axles were counted and matched in this cycle."""
+    """Both ends of the pattern, how far it ran, and whether its axles were counted and matched in this cycle."""
     own, verified, limit = report.own, verification.own, config.sections.area.limit_mm
-    low, high = ends(rear)[0], ends(front)[1]
+    (low, rear_high), (front_low, high) = ends(rear), ends(front)
     trusted = verification.machine.flag("trusted")
     located = front.machine.flag("valid") & rear.machine.flag("valid")
-    usable = located & between(-limit, low, limit) & between(-limit, high, limit)
+    usable = all_of([located, *(between(-limit, place, limit) for place in (low, rear_high, front_low, high))])
     run = front.own.run
     known = verification.machine.mode.one_of(*verification.machine.modes[1:3])
     return {
         own.trusted: trusted,
         own.counted: trusted & verified.by_count & verified.age.eq(0),
+        own.gone: entry_.leaves,
         own.usable: usable,
         own.low: _if(usable, low),
         own.high: _if(usable, high),
+        own.front_low: _if(usable, front_low),
+        own.rear_high: _if(usable, rear_high),
+        own.longest: ite(known, verified.kept_high, as_num(0, MM)),
         own.upwards: verified.associated & run.present & (run.value > 0),
         own.downwards: verified.associated & run.present & (run.value < 0),
+        own.run: _if(run.present, run.value),
         own.pattern_rear: floor_to(rear.own.ghosts.truth, UM),
         own.pattern_front: ceil_to(front.own.ghosts.truth, UM),
-        own.has_all: known & verified.axles.eq(verified.kept_count),
+        own.had_all: known & verified.axles.eq(verified.kept_count),
     }
 
 
@@ -214,7 +249,8 @@ def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
     """The report of slot 1, its event, and where the train really is."""
     slot, own, told = area.own.slots[0], report.own, report.machine.flag("told")
     return {
-        slot.event: entry_.event,
+        slot.event: entry_.passed_on,
+        slot.next_all_out: entry_.next_inside.eq(0),
         slot.rear.present: told,
         slot.front.present: told,
         slot.rear.value: report.machine.output("low_mm"),

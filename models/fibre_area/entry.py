@@ -1,4 +1,4 @@
-"""When a train comes into the area and when its reference is due (FVA-2, FVA-D1; figures, 003 items 3 and 14).
+"""When a train comes into the area, when its reference is due, and when all of it has left (FVA-2, FVA-D1; figures, 003 items 3 and 14).
 
     OUTSIDE  the train is not in the area
     AWAITED  it was counted in; its reference has to come within `record_wait_cycles`
@@ -7,6 +7,10 @@
 
 A reference is an axle counter's record, or the record handed over by the neighbouring area. It is due in the cycle in
 which it comes, or in which it is overdue; then from nobody. What becomes of it is the verification's to judge.
+
+A train has left when it is told to leave and as many of its axles were counted out as in since it entered, in every cycle by
+undisturbed counters. One of which fewer axles leave has left a part behind: nobody is told that it left, until the rest is
+counted out too; the area also forgets it when undisturbed counters report the area empty.
 """
 
 from __future__ import annotations
@@ -15,22 +19,29 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.language.expr import (
+    FALSE,
     TRUE,
     Bool,
     BoolVar,
     Expr,
     Lit,
+    Num,
     NumVar,
+    Optional,
     Var,
     as_num,
+    between,
     boolean,
     choice,
     enumeration,
+    ite,
     number,
+    optional,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT
-from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW
+from safeloc.language.world import Law, World
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
 from safeloc.models.verification.variables import AXLE_COUNTER, FROM, NEIGHBOUR, NOBODY
 
 REQUIREMENTS = ("FVA-2", "FVA-11", "FVA-D1")
@@ -40,68 +51,167 @@ REQUIREMENTS = ("FVA-2", "FVA-11", "FVA-D1")
 class Entry:
     """The machine and its variables.
 
-    event   the axle counters at both ends: this train enters, or has left completely
+    event   the axle counters at both ends: this train enters, or what ran of it has left
     comes   a reference for this train comes in this cycle, and from whom (NOBODY: none comes)
+    axles_in, axles_out  axles of the train that the counters at both ends counted in this cycle, into the area and out of it;
+                         absent while a counter is disturbed
     waited  cycles since it was counted in without one
     due, source  what the verification is told
+    inside, sure  axles counted in and not out again; no count of them was missed
+    left, in_part  in this cycle the whole train has left; something of it left, and axles are still inside
+    true_inside   ghost: the train's axles in the area, with every part that it lost
     """
 
     machine: Machine
     event: NumVar
     comes: NumVar
+    axles_in: Optional
+    axles_out: Optional
     waited: NumVar
     due: BoolVar
     source: NumVar
+    inside: NumVar
+    sure: BoolVar
+    left: BoolVar
+    in_part: BoolVar
+    true_inside: NumVar
+    next_inside: NumVar
 
     @property
     def leaves(self) -> Bool:
-        """The train has left in this cycle."""
+        """All of the train has left in this cycle."""
+        return self.left
+
+    @property
+    def passed_on(self) -> Num:
+        """The event that the area is told: a train that left a part behind has not left."""
+        told_out = self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
+        return ite(told_out & ~self.left, NO_EVENT, self.event)
+
+
+@dataclass(frozen=True, eq=False)
+class Heard:
+    """The inputs, and the balance before the cycle."""
+
+    event: NumVar
+    comes: NumVar
+    axles_in: Optional
+    axles_out: Optional
+    inside: NumVar
+    sure: BoolVar
+    in_part: BoolVar
+
+    @property
+    def told_out(self) -> Bool:
+        """The counters tell that what runs of it has left."""
         return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
 
+    @property
+    def enters(self) -> Bool:
+        """It is counted in."""
+        return self.event.one_of(ENTERS_LOW, ENTERS_HIGH)
 
-def entry(wait_cycles: int) -> Entry:
-    """The machine of one train."""
+    @property
+    def balance(self) -> Num:
+        """Axles counted in and not out, from none for a train that enters."""
+        return ite(self.enters, 0, self.inside) + self.axles_in.value - self.axles_out.value
+
+    @property
+    def counted(self) -> Bool:
+        """The balance is sure after the cycle."""
+        told = self.axles_in.present & self.axles_out.present & between(0, self.balance, self.inside.high)
+        return (self.enters | self.sure) & told
+
+    @property
+    def complete(self) -> Bool:
+        """All that came in is out."""
+        return self.told_out & self.counted & self.balance.eq(0)
+
+
+def entry(wait_cycles: int, axle_limit: int) -> Entry:
+    """The machine of one train of up to `axle_limit` axles."""
     table = modes("OUTSIDE", "AWAITED", "TOLD", "MISSING")
     event, comes = choice("event", enumeration(EVENT)), choice("reference_comes", enumeration(FROM))
+    axles_in, axles_out = (optional(name, COUNT, 0, axle_limit) for name in ("axles_in", "axles_out"))
+    inside = number("axles_inside", COUNT, 0, axle_limit)
+    sure, left, in_part = boolean("count_is_sure"), boolean("left"), boolean("left_in_part")
     waited = number("waited_cycles", COUNT, 0, wait_cycles)
     due, source = boolean("due"), choice("from", enumeration(FROM))
+    truly, next_truly = (number(name, COUNT, 0, axle_limit) for name in ("true_axles_inside", "next_axles_inside"))
     current = current_mode(table)
+    heard = Heard(event, comes, axles_in, axles_out, inside, sure, in_part)
     machine = Machine(
         name="entry",
         modes=table,
-        inputs=[event, comes],
-        state={waited: 0, due: False, source: NOBODY},
+        inputs=[event, comes, axles_in, axles_out],
+        state={waited: 0, due: False, source: NOBODY, inside: 0, sure: True, left: False, in_part: False},
         outputs={
             "reference_due": due,
             "reference_from": source,
             "in_area": current.ne(table[0]),
             "reference_missing": current.eq(table[3]),
             "waited_cycles": waited,
+            "axles_inside": inside,
+            "left": left,
+            "left_in_part": in_part,
         },
-        transitions=list(_table(table, event, comes, waited, due, source)),
-        lemmas={"nothing is due from nobody but once": (due & source.eq(NOBODY)).implies(current.eq(table[3]))},
+        transitions=list(_table(table, heard, waited, due, source, left)),
+        world=World(
+            ghosts={truly: 0},
+            choices=[next_truly],
+            moves={truly: next_truly},
+            clauses=_clauses(heard, truly, next_truly),
+        ),
+        lemmas={
+            "nothing is due from nobody but once": (due & source.eq(NOBODY)).implies(current.eq(table[3])),
+            "a sure balance is true": sure.implies(inside.eq(truly)),
+        },
         mode_variable=current,
-        doc="When a train is counted in, and when its reference came or is overdue.",
+        doc="When a train is counted in, when its reference came or is overdue, and when as many axles left as came in.",
     )
-    return Entry(machine, event, comes, waited, due, source)
+    balance = (inside, sure, left, in_part, truly, next_truly)
+    return Entry(machine, event, comes, axles_in, axles_out, waited, due, source, *balance)
+
+
+def _clauses(heard: Heard, truly: NumVar, next_truly: NumVar) -> dict[str, Law]:
+    came, went = heard.axles_in, heard.axles_out
+    there = ite(heard.event.one_of(ENTERS_LOW, ENTERS_HIGH), 0, truly)
+    return {
+        "undisturbed counters count every axle": Law(
+            (came.present & went.present).implies((next_truly - there).eq(came.value - went.value)),
+            "Undisturbed counters at both ends tell in each cycle how many axles of the train came into the area and left it; of one "
+            "that enters none was in it.",
+            source="[S] FVA-4: the sensor is safe; [D] proved of the axle counter and the axle section under their own laws",
+            owner="supplier",
+            check="the axles of every train at both ends",
+        ),
+    }
 
 
 def _table(
-    table: tuple[Lit, ...], event: NumVar, comes: NumVar, waited: NumVar, due: BoolVar, source: NumVar
+    table: tuple[Lit, ...], heard: Heard, waited: NumVar, due: BoolVar, source: NumVar, left: BoolVar
 ) -> Iterator[Transition]:
     outside, awaited, told, missing = table
     none = as_num(0, COUNT)
+    part = ~heard.enters & (heard.in_part | heard.told_out)
+    stays: dict[Var, Expr | bool] = {
+        heard.inside: ite(heard.counted, heard.balance, none),
+        heard.sure: heard.counted,
+        left: FALSE,
+        heard.in_part: part,
+    }
+    gone: dict[Var, Expr | bool] = {heard.inside: none, heard.sure: TRUE, left: TRUE, heard.in_part: FALSE}
     quiet: dict[Var, Expr | bool] = {waited: none, due: False, source: NOBODY}
-    heard: dict[Var, Expr | bool] = {waited: none, due: True, source: comes}
-    overdue: dict[Var, Expr | bool] = {waited: none, due: True, source: NOBODY}
-    waits: dict[Var, Expr | bool] = {**quiet, waited: waited + 1}
-    leaves, enters = event.one_of(LEAVES_LOW, LEAVES_HIGH), event.one_of(ENTERS_LOW, ENTERS_HIGH)
-    came = comes.one_of(AXLE_COUNTER, NEIGHBOUR)
-    yield Transition("train leaves", table, outside, leaves, quiet, REQUIREMENTS, 0)
-    yield Transition("reference comes", table, told, came, heard, REQUIREMENTS, 1)
-    yield Transition("train enters", table, awaited, enters, quiet, REQUIREMENTS, 2)
+    answered: dict[Var, Expr | bool] = {**stays, waited: none, due: True, source: heard.comes}
+    overdue: dict[Var, Expr | bool] = {**stays, waited: none, due: True, source: NOBODY}
+    waits: dict[Var, Expr | bool] = {**quiet, **stays, waited: waited + 1}
+    same = {**quiet, **stays}
+    came = heard.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
+    yield Transition("train leaves", table, outside, heard.complete, {**quiet, **gone}, REQUIREMENTS, 0)
+    yield Transition("reference comes", table, told, came, answered, REQUIREMENTS, 1)
+    yield Transition("train enters", table, awaited, heard.enters, same, REQUIREMENTS, 2)
     yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, REQUIREMENTS, 3)
     yield Transition("wait for the reference", awaited, awaited, TRUE, waits, REQUIREMENTS, 4)
-    yield Transition("train is not here", outside, outside, TRUE, quiet, REQUIREMENTS, 4)
-    yield Transition("reference is known", told, told, TRUE, quiet, REQUIREMENTS, 4)
-    yield Transition("reference is missing", missing, missing, TRUE, quiet, REQUIREMENTS, 4)
+    yield Transition("train is not here", outside, outside, TRUE, same, REQUIREMENTS, 4)
+    yield Transition("reference is known", told, told, TRUE, same, REQUIREMENTS, 4)
+    yield Transition("reference is missing", missing, missing, TRUE, same, REQUIREMENTS, 4)

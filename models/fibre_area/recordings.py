@@ -1,10 +1,11 @@
-"""The recording of a train that locates itself by the position code, in a stretch whose amplitude once does not return.
+"""Recordings of stays as a detector within its bounds tells them: one without trouble, and named ones.
 
-Written by `python -m safeloc.models.fibre_area.recordings`; a test checks that it comes out the same.
+Written by `python -m safeloc.models.fibre_area.recordings`; a test checks that they come out the same.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from safeloc.models.fibre_area import FibreAreaConfig
@@ -13,7 +14,8 @@ from safeloc.models.verification import VerificationConfig
 from safeloc.runtime.streams.steps import write_steps
 
 CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
-FOLDER, NAME = Path(__file__).parents[1] / "streams", "fibre_area-late-record.jsonl.gz"
+FOLDER = Path(__file__).parents[1] / "streams"
+LONG = (0, 3_000_000)
 LATE_RECORD = Journey(
     cycles=385,
     record=380,
@@ -25,13 +27,32 @@ LATE_RECORD = Journey(
     rear_stuck=(100_000, 850_000),
 )
 """No counter refers the ends; both read a section that does not end, and later a word of the code."""
+SERVICE = Journey(cycles=180, area_mm=LONG)
+SPLIT = Journey(cycles=200, area_mm=LONG, cuts_mm=((700_000, 1_200_000),), split=60)
+"""The last wagons come off at 1.2 km and stand; the count tells it 800 m later, the longest that it may take."""
+TURNED_BACK = Journey(
+    cycles=255, enters=3, speeds_mm_s=((0, 30_000), (86, -30_000)), swept=True, record=20, area_mm=LONG,
+    cuts_mm=((1_300_000, 1_600_000),),
+)  # fmt: skip
+"""It turns at 1.5 km and leaves where it came in."""
+NAMED: Mapping[str, Journey] = {
+    "late-record": LATE_RECORD,
+    "service": SERVICE,
+    "split": SPLIT,
+    "turned-back": TURNED_BACK,
+    "missed-section": Journey(cycles=90, front_missed=(1,)),
+}
+"""By the end of the recording's name."""
 
 
-def write(folder: Path) -> None:
-    """Write the recording anew."""
-    config = CONFIG
-    steps = simulate_journey(config, seed=1, journey=LATE_RECORD)
-    write_steps(folder / NAME, steps, machine="fibre_area", first=first_state(config, LATE_RECORD), short=True)
+def write(folder: Path) -> list[Path]:
+    """Write the recordings anew; their paths."""
+    paths = list[Path]()
+    for name, journey in NAMED.items():
+        paths.append(folder / f"fibre_area-{name}.jsonl.gz")
+        steps = simulate_journey(CONFIG, seed=1, journey=journey)
+        write_steps(paths[-1], steps, machine="fibre_area", first=first_state(CONFIG, journey), short=True)
+    return paths
 
 
 if __name__ == "__main__":

@@ -1,88 +1,116 @@
 """What the line area is told of a train: the bounds of both ends, and which of them are believed (FVA-9).
 
-The fibre follows a pattern. A part that a train lost stands silent and is not seen, so the pattern's ends are the
-train's only as far as the train is known to be whole:
+The fibre follows a pattern. A part that a train lost stands silent and is not seen, and the count that the detector tells is
+that of some moment within the last run of the train: a train that has just lost a wagon is still told with all its axles.
 
     NEITHER   no end of the pattern is known to be the train's
-    WHOLE     the pattern had in this cycle as many axles as the counter counted: both ends are
-    HIGH_END  since then it ran towards the high end in every cycle: a lost part is below, the high end is the train's
-    LOW_END   since then it ran towards the low end in every cycle: a lost part is above, the low end is the train's
+    WHOLE     as many axles were told in this cycle as the counter counted: the train was whole within the count's run
+    HIGH_END  it ran towards the high end all the while: a lost part is below, the high end is the train's
+    LOW_END   it ran towards the low end all the while: a lost part is above, the low end is the train's
 
-Count is identity. A length that agrees does not make a train whole: its tolerance is wider than a wagon. A train that
-stands, or turns, can lose a part on either side. What is not trusted is not told at all.
+So in WHOLE an end is believed as far out as a whole train's could have been, a count's run ago: from the other end of the
+pattern, the reference's length, that run, and what a lost part rolls back. Only an end that has led for longer than that run
+is believed where it is. Count is identity; a length that agrees makes nothing whole: its tolerance is wider than a wagon. A
+train that stands, or turns, can lose a part on either side, and a run one way begins anew. What is not trusted is not told.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    BoolVar,
     Expr,
     Lit,
     Num,
-    NumVar,
     Var,
     as_num,
-    between,
-    boolean,
-    number,
+    exact_to,
+    floor_to,
+    ite,
+    maximum,
+    minimum,
     with_unit,
 )
 from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import MM, MS, UM
-from safeloc.language.world import Law, World
-from safeloc.models.area.slot import Reach
+from safeloc.language.units import MM, NM, NM_PER_MM, UM, UM_PER_MM
+from safeloc.models.fibre_area.parting import PartingConfig, Parts, parts
+from safeloc.models.fibre_area.report_world import world
 
+__all__ = ["Believed", "PartingConfig", "Parts", "Report", "build", "parts"]
 REQUIREMENTS = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
+PPM_OF_ALL = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
-    """The variables of the machine.
+class Believed:
+    """What a cycle makes of the pattern's ends."""
 
-    trusted, counted  the verification trusts the train; its count matched in this cycle
-    low, high         bounds of the pattern from its low end to its high end; usable: within the line's range
-    upwards, downwards  the pattern ran towards the high (low) end in this cycle
-    age               how old the pattern's reading is
-    told, told_low, told_high  what the area is told
-    pattern_rear, pattern_front  ghosts: the pattern's ends when it was read, um rounded outward
-    has_all           ghost: the pattern has all axles that the counter counted
-    rear_is, front_is  ghosts: the pattern's low (high) end is the train's
-    next_rear, next_front  ghosts: the train's ends now, um
-    """
+    own: Parts
 
-    reach: Reach
-    trusted: BoolVar
-    counted: BoolVar
-    usable: BoolVar
-    low: NumVar
-    high: NumVar
-    upwards: BoolVar
-    downwards: BoolVar
-    age: NumVar
-    told: BoolVar
-    told_low: NumVar
-    told_high: NumVar
-    pattern_rear: NumVar
-    pattern_front: NumVar
-    has_all: BoolVar
-    rear_is: BoolVar
-    front_is: BoolVar
-    next_rear_is: BoolVar
-    next_front_is: BoolVar
-    next_rear: NumVar
-    next_front: NumVar
+    @cached_property
+    def up(self) -> Bool:
+        """It runs towards the high end."""
+        return self.own.upwards & ~self.own.downwards & ~self.own.gone
 
-    @property
-    def choices(self) -> list[Var]:
-        """What the world chooses in a cycle."""
-        pattern: list[Var] = [self.pattern_rear, self.pattern_front, self.has_all]
-        return [*pattern, self.next_rear_is, self.next_front_is, self.next_rear, self.next_front]
+    @cached_property
+    def down(self) -> Bool:
+        """It runs towards the low end."""
+        return self.own.downwards & ~self.own.upwards & ~self.own.gone
+
+    @cached_property
+    def run(self) -> Num:
+        """How far the train surely ran in the cycle: less what the run that is told may be wrong by, rounded down."""
+        told, size = self.own.told_run, ite(self.down, -self.own.run, self.own.run)
+        sure = with_unit(size * (PPM_OF_ALL - told.rate_ppm), NM) - told.floor_mm * NM_PER_MM
+        return maximum(floor_to(sure, MM), 0)
+
+    @cached_property
+    def straight(self) -> Num:
+        """Run one way after the cycle."""
+        was, most = self.own.straight, self.own.config.straight_limit_mm
+        up, down = maximum(was, 0) + self.run, minimum(was, 0) - self.run
+        return ite(self.up, minimum(up, most), ite(self.down, maximum(down, -most), 0))
+
+    def led_high(self, straight: Num) -> Bool:
+        """The high end led for longer than a count's run."""
+        return straight > self.own.config.count_run_mm
+
+    def led_low(self, straight: Num) -> Bool:
+        """The low end led for longer than a count's run."""
+        return -straight > self.own.config.count_run_mm
+
+    @cached_property
+    def farthest(self) -> Num:
+        """From one end of what is left to the other end of a train that was whole a count's run ago, mm."""
+        return self.own.longest + self.own.config.count_run_mm + self.own.config.roll_back_mm
+
+    @cached_property
+    def low(self) -> Num:
+        """Where the low end of a train that was counted is at least."""
+        return ite(self.led_low(self.straight), self.own.low, self.own.front_low - self.farthest)
+
+    @cached_property
+    def high(self) -> Num:
+        """Where the high end of a train that was counted is at most."""
+        return ite(self.led_high(self.straight), self.own.high, self.own.rear_high + self.farthest)
+
+    @cached_property
+    def good(self) -> Bool:
+        """Both ends are to be told."""
+        return self.own.trusted & self.own.usable & (self.own.low <= self.own.high)
+
+    @cached_property
+    def good_whole(self) -> Bool:
+        """The same of a train that was counted: what is told of it lies on the line."""
+        limit = self.own.reach.limit_mm
+        return (
+            self.own.trusted & self.own.usable & (self.low <= self.high) & (self.low >= -limit) & (self.high <= limit)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,46 +121,16 @@ class Report:
     own: Parts
 
 
-def parts(reach: Reach, pattern_limit_um: int) -> Parts:
-    """Fresh variables for one train, whose pattern may be anywhere within `pattern_limit_um`."""
-    limit, far = reach.limit_mm, reach.limit_mm * 1_000
-    step, oldest = reach.cycle_mm * 1_000, 2 * reach.report_age_limit_ms
-    return Parts(
-        reach,
-        boolean("train_trusted"),
-        boolean("count_matches_now"),
-        boolean("ends_usable"),
-        number("pattern_low_mm", MM, -limit, limit),
-        number("pattern_high_mm", MM, -limit, limit),
-        boolean("runs_upwards"),
-        boolean("runs_downwards"),
-        number("reading_age_ms", MS, 0, oldest),
-        boolean("trusted_now"),
-        number("reported_low_mm", MM, -limit, limit),
-        number("reported_high_mm", MM, -limit, limit),
-        number("pattern_rear_um", UM, -pattern_limit_um, pattern_limit_um),
-        number("pattern_front_um", UM, -pattern_limit_um, pattern_limit_um),
-        boolean("pattern_has_all_axles"),
-        boolean("rear_is_the_trains"),
-        boolean("front_is_the_trains"),
-        boolean("next_rear_is_the_trains"),
-        boolean("next_front_is_the_trains"),
-        number("next_rear_um", UM, -far - step, far + step),
-        number("next_front_um", UM, -far - step, far + step),
-    )
-
-
 def build(own: Parts) -> Report:
     """The machine over the given variables."""
     table = modes("NEITHER", "WHOLE", "HIGH_END", "LOW_END")
     current = current_mode(table)
-    neither, whole, high, low = table
-    state: dict[Var, Initial] = {own.told: False, own.told_low: 0, own.told_high: 0}
-    inputs: list[Var] = [own.trusted, own.counted, own.usable, own.low, own.high, own.upwards, own.downwards, own.age]
+    neither, whole, _, low = table
+    state: dict[Var, Initial] = {own.straight: 0, own.told: False, own.told_low: 0, own.told_high: 0}
     machine = Machine(
         name="report",
         modes=table,
-        inputs=inputs,
+        inputs=own.inputs,
         state=state,
         outputs={
             "told": own.told & current.ne(neither),
@@ -142,87 +140,51 @@ def build(own: Parts) -> Report:
             "downwards": current.eq(low),
         },
         transitions=list(_table(own, table)),
-        world=World(
-            ghosts={own.rear_is: False, own.front_is: False},
-            choices=own.choices,
-            moves={own.rear_is: own.next_rear_is, own.front_is: own.next_front_is},
-            clauses=_clauses(own),
-        ),
-        lemmas={
-            "a believed high end is the train's": current.one_of(whole, high).implies(own.front_is),
-            "a believed low end is the train's": current.one_of(whole, low).implies(own.rear_is),
-        },
+        world=world(own),
+        lemmas=_lemmas(own, current, table),
         mode_variable=current,
         doc=(
-            "Which ends of a pattern are the train's. Assumed: a pattern with as many axles as the counter counted is the "
-            "whole train; a train loses vehicles at the end that trails, and the pattern's direction of running is told "
-            "truly; in the age of a reading nothing runs faster than the line's top speed."
+            "Which ends of a pattern are the train's, of a train that may part. Assumed: a count with all axles is that of "
+            "the whole train within the count's run; a train is no longer than its reference; it loses vehicles at the end "
+            "that trails, and the direction of running is told truly; a lost part stays, or rolls back a little; in the age "
+            "of a reading nothing runs faster than the line's top speed."
         ),
     )
     return Report(machine, own)
 
 
-def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    neither, whole, high, low = table
-    zero = as_num(0, MM)
-    told: dict[Var, Expr] = {own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
-    untold: dict[Var, Expr] = {own.told: FALSE, own.told_low: zero, own.told_high: zero}
-    good = own.trusted & own.usable & (own.low <= own.high)
-    up, down = own.upwards & ~own.downwards, own.downwards & ~own.upwards
-
-    def row(name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, rank: int) -> Iterator[Transition]:
-        yield Transition(name, source, target, when & good, told, REQUIREMENTS, rank)
-        yield Transition(f"{name}, not told", source, target, when & ~good, untold, REQUIREMENTS, rank)
-
-    yield from row("count matches", table, whole, own.counted, 0)
-    yield from row("runs up since it was whole", (whole, high), high, up, 1)
-    yield from row("runs down since it was whole", (whole, low), low, down, 1)
-    yield Transition("may be in parts", table, neither, TRUE, untold, REQUIREMENTS, 2)
-
-
-def _clauses(own: Parts) -> dict[str, Law]:
-    """The pattern is part of the train: all of it if it has all axles; and its leading end is the train's."""
-    up, down = own.upwards & ~own.downwards, own.downwards & ~own.upwards
+def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    _, whole, high, low = table
+    straight, counts = exact_to(own.straight, UM), own.since <= own.config.count_run_mm * UM_PER_MM
+    body = (own.body_rear - own.since <= own.lowest) & (own.highest <= own.body_front + own.since)
     return {
-        "a pattern with all axles is the whole train": Law(
-            own.has_all.implies(own.next_rear_is & own.next_front_is),
-            "A pattern in which as many axles are seen as the axle counter counted is the whole train.",
-            source="[S] FVA-3: the axle count does not change during the stay",
-            owner="infrastructure",
-            check="the count is compared at every further axle counter",
-        ),
-        "the leading high end stays the train's": _stays(own.front_is & up, own.next_front_is, "high"),
-        "the leading low end stays the train's": _stays(own.rear_is & down, own.next_rear_is, "low"),
-        "the train's high end is near the pattern's": _read(
-            own, own.next_front_is, own.next_front, own.pattern_front, "high"
-        ),
-        "the train's low end is near the pattern's": _read(
-            own, own.next_rear_is, own.next_rear, own.pattern_rear, "low"
-        ),
+        "an end that leads since it was whole is the train's": (own.since < straight).implies(own.front_is)
+        & (own.since < -straight).implies(own.rear_is),
+        "a train that is told whole was so within the count's run": current.eq(whole).implies(counts),
+        "a believed high end is the train's": current.eq(high).implies(own.front_is),
+        "a believed low end is the train's": current.eq(low).implies(own.rear_is),
+        "its body moved no farther than the train ran": counts.implies(body),
     }
 
 
-def _stays(leads: Bool, next_is: Bool, end: str) -> Law:
-    return Law(
-        leads.implies(next_is),
-        f"While the train runs towards its {end} end, it loses no vehicle there, and the direction of running is told truly.",
-        source="[D] a coupling parts under traction or brake; what leads is not left behind",
-        owner="operator",
-        check="train integrity monitoring",
-    )
+def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    neither, whole, high, low = table
+    now, zero = Believed(own), as_num(0, MM)
+    run: dict[Var, Expr] = {own.straight: now.straight}
+    untold: dict[Var, Expr] = {**run, own.told: FALSE, own.told_low: zero, own.told_high: zero}
+    told: dict[Var, Expr] = {**run, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
+    charged: dict[Var, Expr] = {**run, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
 
+    def row(
+        name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: dict[Var, Expr], rank: int
+    ) -> Iterator[Transition]:
+        yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
+        yield Transition(f"{name}, not told", source, target, when & ~good, untold, REQUIREMENTS, rank)
 
-def _read(own: Parts, known: Bool, place: Num, read: Num, end: str) -> Law:
-    ran = with_unit(own.age * own.reach.max_speed_mm_s, UM)
-    return Law(
-        known.implies(_near(place, read, ran)),
-        f"In the age of a reading the train's {end} end runs no farther than at the line's highest speed.",
-        ("max_speed_mm_s",),
-        "[D] line speed",
-        "operator",
-        "speed supervision",
-    )
-
-
-def _near(place: Num, read: Num, ran: Num) -> Bool:
-    return between(read - ran, place, read + ran)
+    yield from row("count matches", table, whole, own.counted, now.good_whole, charged, 0)
+    led_up, led_down = now.up & now.led_high(own.straight), now.down & now.led_low(own.straight)
+    yield from row("runs up since it was whole", whole, high, led_up, now.good, told, 1)
+    yield from row("runs down since it was whole", whole, low, led_down, now.good, told, 1)
+    yield from row("runs up still", high, high, now.up, now.good, told, 1)
+    yield from row("runs down still", low, low, now.down, now.good, told, 1)
+    yield Transition("may be in parts", table, neither, TRUE, untold, REQUIREMENTS, 2)

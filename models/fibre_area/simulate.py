@@ -16,6 +16,7 @@ from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 REMARK = "truth_mm"
+LOST_AXLES = 4
 PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
 
 
@@ -30,7 +31,8 @@ class Journey:
     record       cycle in which the axle counter's record comes; None: never
     referred     the counter gives both ends a reference as they pass; otherwise the position code has to tell them
     counted_every  how often the fibre counts the axles, cycles
-    split        cycle in which the last four axles are left behind: the pattern goes on without them
+    split        cycle in which the last four axles are left behind and stand: the pattern goes on without them
+    told_after_mm  run of the train after which the detector's count follows; None: as late as it ever may
     emitter_dead (from, to) cycles in which no test pattern comes
     front_missed, rear_missed  numbers of the sections that the machine of that end does not notice
     front_stuck, rear_stuck  from where to where the amplitude at that end stays raised, mm
@@ -50,6 +52,7 @@ class Journey:
     referred: bool = True
     counted_every: int = 3
     split: int | None = None
+    told_after_mm: int | None = None
     emitter_dead: tuple[int, int] | None = None
     front_missed: tuple[int, ...] = ()
     rear_missed: tuple[int, ...] = ()
@@ -117,13 +120,16 @@ class _World:
     def __init__(self, config: FibreAreaConfig, journey: Journey) -> None:
         self._config, self._journey = config, journey
         self._since, self._left = 0, False
-        self._lost_um = 0
+        self._lost_um, self._run_since_mm = 0, 0
+        start = _start_mm(config, journey)
+        self._axles_mm = [start - journey.length_mm] * journey.axles
         self._speeds = _speeds(config, journey)
 
     def step(self, cycle: int, front: dict[str, Cell], rear: dict[str, Cell]) -> dict[str, Cell]:
         """One cycle."""
         high = _cell(front, REMARK)
         low = _cell(rear, REMARK)
+        self._run_since_mm += abs(self._ran_mm(cycle)) if self._parted(cycle) else 0
         inputs: dict[str, Cell] = {}
         for name, end in (("front", front), ("rear", rear)):
             hidden = {REMARK, *(PATTERN if self._silent(cycle) else ())}
@@ -156,7 +162,25 @@ class _World:
         event = next((name for name, leaves in gone.items() if leaves), "NONE")
         event = "ENTERS_LOW" if cycle == self._journey.enters else event
         comes = "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY"
-        return {"entry.event": event, "entry.reference_comes": comes}
+        return {"entry.event": event, "entry.reference_comes": comes, **self._axles_passed(cycle, low_mm, high_mm)}
+
+    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
+        """Axles that came into the area and left it since the cycle before."""
+        begins, ends = self._journey.area_mm
+        before, self._axles_mm = self._axles_mm, self._axle_places(cycle, low_mm, high_mm)
+        pairs = [(begins < then < ends, begins < now < ends) for then, now in zip(before, self._axles_mm, strict=False)]
+        came, went = sum(now and not then for then, now in pairs), sum(then and not now for then, now in pairs)
+        return {
+            "entry.axles_in": came,
+            "entry.axles_out": went,
+            "entry.next_axles_inside": sum(now for _, now in pairs),
+        }
+
+    def _axle_places(self, cycle: int, low_mm: int, high_mm: int) -> list[int]:
+        """Where every axle is, evenly along the train; those that were lost stay."""
+        axles, parted = self._journey.axles, self._parted(cycle)
+        places = [high_mm - (high_mm - low_mm) * number // (axles - 1) for number in range(axles)]
+        return [*places[:-LOST_AXLES], *self._axles_mm[-LOST_AXLES:]] if parted else places
 
     def _record(self, cycle: int, front_mm: int) -> dict[str, Cell]:
         """The counter's record, good in the cycle in which it comes."""
@@ -175,27 +199,38 @@ class _World:
         journey = self._journey
         step: dict[str, Cell] = {
             "verification.associated": not self._left and not self._silent(cycle),
-            "verification.next_true_axles": self._axles(cycle), "verification.next_true_length_um": length_mm * UM_PER_MM,
+            "verification.next_true_axles": self._axles(), "verification.next_true_length_um": length_mm * UM_PER_MM,
             "report.reading_age_ms": 0,
         }  # fmt: skip
         if not self._silent(cycle):
             step["verification.fibre_speed_mm_s"] = self._speeds[cycle]
         if cycle % journey.counted_every == 0 and not self._silent(cycle):
-            step |= {"verification.fibre_axles": self._axles(cycle), "verification.fibre_length_mm": length_mm}
+            step |= {"verification.fibre_axles": self._axles(), "verification.fibre_length_mm": length_mm}
         return step
 
-    def _axles(self, cycle: int) -> int:
-        split = self._journey.split
-        return self._journey.axles - (4 if split is not None and cycle >= split else 0)
+    def _parted(self, cycle: int) -> bool:
+        """It has lost its last axles."""
+        return self._journey.split is not None and cycle >= self._journey.split
+
+    def _ran_mm(self, cycle: int) -> int:
+        """The run of a cycle; negative towards the low end."""
+        return self._speeds[cycle] * self._config.fibre.period_ms // MS_PER_S
+
+    def _axles(self) -> int:
+        """As many as the detector's count has: what was lost, it still counts until the train has run on."""
+        journey = self._journey
+        after = self._config.parting.count_run_mm if journey.told_after_mm is None else journey.told_after_mm
+        return journey.axles - (LOST_AXLES if self._run_since_mm > after else 0)
 
     def _truth(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
         """The train itself: a part left behind stands where it was, and is the train's rear."""
-        split = self._journey.split
-        whole = split is None or cycle < split
+        whole = not self._parted(cycle)
         self._lost_um = low_mm * UM_PER_MM if whole else self._lost_um
         low, high = self._journey.area_mm
         return {
             "report.next_rear_is_the_trains": whole, "report.next_front_is_the_trains": True,
+            "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
+            "report.step_um": self._ran_mm(cycle) * UM_PER_MM,
             "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,
             "area.counters_healthy": True,
             "area.counters_clear": self._journey.swept and cycle < self._journey.enters,

@@ -86,7 +86,8 @@ class Parts:
     last_...         last reading of length, speed, place; `slower`, `faster` bound the speed's change since
     given            the position was given out since the last accepted reference
     by_...           what the present trust rests on
-    axles, length, truth  ghosts: of the train that the pattern really belongs to (um, nm)
+    axles            ghost: of the train that the pattern really belongs to, at the moment that the count tells of
+    length, truth    ghosts: of that train now (um, nm)
     """
 
     config: VerificationConfig

@@ -16,7 +16,7 @@ PLACE = "a located interval holds the front"
 
 
 def world(own: Parts, *, place_kept: bool) -> World:
-    """Axles, length and front of the train that the pattern belongs to; `place_kept`: an earlier machine vouches for it."""
+    """Axles (when counted), length and front of the train that the pattern belongs to; `place_kept`: an earlier machine vouches for it."""
     return World(
         ghosts={own.axles: ANY, own.length: ANY, own.truth: ANY},
         choices=[own.next_axles, own.next_length, own.next_truth],
@@ -52,7 +52,8 @@ def _features(own: Parts) -> dict[str, Bool | Law]:
     return {
         "the fibre's count is the train's": Law(
             counted.implies(own.seen_count.value.eq(own.next_axles)),
-            "Where the fibre reports a number of axles with a pattern, the train that makes the pattern has as many.",
+            "Where the fibre reports a number of axles with a pattern, the train that makes the pattern had as many at the moment "
+            "that the count tells of: how long ago that may be, the machines that use it have to charge.",
             source="[S] Kowarik 2020: bogies can be counted, single axles not shown; [D] docs/signals.md: often not told",
             owner="supplier",
             check="count of every train against that of the counters",

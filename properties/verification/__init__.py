@@ -59,7 +59,8 @@ def _truth(model: Verification) -> Iterator[Property]:
     yield under_assumption(
         "verified count is the train's",
         (now & machine.flag("verified_count")).implies(own.axles.eq(own.kept_count)),
-        statement="in a cycle verified by count, the train followed has as many axles as the counter counted: identity",
+        statement="in a cycle verified by count, the train followed had as many axles as the counter counted, at the "
+        "moment that the count tells of: identity",
     )
     yield under_assumption(
         "verified length is the train's",

@@ -99,7 +99,7 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
         host.before(moment)
     whole = [_whole(stay, moment) for moment in moments]
     patterns = order_of(stay.ends, moments, [whole]).patterns
-    told = events(stay.ends, whole)
+    told = events(stay.ends, [tuple(place / MM_PER_M for place in _pattern(stay, moment)) for moment in moments])
     made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, told, strict=True)]
     return Stayed(made, host.states)
 
@@ -126,6 +126,8 @@ class _Host:
             for name, side in ENDS.items()
         }
         self._entry = _Entry(stay)
+        self._axles = _Axles(stay, start)
+        self._front_mm = _pattern(stay, start)[1]
         self._modes = [f"section_{number}.mode" for number in range(1, len(stay.cuts) + 1)]
         self.states: list[list[str]] = [[] for _ in stay.cuts]
 
@@ -146,6 +148,7 @@ class _Host:
         heard |= (
             _emitter(moment)
             | self._entry.heard(moment, event, _pattern(self._stay, moment)[1])
+            | self._axles.passed(moment)
             | _verified(own if settled else None, own is not None)
         )
         heard |= {"report.reading_age_ms": 0}
@@ -174,7 +177,40 @@ class _Host:
             own = {**_of(name, heard), "truth_mm": place}
             ghosts = host.ghosts(own, _of(name, was), _of(name, now))
             truth |= {f"{name}.{key}": cell for key, cell in ghosts.items()}
-        return truth | _world(self._stay, moment)
+        before, self._front_mm = self._front_mm, high
+        truth["entry.next_axles_inside"] = self._axles.inside
+        return truth | _world(self._stay, moment) | _body(self._stay, high, high - before)
+
+
+class _Axles:
+    """Every axle of the train, a lost part's too: how many come into the area and leave it, as the counters count them."""
+
+    def __init__(self, stay: Stay, start: Moment) -> None:
+        self._stay = stay
+        self._inside = self._within(start)
+        self._uncounted = -stay.miscounted
+
+    def _within(self, moment: Moment) -> list[bool]:
+        ends, made = self._stay.ends, list[bool]()
+        parts = self._stay.scene.trains[: 1 if self._stay.split is None else 2]
+        for part, truth in zip(parts, moment.truth, strict=False):
+            places = (MM_PER_M * (truth.high_m - behind) for behind in part.axles_m())
+            made += [bool(ends.low_mm < place < ends.high_mm) for place in places]
+        return made
+
+    def passed(self, moment: Moment) -> dict[str, Cell]:
+        """Inputs of one cycle; of a counter that miscounts, fewer axles than came in."""
+        before, self._inside = self._inside, self._within(moment)
+        pairs = list(zip(before, self._inside, strict=True))
+        came, went = sum(now and not then for then, now in pairs), sum(then and not now for then, now in pairs)
+        missed = min(came, max(self._uncounted, 0))
+        self._uncounted -= missed
+        return {"entry.axles_in": came - missed, "entry.axles_out": went}
+
+    @property
+    def inside(self) -> int:
+        """Axles in the area."""
+        return sum(self._inside)
 
 
 class _Entry:
@@ -272,6 +308,15 @@ def _whole(stay: Stay, moment: Moment) -> tuple[float, float]:
     """Ends of the whole train, with a part that it loses."""
     own = moment.truth[0]
     return (own.low_m if stay.split is None else moment.truth[1].low_m), own.high_m
+
+
+def _body(stay: Stay, high_mm: int, run_mm: int) -> dict[str, Cell]:
+    """Where the ends of the train would be had it lost nothing, and its run in the cycle."""
+    low_mm = high_mm - round(MM_PER_M * stay.train.length_m)
+    return {
+        "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
+        "report.step_um": run_mm * UM_PER_MM,
+    }  # fmt: skip
 
 
 def _is_split(stay: Stay, moment: Moment) -> bool:

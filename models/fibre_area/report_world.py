@@ -1,0 +1,150 @@
+"""The world of a train that may part: at any moment it may lose vehicles at the end that trails.
+
+    the count   was true of the train at some moment within the last `count_run_mm` of its run, no matter how long ago
+    the train   runs as one body; a pattern is the part of it that still shakes the ground
+    lost parts  stay where they are lost, or run on after the train; they run back by `roll_back_mm` at most, or as far as
+                the train itself has come back since, which may push them
+
+Standing, a train may lose vehicles at either end; running, at the end that trails. How far that end lay from the one that
+leads is bounded by the reference's length, for as long as the count told is that of the reference.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite, maximum, minimum, with_unit
+from safeloc.language.machine import ANY
+from safeloc.language.units import NM, NM_PER_MM, UM, UM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.fibre_area.parting import Parts
+
+
+def world(own: Parts) -> World:
+    """The train with all that it lost."""
+    whole = own.next_whole
+    low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
+    return World(
+        ghosts={
+            own.rear_is: False, own.front_is: False, own.since: own.config.since_limit_um,
+            own.body_rear: ANY, own.body_front: ANY, own.lowest: ANY, own.highest: ANY,
+        },
+        choices=own.choices,
+        moves={
+            own.rear_is: own.next_rear_is,
+            own.front_is: own.next_front_is,
+            own.since: own.next_since,
+            own.body_rear: own.next_body_rear,
+            own.body_front: own.next_body_front,
+            own.lowest: ite(whole, own.next_body_rear, low),
+            own.highest: ite(whole, own.next_body_front, high),
+        },
+        clauses=_clauses(own),
+    )  # fmt: skip
+
+
+def _clauses(own: Parts) -> dict[str, Law]:
+    up, down = own.upwards & ~own.downwards, own.downwards & ~own.upwards
+    return {
+        "a count is that of the train within its last run": _count(own),
+        "a whole train is its pattern": Law(
+            own.next_whole.implies(own.next_body_rear.eq(own.pattern_rear) & own.next_body_front.eq(own.pattern_front)),
+            "A train that lost nothing lies from end to end of its pattern.",
+            source="[D] a definition of the body",
+            owner="nobody",
+        ),
+        "a pattern is part of the train": _part(own),
+        "the train is no longer than its reference": _length(own),
+        "the run that is told was run": _run(own, up, down),
+        "the leading high end stays the train's": _stays(own.front_is & up & ~own.gone, own.next_front_is, "high"),
+        "the leading low end stays the train's": _stays(own.rear_is & down & ~own.gone, own.next_rear_is, "low"),
+        "the train's high end is near the pattern's": _read(own, own.next_front_is, own.next_front, own.pattern_front, "high"),
+        "the train's low end is near the pattern's": _read(own, own.next_rear_is, own.next_rear, own.pattern_rear, "low"),
+        "lost parts stay behind": _lost(own),
+    }  # fmt: skip
+
+
+def _count(own: Parts) -> Law:
+    return Law(
+        own.had_all.implies(own.next_counts),
+        "A count with all axles of the reference is that of the whole train, at some moment within the last run for which "
+        "the detector tells one count: no matter how long it stood, or where it turned.",
+        ("count_run_mm",),
+        "[D] safeloc.sensing.fibre, Counting: two profiles of 300 m and what lies between; [S] FVA-3",
+        "supplier",
+        "the count is compared at every further axle counter",
+    )
+
+
+def _part(own: Parts) -> Law:
+    moved = own.next_body_rear.eq(own.body_rear + own.step) & own.next_body_front.eq(own.body_front + own.step)
+    inside = (own.next_body_rear <= own.pattern_rear) & (own.pattern_front <= own.next_body_front)
+    return Law(
+        (~own.next_whole & own.next_counts).implies(moved & inside),
+        "A train runs as one body; after it lost vehicles its pattern is what is left of that body.",
+        source="[D] vehicles do not stretch; a part that stands does not shake the ground",
+        owner="nobody",
+    )
+
+
+def _length(own: Parts) -> Law:
+    long = own.next_body_front - own.next_body_rear
+    return Law(
+        (own.trusted & own.next_counts).implies(long <= exact_to(own.longest, UM)),
+        "The train whose reference is kept is no longer, from end to end and with all its vehicles, than the reference says "
+        "at most.",
+        source="[D] proved of the axle counter from axle to axle; both overhangs are added by the host",
+        owner="infrastructure",
+        check="length and distance of both ends, in every cycle; the record of every further axle counter",
+    )
+
+
+def _run(own: Parts, up: Bool, down: Bool) -> Law:
+    told, step = own.told_run, exact_to(own.step, NM)
+    off = with_unit(own.run * told.rate_ppm, NM)
+    short, floor = exact_to(own.run, NM), told.floor_mm * NM_PER_MM
+    far = (step + floor >= short - off) & (own.step >= 0)
+    near = (step - floor <= short - off) & (own.step <= 0)
+    return Law(
+        up.implies(far) & down.implies(near),
+        "A pattern that is told to run towards an end ran that way, and no less than is told, but for rate and floor.",
+        ("rate_ppm", "floor_mm"),
+        source="[D] as of the run that the fibre's machine is told",
+        owner="supplier",
+        check="place at every counter that the train passes",
+    )
+
+
+def _stays(leads: Bool, next_is: Bool, end: str) -> Law:
+    return Law(
+        leads.implies(next_is),
+        f"While the train runs towards its {end} end, it loses no vehicle there, and the direction of running is told truly.",
+        source="[D] a coupling parts under traction or brake; what leads is not left behind",
+        owner="operator",
+        check="train integrity monitoring",
+    )
+
+
+def _read(own: Parts, known: Bool, place: Num, read: Num, end: str) -> Law:
+    return Law(
+        known.implies(between(read - own.ran, place, read + own.ran)),
+        f"In the age of a reading the train's {end} end runs no farther than at the line's highest speed.",
+        ("max_speed_mm_s",),
+        "[D] line speed",
+        "operator",
+        "speed supervision",
+    )
+
+
+def _lost(own: Parts) -> Law:
+    back = own.config.roll_back_mm * UM_PER_MM + own.ran
+    low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
+    return Law(
+        (~own.next_whole & own.next_counts).implies(
+            all_of([own.next_rear >= low - back, own.next_front <= high + back])
+        ),
+        "A part that was lost stays where it was lost or runs on after the train; it runs back no farther than until its brakes "
+        "hold, unless the train itself comes back and pushes it.",
+        ("roll_back_mm", "max_speed_mm_s"),
+        "[M] continuous brake: the pipe parts with the coupling",
+        "operator",
+        "brake test; no vehicle without brake at the end of a train",
+    )
