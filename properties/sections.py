@@ -56,7 +56,15 @@ def _area(model: Sections) -> Iterator[Property]:
         yield for_all_inputs(
             f"train {one.number} that may be split is believed at its leading end only",
             _leads(of, one),
-            statement="a report of a train that is not known to be whole narrows nothing at the end that does not lead",
+            statement="a report of a train that is not known to be whole, or not to be trusted in that, narrows nothing at the end "
+            "that does not lead",
+            requirements=("FVA-9",),
+        )
+        yield for_all_inputs(
+            f"train {one.number} is whole by a trusted word only",
+            _confirmed(of, one, own.config.integrity_is_trusted),
+            statement="the time without confirmed integrity ends by an accepted report of a train that is whole, where such reports are "
+            "trusted, and never otherwise while the train is in the area",
             requirements=("FVA-9",),
         )
     loose = own.loose.implies(
@@ -93,9 +101,18 @@ def _aged(of: Substitution, one: Slot) -> Bool:
 
 def _leads(of: Substitution, one: Slot) -> Bool:
     low, high = of.num(one.low), of.num(one.high)
-    split = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & one.present & ~one.integer)
+    parted = one.present & ~one.integer if one.integrity_is_trusted else one.present
+    split = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & parted)
     lower, higher = low <= earlier_num(low), high >= earlier_num(high)
     return (split & of.bool(~one.downwards)).implies(lower) & (split & of.bool(one.downwards)).implies(higher)
+
+
+def _confirmed(of: Substitution, one: Slot, trusted: bool) -> Bool:
+    waited, present = of.num(one.unconfirmed), of.bool(one.present)
+    stays = earlier_bool(present) & present & of.bool(~one.enters)
+    longer = (waited > earlier_num(waited)) | waited.eq(one.unconfirmed.high)
+    word = of.bool(one.judged.eq(ACCEPTED) & one.integer)
+    return stays.implies(longer | (word & waited.eq(0)) if trusted else longer)
 
 
 def _told(model: Sections, one: Section) -> Iterator[Property]:

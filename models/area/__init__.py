@@ -93,7 +93,7 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
             "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
             "undisturbed every vehicle that comes in is counted and given a free slot, a train that is counted out has "
             "left completely, and a clear area is empty; a trusted report holds the end of the train that leads, and both "
-            "if it is known to be whole; nothing exceeds the top speed; no vehicle passes another."
+            "if it is known to be whole, where that is trusted; nothing exceeds the top speed; no vehicle passes another."
         ),
     )
     return Area(made, own)
@@ -197,7 +197,7 @@ def _after(own: Parts, one: Slot) -> dict[Var, Expr]:
         one.high: while_present(ite(taken, as_num(far, MM), high), zero),
         one.silent: while_present(ite(one.accepted | one.enters, none, minimum(one.silent + 1, limit)), none),
         one.unconfirmed: while_present(
-            ite((one.accepted & one.integer) | one.enters, none, minimum(one.unconfirmed + 1, limit)), none
+            ite(one.confirmed | one.enters, none, minimum(one.unconfirmed + 1, limit)), none
         ),
         one.below: present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below),
         one.above: present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above),

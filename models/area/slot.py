@@ -2,7 +2,7 @@
 
 The interval [low, high] holds the whole train, from its min safe rear end to its max safe front end. A trusted report
 narrows it; a cycle without one widens it by the highest speed. Without confirmed integrity only the end that leads is
-believed: a part that was left behind is not seen.
+believed: a part that was left behind is not seen. Nor is a report of integrity believed, where it is not to be trusted.
 """
 
 from __future__ import annotations
@@ -71,6 +71,7 @@ class Slot:
 
     number: int
     reach: Reach
+    integrity_is_trusted: bool
     event: NumVar
     rear: Optional
     front: Optional
@@ -113,12 +114,17 @@ class Slot:
     @property
     def holds_low(self) -> Bool:
         """A trusted report holds the train's low end."""
-        return self.integer | self.downwards
+        return self.integer | self.downwards if self.integrity_is_trusted else self.downwards
 
     @property
     def holds_high(self) -> Bool:
         """A trusted report holds the train's high end."""
-        return self.integer | ~self.downwards
+        return self.integer | ~self.downwards if self.integrity_is_trusted else ~self.downwards
+
+    @property
+    def confirmed(self) -> Bool:
+        """An accepted report confirms that it is whole."""
+        return self.accepted & self.integer if self.integrity_is_trusted else FALSE
 
     @property
     def charge(self) -> Num:
@@ -195,13 +201,14 @@ class Slot:
         }
 
 
-def slot(number_: int, reach: Reach, count_limit: int) -> Slot:
+def slot(number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: bool) -> Slot:
     """A slot with fresh variables."""
     name, limit = f"train_{number_}", reach.limit_mm
     far, step = limit * 1_000, reach.cycle_mm * 1_000
     return Slot(
         number_,
         reach,
+        integrity_is_trusted,
         choice(f"{name}_event", enumeration(EVENT)),
         optional(f"{name}_rear_mm", MM, -limit, limit),
         optional(f"{name}_front_mm", MM, -limit, limit),

@@ -11,7 +11,11 @@ from safeloc.models.area.slot import Reach, Slot, slot
 
 
 class AreaConfig(Config):
-    """What the area machine depends on."""
+    """What the area machine depends on.
+
+    integrity_is_trusted  a train that reports itself whole is believed at both ends; if not, at the end that leads only, and
+                          the ground behind it is cleared when it was counted out, or the area was swept
+    """
 
     trains: int = quantity(3, "count", 1, 16, "[D] trains at a time in 10 to 40 km")
     period_ms: int = quantity(1_000, "ms", 10, 10_000, "[S] Wiesmeyr 2020: one position a second")
@@ -19,6 +23,7 @@ class AreaConfig(Config):
     report_age_limit_ms: int = quantity(1_000, "ms", 0, 60_000, "[S] EUG 22E126: no data older than 1 s")
     count_limit: int = quantity(3_600, "cycles", 1, 1_000_000, "[D] how far waiting times are counted")
     limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km to either side")
+    integrity_is_trusted: bool = True
 
     @property
     def reach(self) -> Reach:
@@ -60,7 +65,10 @@ def parts(config: AreaConfig) -> Parts:
     far, step = limit * 1_000, reach.cycle_mm * 1_000
     return Parts(
         config,
-        tuple(slot(n, reach, config.count_limit) for n in range(1, config.trains + 1)),
+        tuple(
+            slot(n, reach, config.count_limit, integrity_is_trusted=config.integrity_is_trusted)
+            for n in range(1, config.trains + 1)
+        ),
         number("low_end_mm", MM, -limit, limit),
         number("high_end_mm", MM, -limit, limit),
         boolean("counters_healthy"),

@@ -193,10 +193,11 @@ def report_law(one: Slot) -> Bool:
 
 
 def _reports_law(one: Slot) -> Law:
+    both = "and both ends where the train is known to be whole" if one.integrity_is_trusted else "which it tells truly"
     return Law(
         report_law(one),
-        "A trusted report, complete and recent, held the train's leading end when it was measured, and both ends where the train "
-        "is known to be whole; since then the train ran no faster than the top speed.",
+        f"A trusted report, complete and recent, held the train's leading end when it was measured, {both}; since then the "
+        "train ran no faster than the top speed.",
         ("max_speed_mm_s", "report_age_limit_ms"),
         "[D] proved of the fibre's machines and their verification, under their own laws",
         "supplier",

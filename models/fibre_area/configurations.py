@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from safeloc.config import Configurations
+from safeloc.models.area import AreaConfig
 from safeloc.models.fibre_area import FibreAreaConfig
+from safeloc.models.sections import SectionsConfig
 from safeloc.models.verification import VerificationConfig
 
 NEVER = {
@@ -13,6 +15,9 @@ NEVER = {
 CONFIGURATIONS = Configurations(
     {
         "no emitter is needed": FibreAreaConfig(verification=VerificationConfig(needs_emitter=False)),
+        "a count alone makes nothing whole": FibreAreaConfig(
+            sections=SectionsConfig(area=AreaConfig(trains=1, period_ms=500, integrity_is_trusted=False))
+        ),
     },
     NEVER,
 )

@@ -29,6 +29,7 @@ from safeloc.models.emitter import simulate as emitter_streams
 from safeloc.models.fibre import configurations as fibre_configurations
 from safeloc.models.fibre import picture as fibre_picture
 from safeloc.models.fibre_area import configurations as fibre_area_configurations
+from safeloc.models.sections import configurations as sections_configurations
 from safeloc.models.train_order import simulate as train_order_streams
 from safeloc.models.verification import configurations as verification_configurations
 from safeloc.properties import axle_counter as counter_properties
@@ -215,5 +216,11 @@ ENTRIES = (
         fibre_handover.FibreHandoverConfig,
         _fibre_handover,
     ),
-    Entry("sections", "clear or not: virtual sections of a line area", sections.SectionsConfig, _sections),
+    Entry(
+        "sections",
+        "clear or not: virtual sections of a line area",
+        sections.SectionsConfig,
+        _sections,
+        sections_configurations.CONFIGURATIONS,
+    ),
 )

@@ -22,9 +22,9 @@ NARROWS, AGED = "train 1 narrows only by an accepted report", "train 1 report is
 LEADS = "train 1 that may be split is believed at its leading end only"
 
 
-def keeps(claim: str) -> bool:
+def keeps(claim: str, config: SectionsConfig = CONFIG) -> bool:
     """Whether the composition as it is built now keeps the claim from each step to the next."""
-    model = compose_machines(CONFIG)
+    model = compose_machines(config)
     [prop] = [one for one in properties(model) if one.name == claim]
     return not not_kept_by(model.composition.system, prop)
 
@@ -101,6 +101,25 @@ def test_a_wrong_edit_of_a_train_is_noticed(monkeypatch: pytest.MonkeyPatch, edi
     assert keeps(claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(claim)
+
+
+WORD = "train 1 is whole by a trusted word only"
+OF_A_WORD: dict[str, tuple[str, Wrong, str]] = {
+    "a word of integrity is believed at the low end": ("holds_low", lambda one, right: right | one.integer, LEADS),
+    "and at the high end": ("holds_high", lambda one, right: right | one.integer, LEADS),
+    "it confirms the train": ("confirmed", lambda one, _: one.accepted & one.integer, WORD),
+}
+
+
+@pytest.mark.parametrize("edit", OF_A_WORD)
+def test_a_word_that_is_not_trusted_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
+    """Where integrity is not trusted, a machine that believes it loses the claim that is named."""
+    name, wrong, claim = OF_A_WORD[edit]
+    area_config = CONFIG.area.model_copy(update={"integrity_is_trusted": False})
+    swept = CONFIG.model_copy(update={"area": area_config})
+    assert keeps(claim, swept)
+    edited(monkeypatch, Slot, name, wrong)
+    assert not keeps(claim, swept)
 
 
 @pytest.mark.parametrize("edit", OF_THE_AREA)

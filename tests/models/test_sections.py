@@ -97,6 +97,37 @@ def test_a_train_that_splits_leaves_its_sections_blocked() -> None:
     assert "A" in states(trace, 420)
 
 
+SWEPT = compose_machines(
+    SectionsConfig(area=CONFIG.area.model_copy(update={"integrity_is_trusted": False}), sections=4)
+)
+
+
+def seen_by(model: Sections, what: Scene, *, word: bool) -> Trace:
+    """The run of a scene through a model, with trains that report themselves whole whatever they lost where `word` is given."""
+    steps = simulate(CONFIG, what, seed=1)
+    told = {f"area.train_{number}_integer": True for number in (1, 2)} if word else {}
+    return run(model.composition.system, [{**step, **told} for step in steps], first=first_state(what))
+
+
+def test_a_word_of_integrity_that_is_not_true() -> None:
+    """A train loses its rear part and says that it is whole: where that is trusted its law is broken and the section is FREE over the
+    part; where it is not, every law is kept and it is never FREE."""
+    split = scene(TRAIN, TrainRun(2, 300, 200_000, FAST, splits_s=330, left_behind_mm=100_000), seconds=540)
+    trusting, swept = seen_by(MODEL, split, word=True), seen_by(SWEPT, split, word=True)
+    assert "FREE" == MODEL.sections[0].machine.modes[int(trusting.steps[420].state["section_1.mode"])].label
+    assert all(isinstance(one, Held) for one in check_all(swept, properties(SWEPT)))
+    assert all(states(swept, second)[0] != "F" for second in range(305, 540))
+
+
+def test_a_train_whose_word_is_not_trusted_clears_when_it_has_left() -> None:
+    """What lies behind it is not FREE before it was counted out, and then all at once."""
+    trace = seen_by(SWEPT, scene(TRAIN, replace(TRAIN, slot=2, enters_s=300), seconds=570), word=False)
+    assert all(isinstance(one, Held) for one in check_all(trace, properties(SWEPT)))
+    assert "FFFF" == states(trace, 299)
+    assert [states(trace, second)[0] for second in (310, 400, 550)] == ["O", "A", "A"]
+    assert "FFFF" == states(trace, 569)
+
+
 def test_an_uncounted_vehicle_is_never_overlooked() -> None:
     """A vehicle that stood in the area keeps what lies ahead of the sweeping train blocked, and is pushed out or stays."""
     trace = seen(scene(TRAIN, loose=(9_000_000, 9_100_000), loose_speed_mm_s=5_000))
@@ -149,10 +180,13 @@ def test_scenes_that_do_not_fit_are_refused() -> None:
         simulate(CONFIG, Scene((0, 10), ((0, 5),), (TRAIN,), 3), seed=0)
 
 
-@pytest.mark.parametrize("trains", [1, pytest.param(4, marks=pytest.mark.slow)])
-def test_everything_is_proved(trains: int) -> None:
+@pytest.mark.parametrize(
+    ("trains", "trusted"),
+    [(1, True), (1, False), pytest.param(4, True, marks=pytest.mark.slow)],
+)
+def test_everything_is_proved(trains: int, *, trusted: bool) -> None:
     """For one section anywhere in the area and any number of trains: every property, without a bound."""
-    model = compose_machines(SectionsConfig(area=AreaConfig(trains=trains)))
+    model = compose_machines(SectionsConfig(area=AreaConfig(trains=trains, integrity_is_trusted=trusted)))
     findings = prove(model.composition.system, properties(model), Limits(seconds=60), jobs=2)
     assert [] == [finding.id for finding in findings if not isinstance(finding.result, Proved)]
 
