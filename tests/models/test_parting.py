@@ -16,7 +16,7 @@ from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.units import UM, UM_PER_MM
-from safeloc.language.verdict import Proved, Verdict, Violated
+from safeloc.language.verdict import Proved, Result, Violated
 from safeloc.language.world import Law
 from safeloc.models.area import AreaConfig
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines
@@ -69,7 +69,7 @@ def holds(machine: Machine, report: Report) -> Property:
     return always(HELD, told.implies(inside), statement="it does", assumption="the laws of the report")
 
 
-def verdict(made: tuple[Machine, Report]) -> Verdict:
+def verdict(made: tuple[Machine, Report]) -> Result:
     """What becomes of the claim."""
     prop = holds(*made)
     found = prove(lower(made[0]), [prop], Limits(seconds=60), jobs=1)
@@ -91,6 +91,7 @@ def test_a_run_refutes_one_millimetre_less(monkeypatch: pytest.MonkeyPatch) -> N
     edited(monkeypatch, Believed, "farthest", one_less)
     found = verdict(alone())
     assert isinstance(found, Violated)
+    assert found.trace is not None
     last = found.trace.steps[-1]
     assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_whole_um"] < UM_PER_MM
 

@@ -99,7 +99,7 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
         host.before(moment)
     whole = [_whole(stay, moment) for moment in moments]
     patterns = order_of(stay.ends, moments, [whole]).patterns
-    told = events(stay.ends, [tuple(place / MM_PER_M for place in _pattern(stay, moment)) for moment in moments])
+    told = events(stay.ends, [_pattern_m(stay, moment) for moment in moments])
     made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, told, strict=True)]
     return Stayed(made, host.states)
 
@@ -302,6 +302,12 @@ def _pattern(stay: Stay, moment: Moment) -> tuple[int, int]:
     """Ends of what the fibre can see of the train: a lost part stands silent."""
     low, high = _whole(stay, moment) if not _is_split(stay, moment) else (moment.truth[0].low_m, moment.truth[0].high_m)
     return round(MM_PER_M * low), round(MM_PER_M * high)
+
+
+def _pattern_m(stay: Stay, moment: Moment) -> tuple[float, float]:
+    """The same, m."""
+    low, high = _pattern(stay, moment)
+    return low / MM_PER_M, high / MM_PER_M
 
 
 def _whole(stay: Stay, moment: Moment) -> tuple[float, float]:
