@@ -335,19 +335,16 @@ def _charged(model: FibreArea) -> Iterator[Property]:
         statement="run one way is counted from zero again by a cycle in which the train stands, turns, is not heard, or is gone",
         requirements=(*COUNTS, *CLEAR),
     )
-    slot = model.area.own.slots[0]
-    there = _of_slot(model)
-    parted = there.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
-    rear_um, front_um = there.num(slot.true_rear), there.num(slot.true_front)
-    for one in model.sections:
-        mine = model.composition.of(one.machine)
-        start, end = (mine.num(exact_to(bound, UM)) for bound in (one.start, one.end))
-        yield under_assumption(
-            f"{one.machine.name} is never clear over a part that was lost",
-            (parted & mine.bool(one.machine.flag("clear"))).implies((front_um < start) | (rear_um > end)),
-            statement="from the rear end of what a train lost last to its front end no section is FREE, whenever it parted",
-            requirements=(*COUNTS, *CLEAR),
-        )
+    slot, area = model.area.own.slots[0], _of_slot(model)
+    parted = area.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
+    low_um, high_um = (area.num(exact_to(bound, UM)) for bound in (slot.low, slot.high))
+    yield under_assumption(
+        "what a train lost is where the area says that the train may be",
+        parted.implies((low_um <= area.num(slot.true_rear)) & (area.num(slot.true_front) <= high_um)),
+        statement="from the rear end of what a train lost last to its front end, whenever it parted, all lies in the train's interval: a "
+        "section there is not clear, for it is clear on evidence only",
+        requirements=(*COUNTS, *CLEAR),
+    )
 
 
 def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
