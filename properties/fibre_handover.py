@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, between, exact_to
+from safeloc.language.expr import Bool, all_of, between, exact_to, maximum, minimum
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM
 from safeloc.models.fibre_handover import FibreHandover, interval
@@ -109,6 +109,17 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         "the same record on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(same),
         statement="the taking area verifies against the very record that the giving area verified against",
+    )
+    low, high = (there.num(one) for one in (giving.own.possible_low, giving.own.possible_high))
+    limit = giving.own.config.position_limit_mm
+    wider = (here.num(taking.own.possible_low) <= maximum(low, -limit)) & (
+        here.num(taking.own.possible_high) >= minimum(high, limit)
+    )
+    yield for_all_inputs(
+        "the same bounds of the front on both sides",
+        (arrives & mode.one_of(withheld, trusted)).implies(wider),
+        statement="where the front can be by the last record and the top speed is no narrower in the taking area than in the giving "
+        "one, but for the ends of the line",
     )
     yield for_all_inputs(
         "gone is gone",

@@ -8,8 +8,8 @@
 The taking area has no axle counter at the border: its reference is the record that the giving area verified against,
 sent while that area trusts the train. A record that does not arrive is a reference that was due and did not come.
 
-Inputs of a cycle: all of models.verification for `giving` and for `taking`, without the latter's record (count and
-length, wired) and without when it is due and from whom (wired); `border.record_arrives`, `border.train_gone`.
+Inputs of a cycle: all of models.verification for `giving` and for `taking`, without the latter's record (count,
+length and place, wired) and without when it is due and from whom (wired); `border.record_arrives`, `border.train_gone`.
 Outputs: `speaker.given`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, and those of the other machines by their names.
 """
 
@@ -101,6 +101,8 @@ def _taking_wires(giving: Verification, between: Border, taking: Verification) -
         own.record_count: said.output("handover_axles"),
         own.record_low: said.output("handover_length_low_mm"),
         own.record_high: said.output("handover_length_high_mm"),
+        own.record_place_low: said.output("handover_place_low_mm"),
+        own.record_place_high: said.output("handover_place_high_mm"),
         own.leaves: between.own.gone,
         own.next_truth: giving.own.truth,
         own.next_axles: giving.own.axles,

@@ -7,38 +7,59 @@
 
 A reference is the entry record of an axle counter, or that record handed over by the neighbouring area while it
 trusted the train. It is taken once and used for the whole stay. The axle count must be identical, the length equal
-within the tolerances of both sides; place and speed are compared only in the cycle of the reference. Any mismatch
-withholds in the same cycle and is latched; only another accepted reference ends it. What is missing withholds, and
-does not count as success.
+within the tolerances of both sides; speed and place are compared with the counter's only in the cycle of the reference.
+Later a place is compared with where the train can have come by that reference and the top speed, as long as this leaves
+no more open than permitted. Any mismatch withholds in the same cycle and is latched; only another accepted reference
+ends it. What is missing withholds, and does not count as success.
+
+What the fibre tells is believed within its bounds (`world`), or not at all (`doubted`): two worlds of one machine.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
-from safeloc.language.expr import FALSE, TRUE, Expr, Lit, NumVar, Var, as_num, ite
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, as_num, ite, maximum, minimum
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM
+from safeloc.models.verification.doubted import Doubted, doubted
+from safeloc.models.verification.doubted import world as doubted_world
 from safeloc.models.verification.judgement import Judged, judge
-from safeloc.models.verification.lemmas import lemmas
+from safeloc.models.verification.lemmas import lemmas, without_belief
 from safeloc.models.verification.variables import NO_RECORD, NOT_VERIFIED, VERIFIED, Parts, VerificationConfig, parts
 from safeloc.models.verification.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-__all__ = ["Verification", "VerificationConfig", "build", "machine", "parts"]
+__all__ = ["Verification", "VerificationConfig", "build", "build_doubted", "machine", "parts"]
 REQUIREMENTS = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")
 ENTRY = (*REQUIREMENTS, "FVA-3", "FVA-12", "FVA-4", "FVA-13", "FVA-14", "FVA-D1")
+BELIEVED = (
+    "Verifies one train's fibre parameters against the record of an axle counter. Assumed: a count that the fibre "
+    "tells is that of the train it is associated with; a length is true within the fibre's tolerance; a located "
+    "interval holds the front (the fibre machine's own proof). Nothing is assumed of the record beyond its bounds, "
+    "of train control data, or of which train a pattern belongs to: that is what is verified."
+)
+DOUBTED = (
+    "Verifies one train's fibre parameters against the record of an axle counter. Nothing is assumed of what the fibre "
+    "tells: count, length, speed, place and whose pattern it is may be wrong, alone or together, from any moment on. Assumed: "
+    "the axle counter's record is true, what a neighbour hands over is true, and no train runs faster than the top speed."
+)
 COURSE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16", "FVA-8", "FVA-17")
 
 
 @dataclass(frozen=True, eq=False)
 class Verification:
-    """The machine together with the terms it was built from, for properties to speak about."""
+    """The machine together with the terms it was built from, for properties to speak about.
+
+    train  ghosts of the train where nothing is assumed of the fibre; None where it is believed within its bounds
+    """
 
     machine: Machine
     own: Parts
     judged: Judged
+    train: Doubted | None = None
 
 
 def machine(config: VerificationConfig | None = None) -> Machine:
@@ -48,10 +69,27 @@ def machine(config: VerificationConfig | None = None) -> Machine:
 
 def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -> Verification:
     """The machine over the given variables; `place_kept`: an earlier machine vouches for the interval, not assumed."""
+    around = world(own, place_kept=place_kept)
+    return _built(own, name, lambda _, trusted: {"world": around, "lemmas": lemmas(own, trusted), "doc": BELIEVED})
+
+
+def build_doubted(own: Parts) -> Verification:
+    """The same machine where nothing is assumed of what the fibre tells, and an axle counter's record is true."""
+    train = doubted(own)
+
+    def around(known: Bool, trusted: Bool) -> dict[str, Any]:
+        found = without_belief(train, known, trusted)
+        return {"world": doubted_world(train), "lemmas": found, "doc": DOUBTED}
+
+    return replace(_built(own, "verification_doubted", around), train=train)
+
+
+def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, Any]]) -> Verification:
+    """The machine in a world; `around` makes world, lemmas and doc of what is known and what is trusted."""
     table = modes("NO_REFERENCE", "WITHHELD", "TRUSTED", "UNTRUSTED")
     current = current_mode(table)
-    judged = judge(own, current.one_of(table[1], table[2]), current.eq(table[3]))
-    trusted = current.eq(table[2])
+    known = current.one_of(table[1], table[2])
+    judged = judge(own, known, current.eq(table[3]))
     made = Machine(
         name=name,
         modes=table,
@@ -59,8 +97,6 @@ def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -
         state=own.state(),
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, judged, table)),
-        world=world(own, place_kept=place_kept),
-        lemmas=lemmas(own, trusted),
         definitions={
             "mismatch": judged.mismatch,
             "why": judged.flaw,
@@ -71,12 +107,7 @@ def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -
             "cycles since a verification": judged.age,
         },
         mode_variable=current,
-        doc=(
-            "Verifies one train's fibre parameters against the record of an axle counter. Assumed: a count that the fibre "
-            "tells is that of the train it is associated with; a length is true within the fibre's tolerance; a located "
-            "interval holds the front (the fibre machine's own proof). Nothing is assumed of the record beyond its bounds, "
-            "of train control data, or of which train a pattern belongs to: that is what is verified."
-        ),
+        **around(known, current.eq(table[2])),
     )
     return Verification(made, own, judged)
 
@@ -134,4 +165,7 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
         "handover_axles": ite(known, own.kept_count, as_num(0, COUNT)),
         "handover_length_low_mm": ite(known, own.kept_low, zero),
         "handover_length_high_mm": ite(known, own.kept_high, zero),
+        "handover_place_low_mm": ite(known, maximum(own.possible_low, own.record_place_low.low), zero),
+        "handover_place_high_mm": ite(known, minimum(own.possible_high, own.record_place_high.high), zero),
+        "place_doubt_mm": ite(trusted, own.possible_high - own.possible_low + own.config.place_tolerance_mm, zero),
     }

@@ -136,10 +136,37 @@ class Judged:
     def place_fits(self) -> Bool:
         """The fibre's interval meets the counter's, within tolerance and what the train can have run since."""
         own, config = self.own, self.own.config
-        run = -(-config.max_speed_mm_s * config.period_ms // MS_PER_S)
-        slack = _scaled(own.record_age, run, own.place.value) + config.place_tolerance_mm
+        slack = _scaled(own.record_age, config.fastest_run_mm, own.place.value) + config.place_tolerance_mm
         low, high = own.place.value - own.place_below, own.place.value + own.place_above
         return (low <= own.record_place_high + slack) & (high >= own.record_place_low - slack)
+
+    # -------------------------------------------------------------- where the front can be, without the fibre
+
+    @cached_property
+    def possible(self) -> tuple[Num, Num]:
+        """Bounds of the front by the reference and its top speed alone, mm; beyond their limit they serve no more."""
+        own, run = self.own, self.own.config.fastest_run_mm
+        since, widens = _scaled(own.record_age, run, own.record_place_low), ite(self._was_doubtful, 0, Lit(run, MM))
+        low = ite(own.due, own.record_place_low - since, own.possible_low - widens)
+        return low, ite(own.due, own.record_place_high + since, own.possible_high + widens)
+
+    @cached_property
+    def _was_doubtful(self) -> Bool:
+        return self.own.possible_high - self.own.possible_low > self.own.config.place_doubt_limit_mm
+
+    @cached_property
+    def doubtful(self) -> Bool:
+        """The last place of a counter is so old that the train can be too far from it."""
+        low, high = self.possible
+        return high - low > self.own.config.place_doubt_limit_mm
+
+    @cached_property
+    def out_of_reach(self) -> Bool:
+        """The fibre's interval is where no train can be by its last record. In a counter's own cycle its place says so."""
+        own, tolerance, (low, high) = self.own, self.own.config.place_tolerance_mm, self.possible
+        beyond, short = own.place.value - own.place_below - high, low - own.place.value - own.place_above
+        later = ~(own.due & own.source.eq(v.AXLE_COUNTER)) & ~self.doubtful
+        return self.placed & later & ((beyond > tolerance) | (short > tolerance))
 
     # -------------------------------------------------------------- course over time
 
@@ -233,6 +260,7 @@ class Judged:
             (self.jumped, v.JUMP),
             (self._control_count_differs, v.CONTROL_COUNT),
             (self._control_length_differs, v.CONTROL_LENGTH),
+            (self.out_of_reach, v.OUT_OF_REACH),
         ]
         return [*always_on, (own.chain_failed, v.CHAIN_FAILED)] if own.config.needs_emitter else always_on
 
@@ -253,7 +281,7 @@ class Judged:
     def lacks(self) -> list[tuple[Bool, Lit]]:
         """What is missing, with its reason; it withholds and is not latched."""
         own, config = self.own, self.own.config
-        lacks = [(~own.associated, v.NOT_ASSOCIATED), (~self.placed, v.NOT_LOCATED)]
+        lacks = [(~own.associated, v.NOT_ASSOCIATED), (~self.placed, v.NOT_LOCATED), (self.doubtful, v.PLACE_DOUBTFUL)]
         if config.needs_control_data:
             lacks.append((~self.controlled, v.CONTROL_DATA_MISSING))
         if config.needs_emitter:
@@ -292,6 +320,8 @@ class Judged:
         slower, faster = self.abilities
         speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
         return {
+            own.possible_low: self.possible[0],
+            own.possible_high: self.possible[1],
             own.length_known: own.length_known | length,
             own.last_length: ite(length, own.seen_length.value, own.last_length),
             own.speed_known: own.speed_known | speed,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, between, exact_to
-from safeloc.language.units import NM
+from safeloc.language.expr import Bool, between, exact_to, with_unit
+from safeloc.language.units import MM, NM, UM
+from safeloc.models.verification.doubted import Doubted
 from safeloc.models.verification.variables import Parts
 
 
@@ -12,9 +13,48 @@ def lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
     interval = between(exact_to(own.front - own.front_below, NM), own.truth, exact_to(own.front + own.front_above, NM))
     return {
         "a trusted position holds the truth": trusted.implies(interval),
-        "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
-        "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),
+        **_trust(own, trusted),
         "a count verified now is the train's": (trusted & own.by_count & own.age.eq(0)).implies(
             own.axles.eq(own.kept_count)
         ),
+    }
+
+
+def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool]:
+    """What is stored of a train is true of it, and what is trusted agrees with it, whatever the fibre tells."""
+    own, limit = train.own, train.own.config.place_doubt_limit_mm
+    width = own.possible_high - own.possible_low
+    serves, tolerance = known & (width <= limit), own.config.place_tolerance_mm
+    met = (own.front - own.front_below - own.possible_high <= tolerance) & (
+        own.possible_low - own.front - own.front_above <= tolerance
+    )
+    return {
+        **_trust(own, trusted),
+        "the stored count is the train's": known.implies(own.axles.eq(own.kept_count)),
+        "the stored length is the train's": known.implies(
+            between(exact_to(own.kept_low, UM), own.length, exact_to(own.kept_high, UM))
+        ),
+        "the spread of the length is the record's": known.implies(
+            train.spread.eq(exact_to(own.kept_high - own.kept_low, UM))
+        ),
+        "the front is where it can be": serves.implies(
+            between(exact_to(own.possible_low, NM), own.truth, exact_to(own.possible_high, NM))
+        ),
+        "what the record leaves open is counted": serves.implies(train.width.eq(exact_to(width, NM))),
+        "what the record leaves open grows": serves.implies(
+            with_unit(train.record_ago * (2 * own.config.fastest_run_mm), MM) <= width
+        ),
+        "trusted is no farther than the record allows": trusted.implies(met & (width <= limit)),
+        "what is trusted is the last place": trusted.implies(
+            own.place_known & own.reach.eq(0) & own.last_place.eq(own.front)
+        ),
+        "a verification is no younger than what the fibre told": known.implies(train.untold_for <= own.age),
+    }
+
+
+def _trust(own: Parts, trusted: Bool) -> dict[str, Bool]:
+    """What trust rests on, in any world."""
+    return {
+        "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
+        "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),
     }

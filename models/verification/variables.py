@@ -25,13 +25,13 @@ REASON = members(
     "VERIFIED", "NO_RECORD", "NOT_VERIFIED", "NOT_ASSOCIATED", "NOT_LOCATED", "CONTROL_DATA_MISSING", "CHAIN_UNTESTED",
     "REFERENCE_LOST", "REFERENCE_REFUSED", "REFERENCE_CONTRADICTS", "COUNT", "LENGTH", "SPEED_AT_ENTRY",
     "PLACE_AT_ENTRY", "LENGTH_CHANGED", "SPEED_CHANGED", "JUMP", "CONTROL_COUNT", "CONTROL_LENGTH", "CHAIN_FAILED",
-    "FIBRE_ERROR", "ENDS_APART",
+    "FIBRE_ERROR", "ENDS_APART", "OUT_OF_REACH", "PLACE_DOUBTFUL",
 )  # fmt: skip
 (
     VERIFIED, NO_RECORD, NOT_VERIFIED, NOT_ASSOCIATED, NOT_LOCATED, CONTROL_DATA_MISSING, CHAIN_UNTESTED,
     REFERENCE_LOST, REFERENCE_REFUSED, REFERENCE_CONTRADICTS, COUNT_DIFFERS, LENGTH_DIFFERS, SPEED_AT_ENTRY,
     PLACE_AT_ENTRY, LENGTH_CHANGED, SPEED_CHANGED, JUMP, CONTROL_COUNT, CONTROL_LENGTH, CHAIN_FAILED,
-    FIBRE_ERROR, ENDS_APART,
+    FIBRE_ERROR, ENDS_APART, OUT_OF_REACH, PLACE_DOUBTFUL,
 ) = REASON  # fmt: skip
 FROM = members("reference_from", "NOBODY", "AXLE_COUNTER", "NEIGHBOUR")
 NOBODY, AXLE_COUNTER, NEIGHBOUR = FROM
@@ -56,7 +56,17 @@ class VerificationConfig(Config):
     brake_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure]; 2 500 with track brake")
     jump_mm: int = quantity(10_000, "mm", 0, 1_000_000, "[M] besides what both intervals leave open")
     reference_age_limit_cycles: int = quantity(4, "cycles", 0, 10_000, "[D] 2 s from counter to safe computer")
+    place_doubt_limit_mm: int = quantity(
+        100_000_000,
+        "mm",
+        1,
+        10_000_000_000,
+        "[D] of the front by the last record alone: 500 s at 100 m/s; 40 km at 80 m/s",
+    )
     currency_cycles: int = quantity(10, "cycles", 0, 100_000, "[D] 5 s; 0: verified in the very cycle")
+    record_hazard_rate: int = quantity(
+        10, "1e-9/h", 1, 1_000_000, "[M, sure] EN 50129: SIL 4 is a tolerable hazard rate below 1e-8 an hour"
+    )
     needs_control_data: bool = False
     needs_emitter: bool = True
 
@@ -64,6 +74,11 @@ class VerificationConfig(Config):
     def change_limit_um_s(self) -> int:
         """Greatest change of speed that is reckoned with: from full speed backwards to full speed forwards."""
         return 2 * self.max_speed_mm_s * 1_000
+
+    @property
+    def fastest_run_mm(self) -> int:
+        """The run of a cycle at top speed, rounded up."""
+        return -(-self.max_speed_mm_s * self.period_ms // 1_000)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +98,7 @@ class Parts:
     chain_tested, chain_failed  the test emitter
     leaves           the train has left the area
     kept_...         the stored reference
+    possible_...     where the front can be by the reference and its top speed alone, whatever the fibre tells
     last_...         last reading of length, speed, place; `slower`, `faster` bound the speed's change since
     given            the position was given out since the last accepted reference
     by_...           what the present trust rests on
@@ -122,6 +138,8 @@ class Parts:
     kept_count: NumVar
     kept_low: NumVar
     kept_high: NumVar
+    possible_low: NumVar
+    possible_high: NumVar
     length_known: BoolVar
     last_length: NumVar
     speed_known: BoolVar
@@ -170,7 +188,8 @@ class Parts:
     def numbers(self) -> tuple[NumVar, ...]:
         """The stored numbers, apart from age and reason."""
         course = (self.last_length, self.last_speed, self.slower, self.faster, self.last_place, self.reach)
-        return (self.kept_count, self.kept_low, self.kept_high, *course, self.front, self.front_above, self.front_below)
+        kept = (self.kept_count, self.kept_low, self.kept_high, self.possible_low, self.possible_high)
+        return (*kept, *course, self.front, self.front_above, self.front_below)
 
     @property
     def known(self) -> tuple[BoolVar, ...]:
@@ -189,7 +208,8 @@ def parts(config: VerificationConfig) -> Parts:
         config.position_limit_mm, config.length_limit_mm, config.axle_limit, config.max_speed_mm_s
     )  # fmt: skip
     margin, change, ages = config.margin_limit_mm, config.change_limit_um_s, config.currency_cycles + 1
-    far = 2 * (limit + margin)
+    far, oldest = 2 * (limit + margin), 2 * config.reference_age_limit_cycles + 1
+    possible = limit + config.fastest_run_mm + max(config.place_doubt_limit_mm, oldest * config.fastest_run_mm)
     return Parts(
         config=config,
         due=boolean("reference_due"),
@@ -202,7 +222,7 @@ def parts(config: VerificationConfig) -> Parts:
         record_speed_high=number("record_speed_high_mm_s", MM_S, -fast, fast),
         record_place_low=number("record_place_low_mm", MM, -limit, limit),
         record_place_high=number("record_place_high_mm", MM, -limit, limit),
-        record_age=number("record_age_cycles", COUNT, 0, 2 * config.reference_age_limit_cycles + 1),
+        record_age=number("record_age_cycles", COUNT, 0, oldest),
         associated=boolean("associated"),
         seen_count=optional("fibre_axles", COUNT, 0, axles),
         seen_length=optional("fibre_length_mm", MM, 0, long),
@@ -223,6 +243,8 @@ def parts(config: VerificationConfig) -> Parts:
         kept_count=number("kept_axles", COUNT, 0, axles),
         kept_low=number("kept_length_low_mm", MM, 0, long),
         kept_high=number("kept_length_high_mm", MM, 0, long),
+        possible_low=number("possible_low_mm", MM, -possible, limit),
+        possible_high=number("possible_high_mm", MM, -limit, possible),
         length_known=boolean("last_length_known"),
         last_length=number("last_length_mm", MM, 0, long),
         speed_known=boolean("last_speed_known"),

@@ -13,7 +13,9 @@ from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
 from safeloc.properties.no_interval import no_interval
 from safeloc.properties.verification.abilities import properties as ability_properties
+from safeloc.properties.verification.doubted import properties as doubted_properties
 from safeloc.properties.verification.mismatch import properties as mismatch_properties
+from safeloc.properties.verification.reach import properties as reach_properties
 
 LAW = "what the fibre tells of a train is true of that train within its bounds; a located interval holds the front"
 CLAIM = ("FVA-1", "FVA-10")
@@ -28,7 +30,12 @@ under_assumption = partial(always, requirements=(*CLAIM, "FVA-D1"), assumption=L
 
 
 def properties(model: Verification) -> list[Property]:
-    """Only what is verified is given out; a mismatch withholds at once and until another accepted reference."""
+    """Only what is verified is given out; a mismatch withholds at once and until another accepted reference.
+
+    Where the fibre is doubted, only what its world makes claimable: for all inputs the same machine is claimed where it is not.
+    """
+    if model.train is not None:
+        return doubted_properties(model, model.train)
     return [
         *_truth(model),
         *_age(model),
@@ -38,6 +45,7 @@ def properties(model: Verification) -> list[Property]:
         *_entry(model),
         *mismatch_properties(model),
         *ability_properties(model),
+        *reach_properties(model),
         *_handed_over(model),
         *_reached(model),
     ]

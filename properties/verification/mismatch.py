@@ -16,6 +16,7 @@ from safeloc.models.verification import Verification
 from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
 from safeloc.properties.verification.abilities import Abilities
+from safeloc.properties.verification.reach import beyond_reach
 
 CLAIM = ("FVA-1", "FVA-10")
 STAY = ("FVA-2", "FVA-11")
@@ -80,6 +81,11 @@ NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
         "the front comes no farther than its speed and both intervals allow since its last place",
         COURSE,
     ),
+    "a place out of reach is withheld": (
+        v.OUT_OF_REACH,
+        "an interval where the train cannot have come from its last counter, even at top speed, withholds in the same cycle",
+        (*CLAIM, *STAY),
+    ),
 }
 for_all_inputs = partial(always, requirements=(*CLAIM, *COURSE), unconditional=True)
 
@@ -115,6 +121,7 @@ def mismatches(own: Parts, was_known: Bool, least_mm: int) -> dict[Lit, Bool]:
         **_of_parameters(own),
         **_at_counter(own),
         **_of_course(own, least_mm),
+        v.OUT_OF_REACH: beyond_reach(own),
         v.FIBRE_ERROR: own.fibre_error,
         **({v.CHAIN_FAILED: own.chain_failed} if own.config.needs_emitter else {}),
     }

@@ -71,6 +71,13 @@ def _verification(config: BaseModel) -> Target:
     )
 
 
+def _verification_doubted(config: BaseModel) -> Target:
+    assert isinstance(config, verification.VerificationConfig)
+    model = verification.build_doubted(verification.parts(config))
+    made = single(model.machine, verification_properties.properties(model), config)
+    return replace(made, reported=Reported(valid="trusted"))
+
+
 def _verification_simulated(config: verification.VerificationConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
     from safeloc.models.fibre.simulate import simulate_stay  # numpy is loaded only where something is simulated
 
@@ -180,6 +187,12 @@ ENTRIES = (
         verification.VerificationConfig,
         _verification,
         verification_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "verification_doubted",
+        "the same where the fibre may be wrong in everything",
+        verification.VerificationConfig,
+        _verification_doubted,
     ),
     Entry("axle_head", "axles and direction from two overlapping pulses", axle_head.AxleHeadConfig, _axle_head),
     Entry(

@@ -25,6 +25,7 @@ SILENT: Mapping[str, tuple[str, ...]] = {
     "reflector": ("reflector",),
     "route": ("route",),
     "verification": ("verification",),
+    "verification_doubted": ("verification_doubted",),
     "sections": ("area",),
     "selection": ("selection",),
     "satellite": ("selection", "position"),

@@ -30,8 +30,23 @@ from tests.models.one_step import changed, not_kept_by
 CONFIG = FibreHandoverConfig()
 SHARED_MM = (300_000, 500_000)
 CYCLES = 60
-RECORD = ("reference_due", "reference_from", "record_sound", "record_axles", "record_length_low_mm")
-WIRED = {*RECORD, "record_length_high_mm", "train_leaves", "next_true_axles", "next_true_length_um", "next_truth_nm"}
+RECORD = (
+    "reference_due",
+    "reference_from",
+    "record_sound",
+    "record_axles",
+    "record_length_low_mm",
+    "record_length_high_mm",
+)
+WIRED = {
+    *RECORD,
+    "record_place_low_mm",
+    "record_place_high_mm",
+    "train_leaves",
+    "next_true_axles",
+    "next_true_length_um",
+    "next_truth_nm",
+}
 
 
 @cache

@@ -135,6 +135,36 @@ def test_a_verification_grows_old() -> None:
     assert found[30 : 30 + CONFIG.currency_cycles + 2] == ["TRUSTED"] * (CONFIG.currency_cycles + 1) + ["WITHHELD"]
 
 
+def test_a_place_out_of_reach_is_latched() -> None:
+    """A place to which no train can have come from its counter, even at top speed; a wide interval hides the jump."""
+    front = 25_000 * 30 // 2
+    far: dict[str, Cell | None] = {"fibre_position_mm": front + 1_400_000, "fibre_margin_below_mm": 300_000}
+    wide: dict[str, Cell | None] = {"fibre_margin_above_mm": 500_000}
+    config = VerificationConfig(jump_mm=1_000_000)
+    nearer: dict[str, Cell | None] = {"fibre_position_mm": front + 900_000, **wide}
+    farther: dict[str, Cell | None] = {"fibre_position_mm": front + 1_020_000, **wide}
+    trace = stayed(Stay(), config=config, at={28: nearer, 29: farther, 30: far})
+    assert modes(trace)[28:32] == ["TRUSTED"] * 2 + ["UNTRUSTED"] * 2
+    assert set(labels(trace, "reason")[30:59]) == {"OUT_OF_REACH"}
+
+
+def test_a_place_whose_record_is_old_is_withheld() -> None:
+    """It is withheld where the record and the top speed leave more open than permitted, until the next counter."""
+    front = 25_000 * 50 // 2
+    fresh: dict[str, Cell | None] = {
+        "reference_due": True,
+        "record_place_low_mm": front - 5_000,
+        "record_place_high_mm": front + 5_000,
+    }
+    config = VerificationConfig(place_doubt_limit_mm=2_000_000)
+    trace = stayed(Stay(), config=config, at={50: fresh})
+    last = ENTRY + (2_000_000 - 10_000) // 100_000
+    assert modes(trace)[last : last + 2] == ["TRUSTED", "WITHHELD"]
+    assert set(labels(trace, "reason")[last + 1 : 50]) == {"PLACE_DOUBTFUL"}
+    assert modes(trace)[49:51] == ["WITHHELD", "TRUSTED"]
+    assert [trace.steps[cycle].outputs["place_doubt_mm"] for cycle in (last, last + 1, 50)] == [1_940_000, 0, 40_000]
+
+
 def test_place_and_speed_are_compared_at_entry_only() -> None:
     """A record with another place in a cycle in which none is due changes nothing: the train has long run on."""
     trace = stayed(Stay(), at={40: {"record_place_low_mm": -9_000, "record_place_high_mm": -8_000}})
@@ -313,6 +343,10 @@ EDITS: list[tuple[str, Callable[[Judged], object], str]] = [
         "a length that changes withholds",
     ),
     ("abilities", _either, "speed is bounded by the train's abilities"),
+    ("possible", lambda j: (j.own.possible_low, j.own.possible_high), "bounds of the front widen by the fastest run"),
+    ("_was_doubtful", lambda _: TRUE, "bounds of the front widen by the fastest run"),
+    ("doubtful", lambda j: j.own.due, "a doubtful place is withheld"),
+    ("out_of_reach", lambda j: j.own.due, "a place out of reach is withheld"),
 ]
 
 

@@ -19,7 +19,7 @@ from safeloc.assurance.splits.places import source_of
 from safeloc.catalogue import DEFAULTS, ENTRIES
 from safeloc.target import Entry
 
-FOLDERS = {"selection": "satellite_selection", "satellite_drift": "satellite"}
+FOLDERS = {"selection": "satellite_selection", "satellite_drift": "satellite", "verification_doubted": "verification"}
 """Folders of `models/` whose name is not that of their target."""
 SHARED = {
     "models/motion/world.py: laws is None": "who makes a world hands its laws in; the default is for tests",

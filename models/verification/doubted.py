@@ -1,0 +1,218 @@
+"""The world of a train whose fibre may be wrong: nothing is assumed of what the fibre tells, of any of it, at any time.
+
+Count, place, length, speed and whose pattern it is are what they are: wrong alone, wrong together, from any moment on. So
+are the signals of the emitter and of train control. What is true is the train as it passed the axle counter, how a train
+moves, and the counter's record (FVA-4): the one sensor that is safe in the signalling sense.
+
+    axles, length  of the train as it passed the counter; what it loses afterwards makes it no other train
+    truth          the front of that train
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    Bool,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    abs_,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    minimum,
+    number,
+    with_unit,
+)
+from safeloc.language.machine import ANY
+from safeloc.language.units import COUNT, NM, NM_PER_MM, UM, UM_PER_MM, UM_S
+from safeloc.language.world import Law, World
+from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, Parts
+
+RECORD = "an axle counter's record is true"
+HANDED_OVER = "what a neighbour hands over is true"
+
+
+@dataclass(frozen=True, eq=False)
+class Doubted:
+    """Ghosts beside axles, length and front of the train.
+
+    speed        the train's speed
+    width        how far apart the places are at which the front can be by the last record and the top speed alone
+    record_ago   cycles since that record, up to one more than a place can serve
+    spread       how far apart the bounds of the length are in that record
+    untold_for   cycles since the fibre told a count or a length that was the train's, the length within tolerance and spread
+    """
+
+    own: Parts
+    speed: NumVar
+    next_speed: NumVar
+    width: NumVar
+    record_ago: NumVar
+    spread: NumVar
+    untold_for: NumVar
+
+
+def doubted(own: Parts) -> Doubted:
+    """Fresh ghosts of the train beside those of the machine's parts."""
+    config = own.config
+    fast, cycles = config.max_speed_mm_s * UM_PER_MM, config.place_doubt_limit_mm // (2 * config.fastest_run_mm) + 2
+    wide = 2 * own.possible_high.high * NM_PER_MM
+    return Doubted(
+        own,
+        number("true_speed_um_s", UM_S, -fast, fast),
+        number("next_true_speed_um_s", UM_S, -fast, fast),
+        number("record_width_nm", NM, -wide, wide),
+        number("record_ago_cycles", COUNT, 0, cycles),
+        number("record_spread_um", UM, -own.length.high, own.length.high),
+        number("untold_for_cycles", COUNT, 0, config.currency_cycles + 1),
+    )
+
+
+def world(train: Doubted) -> World:
+    """The train, its motion and its records; no clause reads anything that the fibre, the emitter or train control tells."""
+    own = train.own
+    return World(
+        ghosts={
+            **dict.fromkeys((own.axles, own.length, own.truth, train.speed, train.width, train.spread), ANY),
+            train.record_ago: 0,
+            train.untold_for: 0,
+        },
+        choices=[own.next_axles, own.next_length, own.next_truth, train.next_speed],
+        moves={
+            own.axles: own.next_axles,
+            own.length: own.next_length,
+            own.truth: own.next_truth,
+            train.speed: train.next_speed,
+            **_since_record(train),
+        },
+        clauses={**_train(own), **_records(train)},
+    )
+
+
+# ------------------------------------------------------------------ what is kept of the last record
+
+
+def _came(own: Parts) -> Bool:
+    return own.due & own.source.one_of(AXLE_COUNTER, NEIGHBOUR)
+
+
+def _since_record(train: Doubted) -> dict[Var, Num]:
+    """How old the last record is, and how much it leaves open by now."""
+    own, came = train.own, _came(train.own)
+    told = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
+    grown = minimum(train.width + 2 * _run_nm(own), train.width.high)
+    spread = ite(came, exact_to(own.record_high - own.record_low, UM), train.spread)
+    older = minimum(train.untold_for + 1, train.untold_for.high)
+    return {
+        train.width: ite(came, told, grown),
+        train.record_ago: ite(came, 0, minimum(train.record_ago + 1, train.record_ago.high)),
+        train.spread: spread,
+        train.untold_for: ite(_told_right(own, spread), as_num(0, COUNT), older),
+    }
+
+
+def _told_right(own: Parts, spread: Num) -> Bool:
+    """The fibre told a count that is the train's, or a length that is, as nearly as a record and a tolerance can tell."""
+    count = own.seen_count.present & own.next_axles.eq(own.seen_count.value)
+    off = abs_(own.next_length - exact_to(own.seen_length.value, UM))
+    near = off - spread <= own.config.length_tolerance_mm * UM_PER_MM
+    return own.associated & (count | (own.seen_length.present & near))
+
+
+def _run_nm(own: Parts) -> Num:
+    """The run that the machine charges a cycle: that of the top speed, in whole millimetres."""
+    return Lit(own.config.fastest_run_mm * NM_PER_MM, NM)
+
+
+def _ran(own: Parts) -> Num:
+    return with_unit(own.record_age * (own.config.fastest_run_mm * NM_PER_MM), NM)
+
+
+# ------------------------------------------------------------------ laws
+
+
+def _train(own: Parts) -> dict[str, Bool | Law]:
+    """One train at a time, which moves as a train does."""
+    config, limit = own.config, own.config.position_limit_mm * NM_PER_MM
+    same = own.next_axles.eq(own.axles) & own.next_length.eq(own.length)
+    run = abs_(own.next_truth - own.truth)
+    return {
+        "until it has left it is the same train": Law(
+            own.leaves | same,
+            "Axles and length are those of the train as it passed the counter, until it is told to have left the area.",
+            source="[D] what is meant by the train",
+            owner="nobody",
+            check="none needed",
+        ),
+        "the front runs no faster than the top speed": Law(
+            own.leaves | (run <= config.max_speed_mm_s * config.period_ms * 1_000),
+            "In one cycle the front runs no farther than at the top speed, in either direction.",
+            figures=("max_speed_mm_s", "period_ms"),
+            source="[D] line speed",
+            owner="operator",
+            check="speed supervision",
+        ),
+        "the line ends": Law(
+            between(-limit, own.next_truth, limit),
+            "No front lies beyond the coordinates of the line.",
+            figures=("position_limit_mm",),
+            source="[D] 1 000 km of line",
+            owner="infrastructure",
+            check="the line's map",
+        ),
+    }
+
+
+def _records(train: Doubted) -> dict[str, Bool | Law]:
+    """A counter's record, and what is handed over of one."""
+    own = train.own
+    told, handed = (own.due & own.sound & own.source.eq(one) for one in (AXLE_COUNTER, NEIGHBOUR))
+    return {
+        RECORD: Law(
+            told.implies(_true_record(own) & _true_speed(train)),
+            "A record that the axle counter calls undisturbed is the train's: its axles exactly, its length within the bounds told, "
+            "and its front and its speed within theirs as many cycles ago as the record is old. That it is not so although it is "
+            "called undisturbed is a wrong-side failure, no more frequent than the counter's tolerable hazard rate.",
+            figures=("record_hazard_rate", "max_speed_mm_s", "traction_mm_s2", "brake_mm_s2", "period_ms"),
+            source="[S] 003, claim 4: the lineside sensor is safe in the signalling sense; proved of axle_counter, but for its heads",
+            owner="infrastructure",
+            check="the counter's safety case (SIL 4); counts of neighbouring counters compared",
+        ),
+        HANDED_OVER: Law(
+            handed.implies(_true_record(own)),
+            "What the neighbouring area hands over of a train that it trusts is true: axles, bounds of the length, and bounds of the "
+            "front as many cycles ago as it is old.",
+            figures=("max_speed_mm_s", "period_ms"),
+            source="[D] claimed of this machine: what is handed over is true",
+            owner="infrastructure",
+            check="the neighbour verifies by this same machine; the link is safe against corruption (EN 50159)",
+        ),
+    }
+
+
+def _true_record(own: Parts) -> Bool:
+    """Axles, length and place, the latter as long ago as the record is old."""
+    ran = with_unit(own.record_age * (own.config.max_speed_mm_s * own.config.period_ms * 1_000), NM)
+    low, high = (exact_to(one, NM) for one in (own.record_place_low, own.record_place_high))
+    return all_of(
+        [
+            own.next_axles.eq(own.record_count),
+            between(exact_to(own.record_low, UM), own.next_length, exact_to(own.record_high, UM)),
+            own.next_truth + ran >= low,
+            own.next_truth - ran <= high,
+        ]
+    )
+
+
+def _true_speed(train: Doubted) -> Bool:
+    """The speed changes by no more than traction or brakes since the record."""
+    own, config = train.own, train.own.config
+    change = max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms
+    changed = with_unit(own.record_age * change, UM_S)
+    slow, fast = (exact_to(one, UM_S) for one in (own.record_speed_low, own.record_speed_high))
+    return (train.next_speed + changed >= slow) & (train.next_speed - changed <= fast)

@@ -1,0 +1,273 @@
+"""What holds of a verified position where the fibre may be wrong in everything, alone or together, from any moment on (FVA-1).
+
+Wrong and not noticed stays within figures: a place within what the last record and the top speed leave open, a length within
+tolerance and spread, a speed within its figure at the counter, a count not at all. All else is withheld: what is told wrong
+in the same cycle, what is not told any more within `currency_cycles`, a place whose record is too old within the cycles that
+`place_doubt_limit_mm` leaves. The figures are sharp at the defaults: one unit less is refuted by a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+from safeloc.language.expr import Bool, Lit, Num, all_of, before, between, exact_to, was, with_unit
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import NM, UM, UM_S
+from safeloc.models.verification import Verification
+from safeloc.models.verification.doubted import Doubted
+from safeloc.models.verification.variables import AXLE_COUNTER, Parts
+
+LAW = (
+    "an axle counter's record that is called undisturbed is true, so is what a neighbour hands over; no train runs faster than "
+    "the top speed; nothing of what the fibre, the emitter or train control tells"
+)
+CLAIM = ("FVA-1", "FVA-10")
+STAY = ("FVA-2", "FVA-11")
+ENTRY = ("FVA-3", "FVA-12")
+SAFE = ("FVA-4", "FVA-13")
+COURSE = ("FVA-6", "FVA-15")
+CONTROL = ("FVA-7", "FVA-16")
+whatever_the_fibre_tells = partial(always, requirements=(*CLAIM, *STAY), assumption=LAW)
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """How far what is trusted can be from the truth, in figures of their own."""
+
+    model: Verification
+    train: Doubted
+
+    @property
+    def own(self) -> Parts:
+        """The machine's variables."""
+        return self.model.own
+
+    @property
+    def trusted(self) -> Bool:
+        """A position is given out."""
+        return self.model.machine.flag("trusted")
+
+    @cached_property
+    def interval_nm(self) -> tuple[Num, Num]:
+        """The interval that is given out."""
+        position, below, above = (
+            self.model.machine.output(name) for name in ("position_mm", "margin_below_mm", "margin_above_mm")
+        )
+        return exact_to(position - below, NM), exact_to(position + above, NM)
+
+    def within(self, farthest_nm: Num) -> Bool:
+        """The train's front is in the interval that is given out, or no farther beside it."""
+        low, high = self.interval_nm
+        return between(low - farthest_nm, self.own.truth, high + farthest_nm)
+
+    @cached_property
+    def charged_run_mm(self) -> int:
+        """The run of a cycle at top speed, in whole millimetres."""
+        return (self.own.config.max_speed_mm_s * self.own.config.period_ms + 999) // 1_000
+
+    @cached_property
+    def runs_nm(self) -> int:
+        """How much two trains at top speed part in a cycle, or what is charged and what is run: of an older record each."""
+        return self.own.config.max_speed_mm_s * self.own.config.period_ms * 1_000 + self.charged_run_mm * 1_000_000
+
+    @cached_property
+    def tolerance_nm(self) -> int:
+        """How far the fibre's interval may lie from where the front can be."""
+        return self.own.config.place_tolerance_mm * 1_000_000
+
+    @property
+    def at_counter(self) -> Bool:
+        """The cycle of a counter's record."""
+        return self.own.due & self.own.source.eq(AXLE_COUNTER)
+
+
+def properties(model: Verification, train: Doubted) -> list[Property]:
+    """What the fibre tells wrong is withheld, or within its figure."""
+    figures = Figures(model, train)
+    return [
+        *_place(figures),
+        *_course(figures),
+        *_values(figures),
+        *_cycles(figures),
+        *_kept(figures),
+        *_reached(figures),
+    ]
+
+
+# ------------------------------------------------------------------ place
+
+
+def _place(figures: Figures) -> Iterator[Property]:
+    own, trusted = figures.own, figures.trusted
+    wide = own.record_place_high - own.record_place_low + own.config.place_tolerance_mm
+    yield whatever_the_fibre_tells(
+        "a place at the counter",
+        (figures.at_counter & trusted).implies(
+            figures.within(exact_to(wide, NM) + with_unit(own.record_age * figures.runs_nm, NM))
+        ),
+        statement="in the cycle of a counter's record a trusted interval is no farther from the front than the width of the "
+        "record's place, the place tolerance, and two runs at top speed for each cycle that the record is old",
+        requirements=(*CLAIM, *ENTRY),
+    )
+    yield whatever_the_fibre_tells(
+        "a place later",
+        trusted.implies(figures.within(figures.train.width + figures.tolerance_nm)),
+        statement="later a trusted interval is no farther from the front than that and two runs at top speed for each cycle since",
+    )
+    limit = Lit(own.config.place_doubt_limit_mm * 1_000_000 + figures.tolerance_nm, NM)
+    yield whatever_the_fibre_tells(
+        "a place at any time",
+        trusted.implies(figures.within(limit)),
+        statement="whatever the fibre told, and for how long, a trusted interval is no farther from the front than "
+        "place_doubt_limit_mm and the place tolerance",
+    )
+    doubt = exact_to(figures.model.machine.output("place_doubt_mm"), NM)
+    yield whatever_the_fibre_tells(
+        "the doubt that is told",
+        trusted.implies(figures.within(doubt) & doubt.eq(figures.train.width + figures.tolerance_nm)),
+        statement="the machine tells how far from the front a trusted interval can be if the fibre is wrong",
+    )
+
+
+def _course(figures: Figures) -> Iterator[Property]:
+    """What one cycle can add, by the check for jumps."""
+    own, (low, high) = figures.own, figures.interval_nm
+    was_trusted = before(figures.model.machine.mode).eq(figures.model.machine.modes[2])
+    last_low, last_high = (
+        exact_to(before(own.front) - before(own.front_below), NM),
+        exact_to(before(own.front) + before(own.front_above), NM),
+    )
+    truth_before = before(own.truth)
+    step = Lit(own.config.jump_mm * 1_000_000 + figures.runs_nm, NM)
+    ahead = (low - own.truth) - (last_high - truth_before) <= step
+    behind = (own.truth - high) - (truth_before - last_low) <= step
+    yield whatever_the_fibre_tells(
+        "a place from cycle to cycle",
+        (was_trusted & figures.trusted & ~own.due).implies(ahead & behind),
+        statement="from one trusted cycle to the next no interval leaves the front farther behind than the far end of the one "
+        "before did, and jump_mm, and two runs at top speed",
+        requirements=(*CLAIM, *COURSE),
+    )
+
+
+# ------------------------------------------------------------------ count, length, speed
+
+
+def _values(figures: Figures) -> Iterator[Property]:
+    own, trusted = figures.own, figures.trusted
+    counted = own.associated & own.seen_count.present
+    yield whatever_the_fibre_tells(
+        "a count that is told",
+        (trusted & counted).implies(own.axles.eq(own.seen_count.value)),
+        statement="a count that is not the train's withholds in the same cycle, whatever else is right or wrong",
+    )
+    yield whatever_the_fibre_tells(
+        "a length that is told",
+        (trusted & own.associated & own.seen_length.present).implies(_long(figures, own.seen_length.value)),
+        statement="a length that is farther from the train's than the tolerance and the spread of the record withholds in the "
+        "same cycle",
+    )
+    near, far = own.ends_low, own.ends_high
+    slack = figures.train.spread + own.config.length_tolerance_mm * 1_000
+    yield whatever_the_fibre_tells(
+        "a distance of the ends",
+        trusted.implies(
+            near.present.implies(exact_to(near.value, UM) <= own.length + slack)
+            & far.present.implies(exact_to(far.value, UM) >= own.length - slack)
+        ),
+        statement="two ends between which the train's length does not fit, with tolerance and spread, withhold in the same cycle",
+    )
+    said = own.control_count.present.implies(own.axles.eq(own.control_count.value))
+    long = own.control_length.present.implies(_long(figures, own.control_length.value))
+    yield whatever_the_fibre_tells(
+        "what train control tells",
+        trusted.implies(said & long),
+        statement="a count by train control that is not the train's, or a length beyond tolerance and spread, withholds in the "
+        "same cycle",
+        requirements=CONTROL,
+    )
+    yield whatever_the_fibre_tells(
+        "a speed at the counter",
+        all_of([figures.at_counter, trusted, own.seen_speed.present]).implies(_fast(figures)),
+        statement="in the cycle of a counter's record the fibre's speed is no farther from the train's than the width of the "
+        "record's speed, the speed tolerance, and what traction or brakes change twice over for each cycle that the record is old",
+        requirements=(*CLAIM, *ENTRY),
+    )
+
+
+def _long(figures: Figures, said: Num) -> Bool:
+    slack = figures.train.spread + figures.own.config.length_tolerance_mm * 1_000
+    return between(-slack, figures.own.length - exact_to(said, UM), slack)
+
+
+def _fast(figures: Figures) -> Bool:
+    """Of an older record what is charged, in whole mm/s, and what the train changed."""
+    own, config = figures.own, figures.own.config
+    change = max(config.brake_mm_s2, config.traction_mm_s2) * config.period_ms
+    twice = change + (change + 999) // 1_000 * 1_000
+    wide = exact_to(own.record_speed_high - own.record_speed_low, UM_S) + config.speed_tolerance_mm_s * 1_000
+    slack = wide + with_unit(own.record_age * twice, UM_S)
+    return between(-slack, exact_to(own.seen_speed.value, UM_S) - figures.train.speed, slack)
+
+
+# ------------------------------------------------------------------ within how many cycles
+
+
+def _cycles(figures: Figures) -> Iterator[Property]:
+    own, trusted, train = figures.own, figures.trusted, figures.train
+    yield whatever_the_fibre_tells(
+        "nothing right is told any more",
+        trusted.implies(train.untold_for <= own.config.currency_cycles),
+        statement="a train of which the fibre tells neither a right count nor a right length is withheld within currency_cycles "
+        "and one cycle",
+    )
+    serves = own.config.place_doubt_limit_mm // (2 * figures.charged_run_mm)
+    yield whatever_the_fibre_tells(
+        "a place whose record is old",
+        trusted.implies(train.record_ago <= serves),
+        statement="a place is withheld from the cycle on in which the last record and the top speed leave more open than "
+        "place_doubt_limit_mm",
+    )
+
+
+# ------------------------------------------------------------------ what is kept and handed over
+
+
+def _kept(figures: Figures) -> Iterator[Property]:
+    machine, own = figures.model.machine, figures.own
+    long = (machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm"))
+    place = (machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm"))
+    yield whatever_the_fibre_tells(
+        "what is handed over is true",
+        machine.flag("handover_trusted").implies(
+            all_of(
+                [
+                    own.axles.eq(machine.output("handover_axles")),
+                    between(exact_to(long[0], UM), own.length, exact_to(long[1], UM)),
+                    between(exact_to(place[0], NM), own.truth, exact_to(place[1], NM)),
+                ]
+            )
+        ),
+        statement="what is handed over of a trusted train is true: its axles, bounds of its length, and bounds of its front",
+        requirements=("FVA-D1", *STAY, *SAFE),
+    )
+    yield whatever_the_fibre_tells(
+        "a pattern of nobody",
+        figures.trusted.implies(
+            own.associated & own.located & own.place.present & machine.output("position_mm").eq(own.place.value)
+        ),
+        statement="what is given out is the place that the fibre tells in that cycle of a pattern of this train, and of no other",
+    )
+
+
+def _reached(figures: Figures) -> Iterator[Property]:
+    own, (low, high) = figures.own, figures.interval_nm
+    yield reachable("trusted", figures.trusted, statement="a train can be trusted", requirements=CLAIM)
+    yield reachable(
+        "trusted and wrong",
+        figures.trusted & ~between(low, own.truth, high) & was(own.by_count),
+        statement="a wrong place within the figure can be trusted: what the figures are for",
+        requirements=CLAIM,
+    )
