@@ -8,13 +8,12 @@ from functools import cache
 
 import pytest
 
-from safeloc.language.expr import FALSE, TRUE
+from safeloc.language.expr import FALSE, TRUE, any_of
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import lower
 from safeloc.language.verdict import Violated
 from safeloc.models.verification import Verification, VerificationConfig, build, build_doubted, parts
-from safeloc.models.verification.doubted import Doubted
 from safeloc.models.verification.judgement import Judged
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
@@ -34,12 +33,6 @@ def made(config: VerificationConfig = CONFIG) -> Verification:
 def right() -> Verification:
     """The machine as it ships."""
     return made()
-
-
-def train(model: Verification) -> Doubted:
-    """The ghosts of the train."""
-    assert model.train is not None
-    return model.train
 
 
 def named(model: Verification, claim: str) -> Property:
@@ -115,10 +108,6 @@ def test_one_less_is_refuted_by_a_run(claim: str, figure: str) -> None:
 # ------------------------------------------------------------------ wrong edits
 
 
-def _reference(judged: Judged) -> tuple[object, ...]:
-    return judged.own.record_count, judged.own.record_low, judged.own.record_high
-
-
 EDITS: dict[str, tuple[str, Callable[[Judged], object], str]] = {
     "nothing is a mismatch": ("mismatch", lambda _: FALSE, "a place at any time"),
     "count ignored": ("count_matches", lambda j: j.own.associated & j.own.seen_count.present, "a count that is told"),
@@ -132,7 +121,11 @@ EDITS: dict[str, tuple[str, Callable[[Judged], object], str]] = {
     "place later ignored": ("out_of_reach", lambda _: FALSE, "a place later"),
     "speed ignored": ("speed_fits", lambda _: TRUE, "a speed at the counter"),
     "jump ignored": ("jumped", lambda _: FALSE, "a place from cycle to cycle"),
-    "identity ignored": ("missing", lambda j: ~j.own.chain_tested, "a pattern of nobody"),
+    "identity ignored": (
+        "missing",
+        lambda j: any_of([~j.own.located, ~j.own.place.present, ~j.own.chain_tested, j.doubtful]),
+        "a pattern of nobody",
+    ),
     "age of the count ignored": ("current", lambda _: TRUE, "nothing right is told any more"),
     "age of the place ignored": ("doubtful", lambda _: FALSE, "a place whose record is old"),
     "a record is as new as it comes": (
