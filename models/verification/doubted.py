@@ -4,7 +4,7 @@ Count, place, length, speed and whose pattern it is are what they are: wrong alo
 are the signals of the emitter and of train control. What is true is the train as it passed the axle counter, how a train
 moves, and the counter's record (FVA-4): the one sensor that is safe in the signalling sense.
 
-    axles, length  of the train as it passed the counter; what it loses afterwards makes it no other train
+    axles, length  of the train of the last record, as it passed the counter; what it loses afterwards makes it no other train
     truth          the front of that train
 """
 
@@ -137,21 +137,21 @@ def _ran(own: Parts) -> Num:
 
 
 def _train(own: Parts) -> dict[str, Bool | Law]:
-    """One train at a time, which moves as a train does."""
+    """The train of the last record, which moves as a train does."""
     config, limit = own.config, own.config.position_limit_mm * NM_PER_MM
-    same = own.next_axles.eq(own.axles) & own.next_length.eq(own.length)
+    same, another = own.next_axles.eq(own.axles) & own.next_length.eq(own.length), own.leaves | _came(own)
     run = abs_(own.next_truth - own.truth)
     return {
-        "until it has left it is the same train": Law(
-            own.leaves | same,
-            "Axles and length are those of the train as it passed the counter, until it is told to have left the area.",
+        "from record to record it is the same train": Law(
+            another | same,
+            "Axles and length are those of the train of the last record as it passed the counter, until it is told to have left.",
             source="[D] what is meant by the train",
             owner="nobody",
             check="none needed",
         ),
         "the front runs no faster than the top speed": Law(
-            own.leaves | (run <= config.max_speed_mm_s * config.period_ms * 1_000),
-            "In one cycle the front runs no farther than at the top speed, in either direction.",
+            another | (run <= config.max_speed_mm_s * config.period_ms * 1_000),
+            "In one cycle the front of that train runs no farther than at the top speed, in either direction.",
             figures=("max_speed_mm_s", "period_ms"),
             source="[D] line speed",
             owner="operator",
