@@ -44,7 +44,8 @@ BELIEVED = (
 DOUBTED = (
     "Verifies one train's fibre parameters against the record of an axle counter. Nothing is assumed of what the fibre "
     "tells: count, length, speed, place and whose pattern it is may be wrong, alone or together, from any moment on. Assumed: "
-    "the axle counter's record is true, what a neighbour hands over is true, and no train runs faster than the top speed."
+    "the axle counter's record is true, what a neighbour hands over is true, no train runs faster than the top "
+    "speed, and no other one takes its place untold."
 )
 COURSE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16", "FVA-8", "FVA-17")
 

@@ -144,10 +144,11 @@ def _train(own: Parts) -> dict[str, Bool | Law]:
     return {
         "from record to record it is the same train": Law(
             another | same,
-            "Axles and length are those of the train of the last record as it passed the counter, until it is told to have left.",
-            source="[D] what is meant by the train",
-            owner="nobody",
-            check="none needed",
+            "Axles and length are those of the train of the last record as it passed the counter, until it is told to have left or "
+            "another record comes: no other train takes its place untold.",
+            source="[D] counters at both ends of the area, and no passing (train_order: a train that leaves is told)",
+            owner="infrastructure",
+            check="counts at both ends agree whenever the area is empty; a cycle whose inputs are lost begins anew",
         ),
         "the front runs no faster than the top speed": Law(
             another | (run <= config.max_speed_mm_s * config.period_ms * 1_000),

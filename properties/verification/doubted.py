@@ -21,7 +21,7 @@ from safeloc.models.verification.variables import AXLE_COUNTER, Parts
 
 LAW = (
     "an axle counter's record that is called undisturbed is true, so is what a neighbour hands over; no train runs faster than "
-    "the top speed; nothing of what the fibre, the emitter or train control tells"
+    "the top speed, and no other one takes its place untold; nothing of what the fibre, the emitter or train control tells"
 )
 CLAIM = ("FVA-1", "FVA-10")
 STAY = ("FVA-2", "FVA-11")

@@ -25,7 +25,6 @@ SILENT: Mapping[str, tuple[str, ...]] = {
     "reflector": ("reflector",),
     "route": ("route",),
     "verification": ("verification",),
-    "verification_doubted": ("verification_doubted",),
     "sections": ("area",),
     "selection": ("selection",),
     "satellite": ("selection", "position"),

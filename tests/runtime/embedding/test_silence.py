@@ -20,7 +20,16 @@ from safeloc.target import Target
 from tests.runtime.embedding.driving import shipped
 
 PAIRS = [(target, machine) for target, machines in SILENT.items() for machine in machines]
-CANNOT = ("stop_point", "turn_off", "fibre", "axle_head", "axle_counter", "axle_section", "train_order")
+CANNOT = (
+    "stop_point",
+    "turn_off",
+    "fibre",
+    "axle_head",
+    "axle_counter",
+    "axle_section",
+    "train_order",
+    "verification_doubted",
+)
 
 
 def neutral(var: Var) -> Expr:
