@@ -39,7 +39,7 @@ class LayoutConfig(Config):
     odometry_rate_ppm: int = quantity(50_000, "ppm of measured distance", 0, 900_000, "[S] SUBSET-041: 5 %")
     balise_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m, for groups without an own figure")
     detection_accuracy_mm: int = quantity(1_000, "mm", 0, 10_000, "[S] openETCS: D_tol = Q_LOCACC + 1 m")
-    radar_error_mm: int = quantity(200, "mm", 0, 10_000, "[M] FMCW, 1 GHz: 0.15 m, and surveying")
+    radar_error_mm: int = quantity(200, "mm", 0, 300_000, "[M] FMCW, 1 GHz: 0.15 m, and surveying")
     radar_range_mm: int = quantity(150_000, "mm", 1_000, 10_000_000, "[M] minimum intensity up to 100 to 200 m")
     radar_blind_mm: int = quantity(2_000, "mm", 0, 100_000, "[M] nearer, an echo cannot be evaluated (source l. 209)")
     map_accuracy_mm: int = quantity(50, "mm", 0, 10_000, "[M] surveying of one place against another")

@@ -27,6 +27,7 @@ class LineVehicle:
     """A vehicle on a line.
 
     layout       its figures for the audit; None: every machine has its defaults
+    in_time      radar and balise reader bring what they measure to the end of the cycle: nothing is charged for their latency
     trust_first  the first balise group of a run is vouched for (a line with one group on a route needs that, or nothing
                  is ever reported by the machines that locate on groups alone)
     """
@@ -35,6 +36,7 @@ class LineVehicle:
     motion: VehicleConfig = VehicleConfig()
     layout: LayoutConfig | None = None
     trust_first: bool = False
+    in_time: bool = False
 
     @property
     def national_mm(self) -> int:
@@ -87,9 +89,13 @@ class LineVehicle:
 
     def reflector(self) -> ReflectorConfig:
         """Radar, map accuracy and law of the vehicle."""
+        plain = ReflectorConfig()
+        frame_ms, balise_ms = (0, 0) if self.in_time else (plain.frame_latency_ms, plain.balise_latency_ms)
         if self.layout is None:
-            return ReflectorConfig()
+            return ReflectorConfig(frame_latency_ms=frame_ms, balise_latency_ms=balise_ms)
         return ReflectorConfig(
+            frame_latency_ms=frame_ms,
+            balise_latency_ms=balise_ms,
             odometer=self._law("wheel"),
             tolerance_mm=self.layout.tolerance_mm,
             max_speed_mm_s=self._gate_mm_s,

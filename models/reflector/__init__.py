@@ -1,7 +1,7 @@
 """Position from radar reflectors near them, from odometry between them (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10).
 
     DELOCALIZED  nothing is reported; only an accepted balise leads out
-    NOT_READY    odometry alone, without or after a failed self-test, until another balise
+    NOT_READY    odometry alone, without or after a failed self-test, or too long after one that passed, until another balise
     REFERENCE    self-test: after a balise, its reflector has to be measured at the prescribed distance
     ODOMETRY     between reflectors; whatever echoes come are things beside the track
     SEARCH       the next reflector may come into view, and is looked for
@@ -10,7 +10,8 @@
     PASSING      too close for an echo that can be evaluated, until it lies behind
 
 In VIEW the position is that of the measurement, with the measurement's own error bound, be it better or worse than
-what was known before. In every other mode odometry goes on from the last position, with a growing margin.
+what was known before: the echo's error, and what the last self-test left open of the radar's, with its drift since. In
+every other mode odometry goes on from the last position, with a growing margin.
 """
 
 from __future__ import annotations
@@ -85,19 +86,22 @@ def build(own: Parts) -> ReflectorMachine:
             "Position of end A from the range to radar reflectors near them, and from odometry between them. Assumed: "
             "a measured distance that a vehicle can have run obeys the odometer's error law, and no cycle runs farther "
             "than the highest speed allows; a balise reading is true within its accuracy, or, while a position is known, "
-            "of a balise far away; an echo of a reflector gives its range within the echo's error bound; at or above the "
-            "minimum intensity a reflector's model is read correctly; reflectors stand where the map has them within its "
-            "accuracy, and no other one of the same model is nearer to one than the map says; no other thing shows a "
-            "reflector's signature with the minimum intensity. Nothing is assumed of any other echo."
+            "of a balise far away; a range is wrong by the echo's error bound, by the radar's scale, and by a systematic "
+            "part of any size that drifts no faster than stated; at or above the minimum intensity a reflector's model is "
+            "read correctly, and none is heard from beyond the strong range; reflectors stand where the map has them within "
+            "its accuracy, and no other one of the same model is nearer to one than the map says; the prescribed distance "
+            "from a balise to its reflector is that of the map; no other thing shows a reflector's signature with the "
+            "minimum intensity. Nothing is assumed of any other echo."
         ),
     )
     return ReflectorMachine(made, own, judged)
 
 
 def _zones(current: Num, mode: tuple[Lit, ...]) -> Zones:
-    lost, _, reference, _, search, view, coast, passing = mode
+    lost, _, reference, odometry, search, view, coast, passing = mode
     return Zones(
         located=current.ne(lost),
+        ready=current.one_of(odometry, search, view, coast, passing),
         exact=current.eq(view),
         in_view=current.one_of(view, coast, passing),
         referring=current.eq(reference),
@@ -111,6 +115,8 @@ def _state(own: Parts) -> dict[Var, Initial]:
         **own.track.state(),
         **own.anchor.state(),
         **own.target.state(),
+        own.open_long: 0,
+        own.open_short: 0,
         own.odometer.gap: 0,
         own.reference: 0,
         own.search_from: 0,
@@ -159,6 +165,9 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
         "next reflector measured": cycle.ahead.accepted,
         "echoes for the target conflict": cycle.target.conflict,
         "prescribed distance holds": cycle.reference_holds,
+        "radar is right as far as seen": cycle.agrees,
+        "self-test is too long ago": cycle.stale,
+        "self-test grows too coarse": cycle.too_coarse,
         "balise contradicts": cycle.balise_contradicts,
         "tolerable without an echo": cycle.tolerable,
         "search zone opens": cycle.search_opens,
@@ -179,27 +188,53 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
 
 
 def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
-    lost, _, reference, _, search, view, coast, passing = mode
+    lost, _, reference, odometry, search, view, coast, passing = mode
     truth, wander = own.ghosts.truth, own.ghosts.wander
+    ready = current.one_of(odometry, search, view, coast, passing)
     half = as_num(own.odometer.law.wander_nm, NM)
 
-    def reckoned(position: Num, above: Num, below: Num) -> Bool:
-        off = truth - exact_to(position, NM) - wander
+    def reckoned(position: Num, above: Num, below: Num, wrong: Num | None = None) -> Bool:
+        where = truth if wrong is None else truth - wrong
+        off = where - exact_to(position, NM) - wander
         return between(half - below, off, above - half)
 
     track, anchor = own.track, own.anchor
     located = all_of([current.ne(lost), current.ne(view)])
+    on_map = named(own, own.ghosts.told) | named(own, own.ghosts.sought)
     return {
         "a dead-reckoned interval holds the truth": located.implies(reckoned(track.position, track.above, track.below)),
         "a measured interval holds the truth": current.eq(view).implies(track.interval.holds(truth)),
-        "the anchor holds the truth": current.one_of(view, coast, passing).implies(
+        "a measured interval holds where the radar has the truth": current.eq(view).implies(
+            between(
+                own.open_short - track.below,
+                truth - own.ghosts.bias - exact_to(track.position, NM),
+                track.above - own.open_long,
+            )
+        ),
+        "a measured interval is charged what was left open": current.eq(view).implies(
+            (track.above >= own.open_long) & (track.below >= own.open_short)
+        ),
+        "in a self-test the anchor holds the truth": current.eq(reference).implies(
             reckoned(anchor.position, anchor.above, anchor.below)
+        ),
+        "in view the anchor holds where the radar has the truth": current.one_of(view, coast, passing).implies(
+            reckoned(anchor.position, anchor.above, anchor.below, own.ghosts.bias)
+        ),
+        "the reference is where the balise has it": (current.eq(reference) & on_map).implies(
+            between(
+                -own.config.map_accuracy_mm,
+                own.reference - own.run + anchor.position - own.target.position,
+                own.config.map_accuracy_mm,
+            )
+        ),
+        "the self-test left open what the radar is wrong by": ready.implies(
+            between(-own.open_short, own.ghosts.bias, own.open_long)
         ),
         "nothing is kept while delocalized": current.eq(lost).implies(
             all_of(var.eq(0) for var in (track.position, track.above, track.below))
         ),
         "the target is an entry of the map": current.one_of(reference, search, view, coast, passing).implies(
-            own.target.model.ne(NO_MODEL) & (named(own, own.ghosts.told) | named(own, own.ghosts.sought))
+            own.target.model.ne(NO_MODEL) & on_map
         ),
         "no range outside the view zone": current.ne(view).implies(own.range.eq(0)),
     }

@@ -5,11 +5,11 @@ Every term is built once and shared by all transitions, the assumption and the p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, between, exact_to, ite
-from safeloc.language.units import MM, NM, PPM
+from safeloc.language.expr import FALSE, Bool, Expr, Num, Var, any_of, as_num, between, exact_to, ite, maximum
+from safeloc.language.units import MM, NM
 from safeloc.models.reflector.dead_reckoning import Interval, choose
 from safeloc.models.reflector.echo import Recognition, Situation, recognise
 from safeloc.models.reflector.map_data import Reflector, either
@@ -21,6 +21,7 @@ class Zones:
     """In which kind of mode the machine is."""
 
     located: Bool
+    ready: Bool
     exact: Bool
     in_view: Bool
     referring: Bool
@@ -33,6 +34,10 @@ class Judged:
 
     predicted  the interval run on from the last one, its constant charged
     held       the same, or the balise's where that is better: what counts without an echo
+    by_radar   where the radar, with its systematic error, may have end A by what counts without an echo of this cycle
+    known      what a self-test compares the radar with: the balise's interval, run on since it was read
+    open       by how much the radar may measure too long, and too short: as the last self-test left it, and its drift since, nm
+    stale      that is more than a self-test may leave open: what the radar measures is not precise any longer
     reflector  what is looked for in this cycle
     run        measured distance since the balise of the reference measurement, mm
     """
@@ -43,6 +48,10 @@ class Judged:
     predicted: Interval
     balise: Interval
     held: Interval
+    by_radar: Interval
+    known: Interval
+    open: tuple[Num, Num]
+    stale: Bool
     started: Bool
     reflector: Reflector
     reference: Num
@@ -68,21 +77,40 @@ class Judged:
 
     @cached_property
     def reference_holds(self) -> Bool:
-        """Measured distance from balise to reflector agrees with the prescribed one; only while `target.accepted`."""
-        measured = self.target.range + self.run - self.own.config.radar_offset_mm
-        allowed = self.own.config.reference_tolerance_mm + self.target.error
-        travelled = abs_(self.run) * Lit(self.own.config.odometer.rate_ppm, PPM)
-        return exact_to(abs_(measured - self.reference), NM) <= exact_to(allowed, NM) + travelled
+        """Measured distance from balise to reflector agrees with the prescribed one; only while `target.accepted`.
+
+        The tolerance is what balise, odometer, echo, survey and latencies may be wrong by: a right radar always passes.
+        """
+        fix, known, survey = self.target.fix, self.known, self.own.config.accuracy_nm
+        missed = exact_to(self.target.range + self.run - self.own.config.radar_offset_mm - self.reference, NM)
+        return between(-(known.above + fix.below + survey), missed, known.below + fix.above + survey)
+
+    @cached_property
+    def agrees(self) -> Bool:
+        """The reference reflector is measured where it has to be: by the prescribed distance, and by its place on the map."""
+        return self.reference_holds & self.target.fix.meets(self.known)
 
     @cached_property
     def passed(self) -> Bool:
-        """The reference reflector is measured where it has to be."""
-        return self.target.accepted & self.reference_holds
+        """The radar is right, as far as can be seen."""
+        return self.target.accepted & self.agrees
 
     @cached_property
     def failed(self) -> Bool:
-        """The reference reflector is measured elsewhere."""
-        return self.target.accepted & ~self.reference_holds
+        """The radar is wrong."""
+        return self.target.accepted & ~self.agrees
+
+    @cached_property
+    def left_open(self) -> tuple[Num, Num]:
+        """By how much the radar may measure too long, and too short, though the self-test passed; nm."""
+        fix = self.target.fix
+        return self.known.high - fix.low, fix.high - self.known.low
+
+    @cached_property
+    def tested_fix(self) -> Interval:
+        """The interval of the echo that passed, charged with what the self-test left open."""
+        long, short = self.left_open
+        return Interval(self.target.fix.position, self.target.fix.above + long, self.target.fix.below + short)
 
     @cached_property
     def reference_over(self) -> Bool:
@@ -90,6 +118,27 @@ class Judged:
         limit, search = self.own.config.reference_run_mm, self.own.config.search_run_mm
         searched = self.run > self.own.search_from + search
         return (self.reflector.over(self.held, search) & searched) | ~between(-limit, self.run, limit)
+
+    @cached_property
+    def begins_at(self) -> Interval:
+        """What the balise says, to run on from while the reference reflector is waited for."""
+        return self.balise.widened(self.own.odometer.constant_nm)
+
+    def testable(self, known: Interval) -> Bool:
+        """What is known without the radar is exact enough for a self-test."""
+        config = self.own.config
+        most = config.tolerance_nm + self.own.odometer.constant_nm
+        return (known.width <= config.left_open_nm) & known.within(most, config.position_limit_mm)
+
+    @cached_property
+    def too_coarse(self) -> Bool:
+        """The run since the balise has become too uncertain for a self-test."""
+        return ~self.testable(self.anchored) & self.tolerable & ~self.started
+
+    @cached_property
+    def outdated(self) -> Bool:
+        """The last self-test is too long ago: the radar may have drifted by more than may be charged."""
+        return self.stale & self.tolerable & ~self.started
 
     # ------------------------------------------------------------------ search and view zone
 
@@ -116,18 +165,26 @@ class Judged:
 
     @cached_property
     def steady(self) -> Bool:
-        """The measured position agrees with what was run since the reflector came into view: the error is constant."""
-        return self.target.fix.meets(self.anchored)
+        """The measured position agrees with what was run since the reflector came into view: the error is constant.
+
+        The systematic error is in both, so that what is left open of it hides nothing here.
+        """
+        return self.target.bare.meets(self.drifted)
 
     @cached_property
     def anchored(self) -> Interval:
-        """The first interval of the view zone, run on."""
+        """The first interval of the view zone, or what is known in a self-test, run on."""
         return self.own.odometer.run_on(self.own.anchor.interval)
+
+    @cached_property
+    def drifted(self) -> Interval:
+        """The first interval of the view zone, run on, by a radar that drifts."""
+        return self.anchored.widened(self.own.config.drift_nm)
 
     @cached_property
     def overlap_contradicts(self) -> Bool:
         """Two reflectors are in view and their measurements exclude each other."""
-        return self.target.accepted & self.ahead.accepted & ~self.target.fix.meets(self.ahead.fix)
+        return self.target.accepted & self.ahead.accepted & ~self.target.bare.meets(self.ahead.bare)
 
     @cached_property
     def too_close(self) -> Bool:
@@ -153,14 +210,22 @@ class Judged:
         verdicts: dict[Var, Expr] = {}
         for slot, first, second in zip(self.own.slots, self.target.judgements, self.ahead.judgements, strict=True):
             verdicts |= {slot.judged: first.verdict, slot.judged_next: second.verdict}
-        return {**self.own.odometer.listen(), **verdicts}
+        return {**self.own.odometer.listen(), **verdicts, **self.opened(self.open)}
+
+    def opened(self, sides: tuple[Num, Num]) -> dict[Var, Expr]:
+        """Updates that keep by how much the radar may measure too long, and too short."""
+        return {self.own.open_long: sides[0], self.own.open_short: sides[1]}
+
+    def untested(self) -> dict[Var, Expr]:
+        """Updates that keep nothing of a self-test."""
+        return self.opened((as_num(0, NM), as_num(0, NM)))
 
     def anchor_on(self, fresh: Interval) -> dict[Var, Expr]:
         """The anchor runs on; where it has grown useless, `fresh` takes its place."""
         config = self.own.config
         most = config.tolerance_nm + self.own.odometer.constant_nm
-        useful = self.anchored.within(most, config.position_limit_mm)
-        return self.own.anchor.become(choose(useful, self.anchored, fresh))
+        useful = self.drifted.within(most, config.position_limit_mm)
+        return self.own.anchor.become(choose(useful, self.drifted, fresh))
 
 
 def judge(own: Parts, zones: Zones) -> Judged:
@@ -172,14 +237,19 @@ def judge(own: Parts, zones: Zones) -> Judged:
     better = balise.meets(predicted) & (charged.margin < predicted.margin)
     taken = own.balise.read & (~zones.located | better)
     held = choose(taken, charged, predicted)
-    known, prescribed = _prescribed(own)
-    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & known
+    told, prescribed = _prescribed(own)
+    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & told
     run = ite(started, own.balise.run, own.run + own.odometer.moved)
     reflector = either(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
                        own.target.reflector)  # fmt: skip
-    now = Situation(own.frame, held, own.odometer.lag(own.config.share_ppm(own.config.frame_latency_ms)),
-                    own.config.radar)  # fmt: skip
-    searched = _searched(own, zones, started, run, reflector, held)
+    known = choose(started, balise, own.odometer.run_on(own.anchor.interval))
+    long, short = own.open_long + own.config.drift_nm, own.open_short + own.config.drift_nm
+    stale = zones.ready & (maximum(long, short) > own.config.left_open_nm)
+    lag, testing = own.odometer.lag(own.config.share_ppm(own.config.frame_latency_ms)), started | zones.referring
+    by_radar = choose(zones.exact & ~taken, _measured_on(own), _seen_by(held, (long, short)))
+    beside = Situation(own.frame, held, by_radar, lag, own.config.radar, FALSE, known, (long, short))
+    now = replace(beside, testing=testing, open=(ite(testing, 0, long), ite(testing, 0, short)))
+    searched = _searched(own, zones, started, run, reflector, held) & (started | ~stale)
     return Judged(
         own,
         zones,
@@ -187,13 +257,29 @@ def judge(own: Parts, zones: Zones) -> Judged:
         predicted,
         balise,
         held,
+        by_radar,
+        known,
+        (long, short),
+        stale,
         started,
         reflector,
         ite(started, prescribed, own.reference),
         run,
         recognise(own.slots, reflector, searched, now),
-        recognise(own.slots, own.ahead.reflector, _next_searched(own, zones, started, held), now),
+        recognise(own.slots, own.ahead.reflector, _next_searched(own, zones, started, held) & ~stale, beside),
     )
+
+
+def _seen_by(interval: Interval, open_: tuple[Num, Num]) -> Interval:
+    """Where the radar may have end A that is in the interval: measuring too long, it has it farther back."""
+    long, short = open_
+    return Interval(interval.position, interval.above + short, interval.below + long)
+
+
+def _measured_on(own: Parts) -> Interval:
+    """Where the radar had end A when it measured it in the last cycle, run on: what is wrong with it is the same, but for drift."""
+    last = Interval(own.track.position, own.track.above - own.open_long, own.track.below - own.open_short)
+    return own.odometer.run_on(last.widened(own.odometer.constant_nm)).widened(own.config.drift_nm)
 
 
 def _prescribed(own: Parts) -> tuple[Bool, Num]:

@@ -4,6 +4,10 @@ A frame carries a few candidate echoes in slots, made by the signal front end fr
 along the track (by time of flight), its error bound, the model by signature, the intensity. An echo is taken for the
 target only if it has the minimum intensity, the target's model, a range that fits the interval known so far, and if
 no other reflector of that model could fit there. Everything else is a thing beside the track.
+
+Beside the echo's own error, a range is wrong by the radar's scale, in proportion, and by a systematic part of any size.
+What the last self-test left open of that part is charged with each range. In a self-test itself nothing is known of it:
+there an echo is taken for the target whatever its range, if no other reflector of the model can be heard.
 """
 
 from __future__ import annotations
@@ -14,6 +18,7 @@ from functools import cached_property
 
 from safeloc.language.expr import (
     Bool,
+    Lit,
     Num,
     NumVar,
     Optional,
@@ -27,7 +32,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import MM, NM, Unit
+from safeloc.language.units import MM, NM, PPM, Unit
 from safeloc.models.reflector.dead_reckoning import Interval
 from safeloc.models.reflector.map_data import Reflector
 from safeloc.models.vocabulary.first_of import first_of
@@ -111,32 +116,63 @@ class RadarLaw:
     accuracy_nm: int
     tolerance_nm: int
     limit_mm: int
+    scale_ppm: int
+    strong_nm: int
+    left_open_nm: int
 
 
 @dataclass(frozen=True, eq=False)
 class Situation:
     """What one cycle's echoes are judged against: the interval known so far, and whether a reflector is looked for.
 
-    lag  what the vehicle may have run (forwards, backwards) since the frame was taken, nm
+    by_radar  where the radar, with its systematic error, may have end A by what is known so far
+    lag       what the vehicle may have run (forwards, backwards) since the frame was taken, nm
+    testing   the echo tests the radar
+    known     what is known without the radar in a self-test; only while `testing`
+    open      by how much the radar may measure too long, and too short, nm; 0 while `testing`
     """
 
     frame: Bool
     window: Interval
+    by_radar: Interval
     lag: tuple[Num, Num]
     law: RadarLaw
+    testing: Bool
+    known: Interval
+    open: tuple[Num, Num]
+
+    def bare(self, reflector: Reflector, range_: Num, error: Num) -> Interval:
+        """What a range (mm) with an error bound says of end A at the end of the cycle, if the radar has no systematic error."""
+        forward, backward = self.lag
+        bound = exact_to(error, NM) + self.law.accuracy_nm + range_ * Lit(self.law.scale_ppm, PPM)
+        return Interval(reflector.place - range_, bound + forward, bound + backward)
 
     def fix(self, reflector: Reflector, range_: Num, error: Num) -> Interval:
-        """What a range (mm) with an error bound says of end A at the end of the cycle."""
+        """What it says whatever the systematic error is that may be there."""
+        bare, (long, short) = self.bare(reflector, range_, error), self.open
+        return Interval(bare.position, bare.above + long, bare.below + short)
+
+    def alone(self, reflector: Reflector) -> Bool:
+        """No other reflector of the model can be heard: from where the vehicle may be, with the minimum intensity."""
         forward, backward = self.lag
-        bound = exact_to(error, NM) + self.law.accuracy_nm
-        return Interval(reflector.place - range_, bound + forward, bound + backward)
+        place, clear = exact_to(reflector.place, NM), exact_to(reflector.clear, NM) - self.law.accuracy_nm
+        behind = place - self.window.low + forward
+        ahead = self.window.high - place + backward + self.law.strong_nm
+        return (clear > behind) & (clear > ahead)
+
+    def fine(self, fix: Interval) -> Bool:
+        """A self-test with this echo leaves no more open than may be charged, and the position stays tolerable."""
+        spread = self.known.width + fix.width
+        return (spread <= self.law.left_open_nm) & fix.widened(spread).within(self.law.tolerance_nm, self.law.limit_mm)
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """One echo, judged for one reflector: the interval it gives, and the verdict."""
+    """One echo, judged for one reflector: the interval it gives, without and with what is charged for the radar's systematic
+    error, and the verdict."""
 
     slot: Slot
+    bare: Interval
     fix: Interval
     verdict: Num
 
@@ -149,8 +185,11 @@ class Judgement:
 def judge(slot: Slot, reflector: Reflector, searched: Bool, now: Situation) -> Judgement:
     """The echo as a measurement of the reflector."""
     law, fix = now.law, now.fix(reflector, slot.range.value, slot.error)
+    bare = now.bare(reflector, slot.range.value, slot.error)
     room = exact_to(reflector.clear, NM) - now.window.width
-    alone = (room > fix.above * 2) & (room > fix.below * 2)
+    apart = (room > fix.above * 2) & (room > fix.below * 2)
+    alone = ite(now.testing, now.alone(reflector), apart)
+    fine = fix.within(law.tolerance_nm, law.limit_mm) & now.testing.implies(now.fine(fix))
     verdict = first_of(
         (~slot.range.present, NONE),
         (~now.frame, NO_FRAME),
@@ -158,12 +197,12 @@ def judge(slot: Slot, reflector: Reflector, searched: Bool, now: Situation) -> J
         (slot.model.ne(reflector.model), OTHER_MODEL),
         (slot.range.value < law.near_mm, TOO_CLOSE),
         (~searched, NOT_SEARCHED),
-        (~fix.within(law.tolerance_nm, law.limit_mm), TOO_COARSE),
-        (~fix.meets(now.window), OUT_OF_WINDOW),
+        (~fine, TOO_COARSE),
+        (~(now.testing | bare.meets(now.by_radar)), OUT_OF_WINDOW),
         (~alone, AMBIGUOUS),
         default=FITS,
     )
-    return Judgement(slot, fix, verdict)
+    return Judgement(slot, bare, fix, verdict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,8 +215,8 @@ class Recognition:
 
     @cached_property
     def conflict(self) -> Bool:
-        """Another echo fits as well, and excludes the chosen one: neither is believed."""
-        return any_of(one.fits & ~one.fix.meets(self.fix) for one in self.judgements[1:])
+        """Another echo fits as well, and excludes the chosen one: neither is believed. What is wrong with all is in both."""
+        return any_of(one.fits & ~one.bare.meets(self.bare) for one in self.judgements[1:])
 
     @cached_property
     def accepted(self) -> Bool:
@@ -185,8 +224,13 @@ class Recognition:
         return any_of(one.fits for one in self.judgements) & ~self.conflict
 
     @cached_property
+    def bare(self) -> Interval:
+        """The interval of the chosen echo, if the radar has no systematic error; only while `accepted`."""
+        return self.now.bare(self.reflector, self.range, self.error)
+
+    @cached_property
     def fix(self) -> Interval:
-        """The interval of the chosen echo; only while `accepted`."""
+        """The same, charged for the systematic error that it may have."""
         return self.now.fix(self.reflector, self.range, self.error)
 
     def of_chosen(self, terms: list[Num]) -> Num:

@@ -29,6 +29,7 @@ from safeloc.simulation.sensors import Distances, Law, measure
 
 CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""
+WHOLE_PPM = 1_000_000
 Steps = list[dict[str, Cell]]
 NOWHERE = "NONE"
 
@@ -105,6 +106,7 @@ KINDS = Kinds(
         **plain("pause", "blind", "weak"),
         "shift": {"by_mm": 0},
         "drift": {"by_mm": 0},
+        "scale": {"by_ppm": 0},
         "decoy": {"by_mm": 0, "model": "A"},
     },
 )
@@ -112,14 +114,19 @@ KINDS = Kinds(
 
 pause     no radar frames                 blind   frames without any reflector
 weak      all echoes 20 dB weaker         shift   the radar measures `by_mm` too far
-drift     the radar's error grows by `by_mm` every cycle
+drift     the radar's error grows by `by_mm` every cycle, as long as it lasts
+scale     the radar measures `by_ppm` of the range too far
 decoy     a strong echo of model `model` at `by_mm` ahead (breaks the law on clutter)
 """
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What one run is made of. `disturbances` are those of the radar (`KINDS`), `sensor_faults` those of the odometer `wheel`; only a drop-out keeps the assumption."""
+    """What one run is made of. `disturbances` are those of the radar (`KINDS`), `sensor_faults` those of the odometer `wheel`.
+
+    Lawful are a drop-out; of the radar a shift that is there from the first cycle to the last, and a drift and a scale
+    within the figures of the configuration.
+    """
 
     route: Route = FIGURE_1
     error_mm: int = 200
@@ -188,8 +195,8 @@ class _Run:
         reported |= self._map(balise)
         reported |= self._frame(cycle, now - before, now)
         reported = completed(self._config, reported)
-        reported = {**self._no_origins(), **reported}
-        own = {name: value for name, value in reported.items() if not _is_ghost(name)}
+        reported = {**self._no_origins(), **reported, "next_radar_bias_nm": self._bias_mm(cycle) * NM_PER_MM}
+        own = {name: value for name, value in reported.items() if not _is_ghost(name) and name != "next_radar_bias_nm"}
         self._state, _ = self._code.step(self._state, self._code.read(own))
         ghosts = {"true_step_nm": now - before, "next_wander_nm": self._wander, "truth_mm": now // NM_PER_MM}
         return {**reported, **ghosts}
@@ -197,7 +204,8 @@ class _Run:
     def _no_origins(self) -> dict[str, Cell]:
         slots = range(1, self._config.echo_slots + 1)
         real: dict[str, Cell] = {f"echo_{number}_from_reflector": False for number in slots}
-        return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}}
+        wrong: dict[str, Cell] = {f"echo_{number}_scaled_nm": 0 for number in slots}
+        return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}, **wrong}
 
     def _measured(self, cycle: int) -> dict[str, Cell]:
         told: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.told_distance else {}
@@ -270,22 +278,31 @@ class _Run:
         return seen
 
     def _echo(self, one: Reflector, range_mm: int, cycle: int) -> dict[str, Cell]:
-        off = self._fault_mm(cycle) + int(self._rng.uniform(-0.8, 0.8) * (self._scene.error_mm - 1))
+        noise = int(self._rng.uniform(-0.8, 0.8) * (self._scene.error_mm - 1))
+        scaled, most = self._scaled_mm(cycle, range_mm), self._config.range_limit_mm
+        off = self._bias_mm(cycle) + scaled + noise
         weaker = 2_000 if self._hit("weak", cycle) else 0
         return {
-            "range_mm": max(0, min(self._config.range_limit_mm, range_mm + off)),
+            "range_mm": max(0, min(most, range_mm + off)),
             "error_mm": self._scene.error_mm,
             "model": one.model,
             "intensity_cdb": intensity_cdb(range_mm, one.view_from_mm, self._config.minimum_intensity_cdb) - weaker,
             "lateral_mm": 3_000 + int(self._rng.uniform(-100, 100)),
             "from_reflector": True,
             "origin_nm": one.position_mm * NM_PER_MM,
+            "scaled_nm": scaled * NM_PER_MM,
         }
 
-    def _fault_mm(self, cycle: int) -> int:
+    def _bias_mm(self, cycle: int) -> int:
+        """By how much the radar measures every range too long."""
         shift, drift = self._hit("shift", cycle), self._hit("drift", cycle)
         shifted = KINDS.figure(shift, "by_mm") if shift else 0
-        return int(shifted + (KINDS.figure(drift, "by_mm") * (cycle - drift.begin) if drift else 0))
+        return int(shifted + (KINDS.figure(drift, "by_mm") * (cycle - drift.begin + 1) if drift else 0))
+
+    def _scaled_mm(self, cycle: int, range_mm: int) -> int:
+        """By how much it measures this range too long besides, in proportion."""
+        scale = self._hit("scale", cycle)
+        return int(range_mm * KINDS.figure(scale, "by_ppm")) // WHOLE_PPM if scale else 0
 
     def _decoys(self, cycle: int) -> list[dict[str, Cell]]:
         decoy = self._hit("decoy", cycle)
@@ -315,16 +332,17 @@ def _thing(range_mm: int, model: str, intensity: int) -> dict[str, Cell]:
         "lateral_mm": -4_000,
         "from_reflector": False,
         "origin_nm": 0,
+        "scaled_nm": 0,
     }
 
 
 def _is_ghost(name: str) -> bool:
-    return name.endswith(("from_reflector", "origin_nm"))
+    return name.endswith(("from_reflector", "origin_nm", "scaled_nm"))
 
 
 def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
     """A simulated step without ghosts and remarks: what the vehicle itself gets."""
-    left_out = ("true_step_nm", "next_wander_nm", "truth_mm")
+    left_out = ("true_step_nm", "next_wander_nm", "next_radar_bias_nm", "truth_mm")
     return {name: value for name, value in step.items() if not _is_ghost(name) and name not in left_out}
 
 

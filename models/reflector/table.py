@@ -63,7 +63,8 @@ def _self_test(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
     view = mode[5]
     begun: Updates = {own.procedure: own.balise.identity.value}
     here = cycle.started & cycle.tolerable
-    seen = {**_seen(cycle, cycle.target, own.target.become(own.ahead), own.ahead.position.value), **begun}
+    proven = {**cycle.opened(cycle.left_open), **own.track.become(cycle.tested_fix)}
+    seen = {**_seen(cycle, cycle.target, own.target.become(own.ahead), own.ahead.position.value), **begun, **proven}
     yield Transition(
         "self-test passed at the balise", mode, view, cycle.started & cycle.passed, seen, ("RFL-5", "RFL-6"), 5
     )
@@ -78,11 +79,16 @@ def _self_test(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
         own.reference: cycle.reference,
         own.search_from: own.balise.search.value_or(as_num(0, MM)),
         own.run: cycle.run,
+        **own.anchor.become(cycle.begins_at),
     }
+    unseen = here & ~cycle.target.accepted
+    exact = cycle.testable(cycle.begins_at)
+    yield Transition("reference measurement begins", mode, reference, unseen & exact, waiting, ("RFL-6",), 5)
     yield Transition(
-        "reference measurement begins", mode, reference, here & ~cycle.target.accepted, waiting, ("RFL-6",), 5
-    )
-    again = _seen(cycle, cycle.target, {}, own.target.position)
+        "balise too coarse for a self-test", mode, unready, unseen & ~exact, {**_unready(cycle, NO_SELF_TEST), **begun},
+        ("RFL-6",), 5,
+    )  # fmt: skip
+    again = {**_seen(cycle, cycle.target, {}, own.target.position), **proven}
     yield Transition("self-test passed", reference, view, cycle.passed & ~cycle.started, again, ("RFL-6", "RFL-8"), 6)
     yield Transition(
         "self-test failed", reference, unready, cycle.failed & cycle.tolerable & ~cycle.started, _unready(cycle, MISMATCH),
@@ -97,7 +103,7 @@ def _measured(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tran
     found = _seen(cycle, cycle.target, {}, own.target.position)
     tracked = {
         **_measure(cycle, cycle.target),
-        **cycle.anchor_on(_charged(cycle, cycle.target.fix)),
+        **cycle.anchor_on(_charged(cycle, cycle.target.bare)),
         own.recognised: False,
     }
     other = _seen(cycle, cycle.ahead, own.target.become(own.ahead), own.ahead.position.value)
@@ -111,6 +117,18 @@ def _measured(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tran
         ("RFL-1", "RFL-3", "RFL-10"), 7,
     )  # fmt: skip
     yield Transition("tolerance exceeded", mode[1:], mode[0], ~cycle.tolerable, _drop(cycle, TOLERANCE), ("RFL-1",), 8)
+    yield Transition(
+        "self-test too long ago", mode[3:], mode[1], cycle.outdated, _unready(cycle, NO_SELF_TEST), ("RFL-6",), 8
+    )
+    yield Transition(
+        "self-test grows too coarse",
+        (mode[2],),
+        mode[1],
+        cycle.too_coarse,
+        _unready(cycle, NO_SELF_TEST),
+        ("RFL-6",),
+        8,
+    )
 
 
 def _missing(cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -130,7 +148,7 @@ def _zones(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transit
     sought = {**_hold(cycle), **own.target.become(own.ahead)}
     none = {**_hold(cycle), **own.target.nothing()}
     left = {**none, **own.anchor.nothing(), own.pauses: 0, own.misses: 0}
-    kept = {**_hold(cycle), **cycle.anchor_on(cycle.held)}
+    kept = {**_hold(cycle), **cycle.anchor_on(cycle.by_radar)}
     fresh: Updates = {own.pauses: as_num(0, COUNT), own.misses: as_num(0, COUNT)}
     yield Transition("search zone begins", odometry, search, cycle.search_opens, sought, ("RFL-1", "RFL-8"), 10)
     yield Transition("search zone left", search, odometry, cycle.search_left, none, ("RFL-8",), 10)
@@ -148,13 +166,14 @@ def _going_on(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tran
     """Nothing happened but distance."""
     lost, unready, reference, odometry, search, *_ = mode
     hold = _hold(cycle)
+    waiting = {**hold, **cycle.untested(), **own.anchor.become(cycle.anchored), own.run: cycle.run}
     yield Transition(
-        "reference measurement goes on", reference, reference, set={**hold, own.run: cycle.run}, requirements=("RFL-6",),
-        rank=13,
-    )  # fmt: skip
+        "reference measurement goes on", reference, reference, set=waiting, requirements=("RFL-6",), rank=13
+    )
     yield Transition("search goes on", search, search, set=hold, requirements=("RFL-1", "RFL-8"), rank=13)
     yield Transition("odometry zone", odometry, odometry, set=hold, requirements=("RFL-1",), rank=13)
-    yield Transition("not ready", unready, unready, set=hold, requirements=("RFL-D3",), rank=13)
+    idle = {**hold, **cycle.untested()}
+    yield Transition("not ready", unready, unready, set=idle, requirements=("RFL-D3",), rank=13)
     placed = _unready(cycle, NO_SELF_TEST)
     yield Transition(
         "balise without self-test", lost, unready, own.balise.read & cycle.tolerable, placed, ("RFL-5",), 13
@@ -206,7 +225,7 @@ def _seen(cycle: Judged, by: Recognition, target: Updates, place: Num) -> Update
     return {
         **_measure(cycle, by),
         **target,
-        **own.anchor.become(_charged(cycle, by.fix)),
+        **own.anchor.become(_charged(cycle, by.bare)),
         **_no_reference(own),
         own.found: place,
         own.recognised: any_of([True]),
@@ -218,6 +237,7 @@ def _unready(cycle: Judged, why: Num) -> Updates:
     own = cycle.own
     return {
         **_hold(cycle),
+        **cycle.untested(),
         **own.target.nothing(),
         **own.anchor.nothing(),
         **_no_reference(own),

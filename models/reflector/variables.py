@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import BoolVar, Num, NumVar, boolean, choice, enumeration, members, number, optional
-from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, NM_PER_UM
 from safeloc.models.reflector.balise_reading import BaliseReading, balise_reading
 from safeloc.models.reflector.dead_reckoning import Odometer, Track, track
 from safeloc.models.reflector.echo import RadarLaw, Slot, slot
@@ -66,7 +66,12 @@ class ReflectorConfig(Config):
     minimum_intensity_cdb: int = quantity(-8_500, "0.01 dB", -20_000, 5_000, "[D] 20 dB over noise, full scale 105")
     map_accuracy_mm: int = quantity(50, "mm", 0, 10_000, "[M] surveying of one place against another")
     frame_latency_ms: int = quantity(50, "ms", 0, 1_000, "[M] one frame at 20 Hz")
-    reference_tolerance_mm: int = quantity(1_500, "mm", 0, 100_000, "[D] balise detection 1 m, radar and map 0.5 m")
+    radar_drift_mm_s: int = quantity(1, "mm/s", 0, 100_000, "[M] delays of filters and cables: 2 mm/K, 30 K a minute")
+    radar_scale_ppm: int = quantity(100, "ppm of range", 0, 500_000, "[M] clock of the chirp: 20 to 50 ppm, and ageing")
+    strong_range_mm: int = quantity(200_000, "mm", 1_000, 2_000_000, "[M] minimum intensity up to 100 to 200 m")
+    reference_tolerance_mm: int = quantity(
+        20_000, "mm", 0, 100_000, "[D] both ways: balise 1.3 m, radar and map 0.3 m, odometer 5 m + 5 % of 50 m"
+    )
     reference_distance_mm: int = quantity(0, "mm, 0: none", 0, 300_000, "[S] source l. 205: a variable of the system")
     reference_run_mm: int = quantity(500_000, "mm", 1, 10_000_000, "[D] the self-test ends here at the latest")
     search_run_mm: int = quantity(20_000, "mm", 0, 300_000, "[D] into the view zone; the tolerance is added")
@@ -131,8 +136,25 @@ class ReflectorConfig(Config):
     def radar(self) -> RadarLaw:
         """What judging an echo depends on."""
         return RadarLaw(
-            self.minimum_intensity_cdb, self.near_range_mm, self.accuracy_nm, self.tolerance_nm, self.position_limit_mm
+            minimum_intensity_cdb=self.minimum_intensity_cdb,
+            near_mm=self.near_range_mm,
+            accuracy_nm=self.accuracy_nm,
+            tolerance_nm=self.tolerance_nm,
+            limit_mm=self.position_limit_mm,
+            scale_ppm=self.radar_scale_ppm,
+            strong_nm=self.strong_range_mm * NM_PER_MM,
+            left_open_nm=self.left_open_nm,
         )
+
+    @property
+    def left_open_nm(self) -> int:
+        """The most of the radar's systematic error that a self-test may leave open, and that is charged."""
+        return self.reference_tolerance_mm * NM_PER_MM
+
+    @property
+    def drift_nm(self) -> int:
+        """The most by which the radar's systematic error changes in one cycle."""
+        return self.radar_drift_mm_s * self.period_ms * NM_PER_UM
 
     def share_ppm(self, latency_ms: int) -> int:
         """A latency as share of the period, rounded up."""
@@ -159,6 +181,8 @@ class Ghosts:
 
     reflector  per slot: the echo comes from a reflector, be it the target or any other one of the line
     origin     per slot: where along the track it was reflected, nm
+    bias       by how much the radar measures every range too long, nm: its systematic error, of any size
+    scaled     per slot: what is wrong in proportion to the range, nm, positive where it is measured too long
     told       what the map told last
     sought     what the map told of the reflector that the machine names as its target, if that is another one
     """
@@ -169,13 +193,20 @@ class Ghosts:
     next_wander: NumVar
     reflector: tuple[BoolVar, ...]
     origin: tuple[NumVar, ...]
+    bias: NumVar
+    next_bias: NumVar
+    scaled: tuple[NumVar, ...]
     told: Entry
     sought: Entry
 
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The variables the machine is made of; properties read them by name."""
+    """The variables the machine is made of; properties read them by name.
+
+    open_long, open_short  how much too long (too short) the radar may measure every range, nm: what the last self-test
+                           that passed left open, and what may have changed since; 0 where none passed
+    """
 
     config: ReflectorConfig
     odometer: Odometer
@@ -187,6 +218,8 @@ class Parts:
     contradicted: BoolVar
     track: Track
     anchor: Track
+    open_long: NumVar
+    open_short: NumVar
     reference: NumVar
     search_from: NumVar
     run: NumVar
@@ -215,7 +248,9 @@ def parts(config: ReflectorConfig) -> Parts:
         frame=boolean("frame_present"),
         contradicted=boolean("route_contradicted"),
         track=track("own_", "own_", limit, tolerance),
-        anchor=track("anchor_", "anchor_", limit, tolerance + 2 * config.odometer.wander_nm),
+        anchor=track("anchor_", "anchor_", limit, tolerance + 2 * config.odometer.wander_nm + config.left_open_nm),
+        open_long=number("open_long_nm", NM, 0, config.left_open_nm),
+        open_short=number("open_short_nm", NM, 0, config.left_open_nm),
         reference=number("reference_mm", MM, 0, reach),
         search_from=number("search_from_mm", MM, 0, reach),
         run=number("run_since_balise_mm", MM, -config.reference_run_mm, config.reference_run_mm),
@@ -261,6 +296,7 @@ def _balise(config: ReflectorConfig) -> BaliseReading:
 def _ghosts(config: ReflectorConfig) -> Ghosts:
     reach = (config.position_limit_mm + 2 * config.tolerance_mm + config.range_limit_mm) * NM_PER_MM
     most, slots = config.odometer.wander_nm, range(1, config.echo_slots + 1)
+    scaled = config.range_limit_mm * config.radar_scale_ppm
     return Ghosts(
         number("truth_nm", NM, -reach, reach),
         number("true_step_nm", NM, -config.blind_nm, config.blind_nm),
@@ -268,6 +304,9 @@ def _ghosts(config: ReflectorConfig) -> Ghosts:
         number("next_wander_nm", NM, -most, most),
         tuple(boolean(f"echo_{number_}_from_reflector") for number_ in slots),
         tuple(number(f"echo_{number_}_origin_nm", NM, -2 * reach, 2 * reach) for number_ in slots),
+        number("radar_bias_nm", NM, -reach, reach),
+        number("next_radar_bias_nm", NM, -reach, reach),
+        tuple(number(f"echo_{number_}_scaled_nm", NM, -scaled, scaled) for number_ in slots),
         _entry("told", config),
         _entry("sought", config),
     )

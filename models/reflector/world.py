@@ -2,9 +2,12 @@
 
     the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
     a balise      lies where the reading says; or the reading is a stray one, of a balise that lies far away
-    a reflector   sends an echo whose range is right within the echo's error, and which shows its model
+    a reflector   sends an echo whose range is wrong by the echo's error, and by what is wrong with the radar; which shows
+                  its model; and which has the minimum intensity only within the strong range
+    the radar     measures every range wrong by a systematic part of any size, that drifts, and by a part of the range
     other things  send echoes as they like, but none with a reflector's signature at the minimum intensity
-    the map       has each reflector where it stands, and says how far the next one of its model is away
+    the map       has each reflector where it stands, and says how far the next one of its model is away; and how far it
+                  is from its balise
 
 The map tells of one reflector in a cycle, and the machine goes on to look for one that it was told of before. The world
 remembers what the map told: of the last one told, and of the one that the machine still names as its target.
@@ -15,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from safeloc.language.expr import (
+    FALSE,
     TRUE,
     Bool,
     Expr,
@@ -30,7 +34,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import ANY, Initial
-from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.language.units import MM, NM, NM_PER_MM, NM_PER_UM
 from safeloc.language.world import Law, World
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.variables import Entry, Parts, ReflectorConfig
@@ -48,11 +52,19 @@ def world(own: Parts, lost: Bool) -> World:
     """The true position, the odometer's wander, the echoes' origins, and what the map told. `lost`: no position is known."""
     seen = own.ghosts
     return World(
-        ghosts={seen.truth: ANY, seen.wander: ANY, **_none(seen.told), **_none(seen.sought)},
-        choices=[seen.true_step, seen.next_wander, *seen.reflector, *seen.origin],
+        ghosts={seen.truth: ANY, seen.wander: ANY, seen.bias: ANY, **_none(seen.told), **_none(seen.sought)},
+        choices=[
+            seen.true_step,
+            seen.next_wander,
+            *seen.reflector,
+            *seen.origin,
+            seen.next_bias,
+            *seen.scaled,
+        ],
         moves={
             seen.truth: _after(own),
             seen.wander: _wander_after(own),
+            seen.bias: seen.next_bias,
             **_taken(own.ahead.position.present, seen.told, _next_told(own)),
             **_taken(named(own, seen.told), seen.sought, seen.told),
         },
@@ -92,6 +104,10 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
         ),
         "a balise reading is true, or that of a balise far away": _balise_law(own, lost),
         "an echo of a reflector has its range": _range_law(own),
+        "the radar's systematic error drifts slowly": _drift_law(own),
+        "the radar's scale is within its figure": _scale_law(own),
+        "no reflector is heard from beyond the strong range": _reach_law(own),
+        "the prescribed distance is that of the map": _prescribed_law(own),
         "the map tells models apart by distance": _map_law(own),
         "other things show no reflector's signature": _clutter_law(own),
     }  # fmt: skip
@@ -173,18 +189,13 @@ def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
 
 
 def _balise_law(own: Parts, lost: Bool) -> Law:
-    balise, config = own.balise, own.config
-    since = ite(~balise.since.present, as_num(0, MM), balise.since.value)
-    off = _after(own) - exact_to(balise.position.value, NM) - exact_to(since, NM)
-    accuracy = exact_to(ite(~balise.accuracy.present, config.balise_accuracy_mm, balise.accuracy.value), NM)
-    allowed = accuracy + with_unit(maximum(since, -since) * config.odometer.rate_ppm, NM)
-    latched, whole = _ran_late(own, config.balise_latency_ms), _ran_late(own, config.period_ms)
-    forward, backward = (ite(balise.since.present, late, all_) for late, all_ in zip(latched, whole, strict=True))
+    config = own.config
+    off, allowed, forward, backward = _balise_off(own)
     true = (off <= allowed + forward) & (-off <= allowed + backward)
     away = allowed + forward + backward + _far_nm(config)
     stray = ~lost & ((off > away) | (-off > away))
     return Law(
-        (balise.identity.present & balise.position.present).implies(true | stray),
+        _balise_read(own).implies(true | stray),
         "End A passed the place that a reading gives within its accuracy, and ran since then what the counters say within "
         "the odometer's rate, and in the reader's latency no more than the share of the measured distance. Or the reading "
         "is stray: its balise lies farther away than any position error; but never the first one after a position was lost.",
@@ -193,6 +204,22 @@ def _balise_law(own: Parts, lost: Bool) -> Law:
         "infrastructure",
         "the balise machine's linking; commissioning of every balise",
     )
+
+
+def _balise_read(own: Parts) -> Bool:
+    return own.balise.identity.present & own.balise.position.present
+
+
+def _balise_off(own: Parts) -> tuple[Num, Num, Num, Num]:
+    """By how much a reading misses the truth, and may: by accuracy and run, and by what was run forwards, backwards; nm."""
+    balise, config = own.balise, own.config
+    since = ite(~balise.since.present, as_num(0, MM), balise.since.value)
+    off = _after(own) - exact_to(balise.position.value, NM) - exact_to(since, NM)
+    accuracy = exact_to(ite(~balise.accuracy.present, config.balise_accuracy_mm, balise.accuracy.value), NM)
+    allowed = accuracy + with_unit(maximum(since, -since) * config.odometer.rate_ppm, NM)
+    latched, whole = _ran_late(own, config.balise_latency_ms), _ran_late(own, config.period_ms)
+    forward, backward = (ite(balise.since.present, late, all_) for late, all_ in zip(latched, whole, strict=True))
+    return off, allowed, forward, backward
 
 
 def _far_nm(config: ReflectorConfig) -> int:
@@ -213,22 +240,103 @@ def _strong(own: Parts, slot: Slot) -> Bool:
 def _range_law(own: Parts) -> Law:
     forward, backward = _ran_late(own, own.config.frame_latency_ms)
 
-    def kept(slot: Slot, real: Bool, origin: Num) -> Bool:
-        """The radar stands behind end A by its offset; end A ran on since the frame was taken."""
-        radar = _after(own) - own.config.radar_offset_mm * NM_PER_MM
-        too_near = origin - radar - exact_to(slot.range.value, NM)
+    def kept(slot: Slot, real: Bool, origin: Num, scaled: Num) -> Bool:
+        """End A ran on since the frame was taken; what is wrong with the radar is in the range."""
+        wrong = own.ghosts.next_bias + scaled
+        too_near = origin - _radar(own) - exact_to(slot.range.value, NM) + wrong
         bound = exact_to(slot.error, NM)
         return (real & own.frame & slot.range.present).implies(between(-bound - forward, too_near, bound + backward))
 
     return Law(
-        all_of(kept(*one) for one in _echoes(own)),
-        "The range of a reflector's echo is the distance from radar to reflector within the echo's error bound, when the "
-        "frame was taken; that was no earlier than its latency, and since then the vehicle ran no more than the share of "
-        "the measured distance.",
+        all_of(kept(*one, scaled) for one, scaled in zip(_echoes(own), own.ghosts.scaled, strict=True)),
+        "The range of a reflector's echo is the distance from radar to reflector, and what is wrong with the radar, within "
+        "the echo's error bound, when the frame was taken; that was no earlier than its latency, and since then the vehicle "
+        "ran no more than the share of the measured distance.",
         ("radar_offset_mm", "frame_latency_ms"),
-        "[M] FMCW radar, interpolated to centimetres; steady speed in a cycle [D]",
+        "[M] noise of an FMCW radar, interpolated to centimetres; steady speed in a cycle [D]",
         "supplier",
-        "self-test at every balise; constant error along a view zone",
+        "type test of the noise; constant error along a view zone",
+    )
+
+
+def _radar(own: Parts) -> Num:
+    """Where the radar is at the end of the cycle, nm: it stands behind end A by its offset."""
+    return _after(own) - own.config.radar_offset_mm * NM_PER_MM
+
+
+def _drift_law(own: Parts) -> Law:
+    config, seen = own.config, own.ghosts
+    most = config.radar_drift_mm_s * config.period_ms * NM_PER_UM
+    return Law(
+        between(-most, seen.next_bias - seen.bias, most),
+        "The systematic part of the radar's error is of any size at first; from one cycle to the next it changes by no more "
+        "than the drift allows.",
+        ("radar_drift_mm_s",),
+        "[M] delays of filters and cables: 2 mm/K, at most 30 K a minute",
+        "supplier",
+        "type test in the climatic chamber; self-test at every balise",
+    )
+
+
+def _scale_law(own: Parts) -> Law:
+    most = own.config.radar_scale_ppm
+    return Law(
+        all_of(
+            between(-with_unit(slot.range.value * most, NM), scaled, with_unit(slot.range.value * most, NM))
+            for slot, scaled in zip(own.slots, own.ghosts.scaled, strict=True)
+        ),
+        "What is wrong with a range in proportion to it is no more than the radar's scale allows.",
+        ("radar_scale_ppm",),
+        "[M] clock of the chirp: 20 to 50 ppm, and ageing",
+        "supplier",
+        "type test of the clock; a monitor of the chirp's frequency",
+    )
+
+
+def _reach_law(own: Parts) -> Law:
+    forward, backward = _ran_late(own, own.config.frame_latency_ms)
+    most = own.config.strong_range_mm * NM_PER_MM
+
+    def kept(slot: Slot, real: Bool, origin: Num) -> Bool:
+        away = origin - _radar(own)
+        return (real & _strong(own, slot)).implies(between(-forward, away, as_num(most, NM) + backward))
+
+    return Law(
+        all_of(kept(*one) for one in _echoes(own)),
+        "The radar looks ahead: what a reflector sends back with the minimum intensity comes from no farther than the strong "
+        "range, and from no reflector behind, when the frame was taken.",
+        ("strong_range_mm", "minimum_intensity_cdb"),
+        "[M] fourth power of the range; the antenna's pattern",
+        "supplier",
+        "type test with the largest reflector",
+    )
+
+
+def _prescribed_law(own: Parts) -> Law:
+    """Of a true reading: a stray one tells of another balise."""
+    balise, ahead, system = own.balise, own.ahead, own.config.reference_distance_mm
+    telegram, by_map = balise.reference, ahead.reference
+    by_hand = ~telegram.present & ~by_map.present if system else FALSE
+    away, survey = ahead.position.value - balise.position.value, own.config.map_accuracy_mm
+
+    def agrees(told: Num) -> Bool:
+        return between(-survey, told - away, survey)
+
+    said = all_of([
+        telegram.present.implies(agrees(telegram.value)),
+        by_map.present.implies(agrees(by_map.value)),
+        by_hand.implies(agrees(as_num(system, MM))),
+    ])  # fmt: skip
+    off, allowed, forward, backward = _balise_off(own)
+    true = (off <= allowed + forward) & (-off <= allowed + backward)
+    return Law(
+        (_balise_read(own) & ahead.position.present & true).implies(said),
+        "The distance from a balise to its reflector, as the telegram, the map or the system prescribes it, is that of their "
+        "places on the map within the survey's accuracy.",
+        ("map_accuracy_mm", "reference_distance_mm"),
+        "[D] one survey for telegram and map",
+        "infrastructure",
+        "audit of the line's map: distance from balise to reflector; commissioning of every balise",
     )
 
 

@@ -7,14 +7,14 @@ The vehicle's driving is given beforehand, well or badly: the machine's orders a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.units import NM_PER_MM, NM_PER_UM
-from safeloc.models.reflector.simulate import FIGURE_2, STOPS_MM, Scene, said, simulate, stopping
+from safeloc.models.reflector.simulate import FIGURE_2, STOPS_MM, Balise, Scene, said, simulate, stopping
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.runtime.streams.steps import Cell
@@ -22,6 +22,12 @@ from safeloc.simulation.motion import Motion
 
 WINDOW_MM = 500
 SPEED_MM_S, BRAKE_MM_S2, STAND_S = 20_000, 800, 6.0
+
+
+SOURCE = ReflectorConfig(map_accuracy_mm=20, frame_latency_ms=0, balise_latency_ms=0)
+PLATFORM = Scene(replace(FIGURE_2, balises=(Balise(202, 100_000, accuracy_mm=50),)), error_mm=50)
+"""A stop within half a metre needs a balise known to 5 cm, a radar and a survey as exact, and a front end that brings ranges to
+the cycle's end: what the radar's self-test leaves open has to fit the window ([S] coded balises at platforms: 50 mm)."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +61,9 @@ def simulate_stop(
     config: StopPointConfig, *, seed: int, stop: Stop = IN_PLACE, reduced_mm_s: int = 600
 ) -> list[dict[str, Cell]]:
     """One drive as steps: inputs, ghost inputs, and the remark `truth_mm`. The last cycles are a departure order."""
-    source = ReflectorConfig()
-    motion = _motion(stop, reduced_mm_s, source.period_ms)
+    motion = _motion(stop, reduced_mm_s, SOURCE.period_ms)
     given = Platform(FIGURE_2_STOPS, stop.number, bool(stop.moves))
-    return simulate_platform(config, given, motion, source=source, scene=Scene(FIGURE_2), seed=seed)
+    return simulate_platform(config, given, motion, source=SOURCE, scene=PLATFORM, seed=seed)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite, with_unit
 from safeloc.language.spec import earlier_bool
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
@@ -10,14 +10,16 @@ from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.variables import Parts
 
 LAW = (
-    "odometer and balise keep their error laws, or a balise lies far away; echoes of reflectors give their range within the "
-    "error bound; models are read correctly at the minimum intensity; the map's distances between equal models are right; no "
-    "other thing shows a reflector's signature with the minimum intensity"
+    "odometer and balise keep their error laws, or a balise lies far away; a range is wrong by the echo's error bound, by the "
+    "radar's scale, and by a systematic part of any size that drifts no faster than stated; models are read correctly at the "
+    "minimum intensity, and from within the strong range; the map's distances, between equal models and from balise to "
+    "reflector, are right; no other thing shows a reflector's signature with the minimum intensity"
 )
 PASSED = ("self-test passed", "self-test passed at the balise")
 FAILED = ("self-test failed", "self-test failed at the balise")
 SIGHTED = (*PASSED, "reflector found", "reflector tracked", "next reflector takes over")
 IN_ZONE = ("PASSING", "COAST", "VIEW")
+READY = ("ODOMETRY", "SEARCH", *IN_ZONE)
 
 
 def was(model: ReflectorMachine, *labels: str) -> Bool:
@@ -33,6 +35,11 @@ def balise_read(own: Parts) -> Bool:
 def begun(own: Parts) -> Bool:
     """A balise began a reference measurement in this cycle."""
     return own.procedure.ne(before(own.procedure)) & (own.procedure > 0)
+
+
+def in_test(model: ReflectorMachine) -> Bool:
+    """In this cycle an echo of the reference reflector tests the radar."""
+    return begun(model.own) | was(model, "REFERENCE")
 
 
 def balise_accuracy(own: Parts) -> Num:
@@ -62,6 +69,58 @@ def counts(own: Parts) -> Bool:
 def ran_mm(own: Parts) -> Num:
     """The distance that counts in this cycle, mm."""
     return ite(~counts(own), as_num(0, MM), own.odometer.step.value)
+
+
+def told_more(own: Parts) -> Num:
+    """What a checking unit tells beyond the odometer's law, nm."""
+    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
+
+
+def law_nm(own: Parts) -> Num:
+    """What the odometer's law allows in this cycle, and what is told beyond it; mm x ppm = nm."""
+    law, config = own.config.odometer, own.config
+    measured = (
+        with_unit(without_sign(own.odometer.step.value) * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
+    )
+    blind = as_num(config.max_speed_mm_s * config.period_ms * 1_000, NM)
+    return ite(counts(own), measured, blind) + told_more(own)
+
+
+def ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
+    """The most that was run (forwards, backwards) in the last so many ms of the cycle, nm."""
+    config, share = own.config, -(-latency_ms * 1_000_000 // own.config.period_ms)
+    ran = with_unit(own.odometer.step.value * share, NM)
+    blind = as_num(-(-config.max_speed_mm_s * config.period_ms * share // 1_000), NM)
+    return (
+        ite(counts(own), ite(ran > 0, ran, as_num(0, NM)) + told_more(own), blind),
+        ite(counts(own), ite(ran < 0, -ran, as_num(0, NM)) + told_more(own), blind),
+    )
+
+
+def echo_sides(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
+    """By how much end A may be (ahead of, behind) where an echo of a right radar puts it, nm."""
+    config = own.config
+    forward, backward = ran_late(own, config.frame_latency_ms)
+    share = with_unit(range_ * config.radar_scale_ppm, NM)
+    sure = share + exact_to(as_num(config.map_accuracy_mm, MM) + error, NM)
+    return forward + sure, backward + sure
+
+
+def known_place(own: Parts) -> Num:
+    """Where a self-test has end A without the radar, mm: by the balise, and by the distance run since."""
+    return ite(begun(own), run_since(own) + own.balise.position.value, ran_mm(own) + before(own.anchor.position))
+
+
+def known_sides(own: Parts) -> tuple[Num, Num]:
+    """By how much it may be (ahead of, behind) there, nm: by the reading's error, or by that and the odometer's since."""
+    config = own.config
+    base = with_unit(config.odometer.rate_ppm * without_sign(run_since(own)), NM) + exact_to(balise_accuracy(own), NM)
+    late, whole = ran_late(own, config.balise_latency_ms), ran_late(own, config.period_ms)
+    told, law = own.balise.since.present, law_nm(own)
+    return (
+        ite(begun(own), ite(~told, whole[0], late[0]) + base, law + before(own.anchor.above)),
+        ite(begun(own), ite(~told, whole[1], late[1]) + base, law + before(own.anchor.below)),
+    )
 
 
 def rearmost(own: Parts) -> Num:

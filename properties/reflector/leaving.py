@@ -5,31 +5,47 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, as_num, before, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Num, as_num, before, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.dead_reckoning import Track
-from safeloc.models.reflector.variables import Parts
-from safeloc.properties.reflector.figures import IN_ZONE, counts, foremost, ran_mm, rearmost, was, without_sign
+from safeloc.properties.reflector.figures import IN_ZONE, foremost, law_nm, ran_mm, rearmost, was
 
 for_all_inputs = partial(always, requirements=("RFL-D2",), unconditional=True)
 
 
 def leaving(model: ReflectorMachine) -> Iterator[Property]:
     """Constant error, passing, loss, and odometry after it."""
-    for maker in (_constant, _anchored, _goes_on, _unaided, _silent_radar):
+    for maker in (_constant, _steps, _anchored, _goes_on, _unaided, _silent_radar):
         yield from maker(model)
 
 
 def _constant(model: ReflectorMachine) -> Iterator[Property]:
     own, anchor = model.own, model.own.anchor
     tracked = model.machine.flag("precise") & ~own.recognised
-    reaches = exact_to(anchor.position, NM) + anchor.above >= rearmost(own)
+    reaches = exact_to(anchor.position, NM) + anchor.above >= rearmost(own) + own.open_short
     yield for_all_inputs(
         "error is constant",
-        tracked.implies(reaches & (foremost(own) >= exact_to(anchor.position, NM) - anchor.below)),
-        statement="in the view zone each measured position agrees with the distance run since the reflector came into view",
+        tracked.implies(reaches & (foremost(own) - own.open_long >= exact_to(anchor.position, NM) - anchor.below)),
+        statement="in the view zone each measured position agrees with the distance run since the reflector came into view; "
+        "what the self-test left open hides no disagreement",
+    )
+
+
+def _steps(model: ReflectorMachine) -> Iterator[Property]:
+    own, drift = model.own, as_num(model.own.config.radar_drift_mm_s * model.own.config.period_ms * 1_000, NM)
+    again = was(model, "VIEW") & model.in_mode("VIEW") & ~own.balise.position.present
+    more = law_nm(own) + drift + exact_to(as_num(own.config.odometer.constant_mm, MM), NM)
+    apart = exact_to(own.track.position - before(own.track.position) - ran_mm(own), NM)
+    front, back = (own.track.above - own.open_long, own.track.below - own.open_short)
+    last_front = before(own.track.above) - before(own.open_long)
+    last_back = before(own.track.below) - before(own.open_short)
+    yield for_all_inputs(
+        "no measurement jumps",
+        again.implies((apart <= last_front + back + more) & (-apart <= last_back + front + more)),
+        statement="two measured positions in a row differ from the distance run by no more than echoes, survey, odometer and "
+        "drift may be wrong; what the self-test left open hides no jump",
     )
 
 
@@ -37,15 +53,17 @@ def _anchored(model: ReflectorMachine) -> Iterator[Property]:
     own, anchor = model.own, model.own.anchor
     stays = was(model, *IN_ZONE) & model.in_mode(*IN_ZONE) & ~own.recognised
     constant = exact_to(as_num(own.config.odometer.constant_mm, MM), NM)
-    afresh = _no_wider(anchor, own.track.position, (own.track.above, own.track.below), constant)
+    unseen = (own.track.above + own.open_short, own.track.below + own.open_long)
+    afresh = _no_wider(anchor, own.track.position, unseen, constant)
+    drift = as_num(own.config.radar_drift_mm_s * own.config.period_ms * 1_000, NM)
     ran_on = _no_wider(
-        anchor, before(anchor.position) + ran_mm(own), (before(anchor.above), before(anchor.below)), _law_nm(own)
+        anchor, before(anchor.position) + ran_mm(own), (before(anchor.above), before(anchor.below)), law_nm(own) + drift
     )
     yield for_all_inputs(
         "the anchor runs on by the odometer alone",
         stays.implies(ran_on | afresh),
         statement="what was run since the reflector came into view is the measured distance, and is as uncertain as the "
-        "odometer's law says, no more; once that is of no use it is counted from the last position on",
+        "odometer's law says, and the radar's drift, no more; once that is of no use it is counted from the last position on",
     )
 
 
@@ -53,17 +71,6 @@ def _no_wider(anchor: Track, position: Num, sides: tuple[Num, Num], by: Num) -> 
     """The anchor stands there, and exceeds these margins by no more than so much."""
     above, below = sides
     return anchor.position.eq(position) & (anchor.above - above <= by) & (anchor.below - below <= by)
-
-
-def _law_nm(own: Parts) -> Num:
-    """What the odometer's law allows in this cycle, and what is told beyond it; mm x ppm = nm."""
-    law, config = own.config.odometer, own.config
-    measured = (
-        with_unit(without_sign(own.odometer.step.value) * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
-    )
-    blind = as_num(config.max_speed_mm_s * config.period_ms * 1_000, NM)
-    more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
-    return ite(counts(own), measured, blind) + more
 
 
 def _goes_on(model: ReflectorMachine) -> Iterator[Property]:

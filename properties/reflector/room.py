@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, all_of, before, exact_to, ite
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, exact_to, ite
 from safeloc.language.spec import Property, always, reachable
-from safeloc.language.units import NM
+from safeloc.language.units import MM, NM
 from safeloc.models.layout_rules import LayoutConfig, separable_by_distance
 from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.echo import AMBIGUOUS
 from safeloc.models.reflector.variables import Parts, ReflectorConfig
 from safeloc.models.vocabulary.reflectors import NO_MODEL
-from safeloc.properties.reflector.figures import begun, foremost, found_by, rearmost, seen_from, was, width
+from safeloc.properties.reflector.figures import (
+    begun,
+    foremost,
+    found_by,
+    in_test,
+    looked_for,
+    ran_late,
+    rearmost,
+    seen_from,
+    was,
+    width,
+)
 
 
 def room(model: ReflectorMachine) -> Iterator[Property]:
@@ -29,17 +40,35 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
     own, layout = model.own, layout_of(model.own.config)
     clear = ite(begun(own), own.ahead.clear, before(own.target.clear))
     kept = model.machine.flag("valid") & ~model.machine.flag("precise")
+    ambiguous = [slot.judged.eq(AMBIGUOUS) for slot in own.slots]
     fine = LayoutConfig().radar_error_mm
     yield always(
         "the layout leaves room",
-        (kept & separable_by_distance(clear, layout)).implies(
-            all_of((slot.error <= fine).implies(slot.judged.ne(AMBIGUOUS)) for slot in own.slots)
+        (kept & ~in_test(model) & separable_by_distance(clear, layout)).implies(
+            all_of((slot.error <= fine).implies(~one) for slot, one in zip(own.slots, ambiguous, strict=True))
         ),
         statement="where the spacing of equal models keeps the layout rule, no measurement within the radar's error is "
         "refused as ambiguous",
         requirements=("RFL-8", "RFL-10"),
         unconditional=own.odometer.more is None,
     )
+    yield always(
+        "a self-test is ambiguous only where another is heard",
+        (kept & in_test(model) & any_of(ambiguous)).implies(_other_heard(own, clear)),
+        statement="in a self-test an echo is refused as ambiguous only where, from somewhere in the interval, another reflector "
+        "of the model could be heard with the minimum intensity",
+        requirements=("RFL-6", "RFL-10"),
+        unconditional=True,
+    )
+
+
+def _other_heard(own: Parts, clear: Num) -> Bool:
+    """Another one behind the reference reflector by its clearance is still ahead, or one before it in the strong range."""
+    forward, backward = ran_late(own, own.config.frame_latency_ms)
+    stands = exact_to(looked_for(own) + own.config.radar_offset_mm, NM)
+    away = exact_to(clear - own.config.map_accuracy_mm, NM)
+    heard = exact_to(as_num(own.config.strong_range_mm, MM), NM)
+    return (stands - away >= rearmost(own) - forward) | (stands + away <= foremost(own) + backward + heard)
 
 
 def _skipped(model: ReflectorMachine) -> Iterator[Property]:
@@ -65,13 +94,15 @@ def _ahead_or_found(own: Parts) -> Bool:
 
 
 def layout_of(config: ReflectorConfig) -> LayoutConfig:
-    """The layout that suits the machine: a measured reflector's error holds the frame's latency at top speed."""
+    """The layout that suits the machine: a measured reflector's error holds the frame's latency at top speed, the radar's
+    scale, and what a self-test may leave open."""
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     lag_mm = -(-config.max_step_mm * share // 1_000_000) + 1
+    scale_mm = -(-config.range_limit_mm * config.radar_scale_ppm // 1_000_000)
     return LayoutConfig(
         tolerance_mm=config.tolerance_mm,
         odometry_constant_mm=config.odometer.constant_mm,
         odometry_rate_ppm=config.odometer.rate_ppm,
-        radar_error_mm=LayoutConfig().radar_error_mm + lag_mm,
+        radar_error_mm=LayoutConfig().radar_error_mm + lag_mm + scale_mm + config.reference_tolerance_mm,
         map_accuracy_mm=config.map_accuracy_mm,
     )

@@ -5,20 +5,50 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, exact_to, ite
 from safeloc.language.spec import Property, always, since
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.echo import FITS
-from safeloc.models.reflector.variables import NO_ERROR, Parts
-from safeloc.properties.reflector.figures import FAILED, PASSED, balise_read, begun, ran_mm, run_since, was
+from safeloc.models.reflector.variables import MISMATCH, NO_ERROR, Parts
+from safeloc.properties.reflector.figures import (
+    FAILED,
+    LAW,
+    PASSED,
+    READY,
+    balise_read,
+    begun,
+    echo_sides,
+    foremost,
+    in_test,
+    known_place,
+    known_sides,
+    looked_for,
+    ran_mm,
+    rearmost,
+    run_since,
+    was,
+)
 
 for_all_inputs = partial(always, requirements=("RFL-6",), unconditional=True)
+under_assumption = partial(always, requirements=("RFL-6",), assumption=LAW)
 
 
 def self_test(model: ReflectorMachine) -> Iterator[Property]:
     """Readiness, the test itself, what it is measured from, and what a failed one means."""
-    for maker in (_ready, _prescribed, _fails_rightly, _begins, _goes_on, _from_the_line, _failed):
+    makers = (
+        _ready,
+        _prescribed,
+        _fails_rightly,
+        _begins,
+        _goes_on,
+        _from_the_line,
+        _failed,
+        _found_out,
+        _left_open,
+        _ages,
+    )
+    for maker in makers:
         yield from maker(model)
 
 
@@ -49,18 +79,30 @@ def _run_now(own: Parts) -> Num:
     return ite(begun(own), run_since(own), before(own.run) + ran_mm(own))
 
 
-def _off(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
-    """By how much a range misses the prescribed distance, and by how much it may, nm."""
+def _most(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
+    """By how much a right radar may seem to measure (too short, too long), nm: what is known and the echo are both wrong."""
+    (ahead, behind), (early, late) = known_sides(own), echo_sides(own, range_, error)
+    return late + ahead, early + behind
+
+
+def _prescribed_kept(own: Parts, range_: Num, error: Num) -> Bool:
+    """The distance from balise to reflector is the prescribed one, within what it may be measured wrong and the survey."""
     prescribed = ite(begun(own), _told_distance(own), before(own.reference))
     missed = exact_to(range_ + _run_now(own), NM) - exact_to(prescribed + own.config.radar_offset_mm, NM)
-    run = with_unit(_run_now(own) * own.config.odometer.rate_ppm, NM)
-    own_error = exact_to(error + own.config.reference_tolerance_mm, NM)
-    return missed, own_error + ite(run < 0, -run, run)
+    short, long = _most(own, range_, error)
+    survey = exact_to(as_num(own.config.map_accuracy_mm, MM), NM)
+    return (missed <= survey + long) & (missed >= -(survey + short))
+
+
+def _place_kept(own: Parts, range_: Num, error: Num) -> Bool:
+    """The reflector stands where the map has it, as far as the vehicle's place is known without the radar."""
+    missed = exact_to(known_place(own) + range_, NM) - exact_to(looked_for(own) + own.config.radar_offset_mm, NM)
+    short, long = _most(own, range_, error)
+    return (missed <= long) & (missed >= -short)
 
 
 def _agrees(own: Parts, range_: Num, error: Num) -> Bool:
-    missed, allowed = _off(own, range_, error)
-    return (missed <= allowed) & (missed >= -allowed)
+    return _prescribed_kept(own, range_, error) & _place_kept(own, range_, error)
 
 
 def _prescribed(model: ReflectorMachine) -> Iterator[Property]:
@@ -71,7 +113,7 @@ def _prescribed(model: ReflectorMachine) -> Iterator[Property]:
             _agrees(own, machine.output("range_mm"), machine.output("range_error_mm")) & machine.flag("precise")
         ),
         statement="the self-test passes only with a measured reflector whose distance from the balise is the prescribed one, "
-        "within the tolerance, the echo's error and the odometer's over the run since the balise",
+        "and whose place is that of the map, within the errors of balise, echo, survey and the odometer since the balise",
     )
     yield for_all_inputs(
         "a test at the balise belongs to it",
@@ -87,7 +129,14 @@ def _fails_rightly(model: ReflectorMachine) -> Iterator[Property]:
         machine.fired(*FAILED).implies(
             any_of(slot.judged.eq(FITS) & ~_agrees(own, slot.range.value, slot.error) for slot in own.slots)
         ),
-        statement="the self-test fails only with a measured reflector whose distance from the balise is not the prescribed one",
+        statement="the self-test fails only with a measured reflector whose distance from the balise is not the prescribed "
+        "one, or whose place is not that of the map",
+    )
+    yield under_assumption(
+        "a right radar passes the self-test",
+        machine.fired(*FAILED).implies(own.ghosts.bias.ne(0)),
+        statement="a radar without a systematic error never fails the self-test, whatever noise, scale, survey, balise and "
+        "odometer are within their laws",
     )
 
 
@@ -133,6 +182,75 @@ def _from_the_line(model: ReflectorMachine) -> Iterator[Property]:
         (machine.fired(*PASSED) & (line > 0)).implies(_run_now(own) >= line),
         statement="where the telegram says from which distance on the reflector is looked for, it is not found before",
         requirements=("RFL-8",),
+    )
+
+
+def _beyond(own: Parts, most: Num) -> Bool:
+    """The radar's systematic error is greater than that, nm."""
+    return (own.ghosts.bias > most) | (own.ghosts.bias < -most)
+
+
+def _found_out(model: ReflectorMachine) -> Iterator[Property]:
+    """What the test finds, whatever the radar's systematic error is."""
+    machine, own = model.machine, model.own
+    figure = exact_to(as_num(own.config.reference_tolerance_mm, MM), NM)
+    yield under_assumption(
+        "a radar that errs is found out by the self-test",
+        (in_test(model) & _beyond(own, figure)).implies(~machine.flag("ready") & ~machine.flag("precise")),
+        statement="a radar whose systematic error exceeds the reference tolerance at a self-test is not used: in that cycle "
+        "the machine is not ready, and what was precise is so no longer",
+    )
+    measured = any_of(slot.judged.eq(FITS) for slot in own.slots)
+    yield under_assumption(
+        "a radar that errs is called so",
+        (in_test(model) & machine.flag("valid") & measured & _beyond(own, figure)).implies(own.error.eq(MISMATCH)),
+        statement="where the reference reflector is measured by a radar whose systematic error exceeds the reference "
+        "tolerance, the error is a mismatch",
+    )
+    short, long = _most(own, machine.output("range_mm"), machine.output("range_error_mm"))
+    yield under_assumption(
+        "what passes is no worse than the test can see",
+        machine.fired(*PASSED).implies(~_beyond(own, short + long)),
+        statement="a self-test is passed only by a radar whose systematic error is within twice what balise, echo, survey and "
+        "the odometer since the balise may be wrong by",
+    )
+    yield under_assumption(
+        "precise only with a radar that is nearly right",
+        machine.flag("ready").implies(~_beyond(own, figure)),
+        statement="while the machine is ready for precise positioning, the radar's systematic error is within the reference "
+        "tolerance",
+    )
+
+
+def _left_open(model: ReflectorMachine) -> Iterator[Property]:
+    """What is charged after a test that passed."""
+    machine, own = model.machine, model.own
+    place = exact_to(known_place(own), NM)
+    ahead, behind = known_sides(own)
+    yield for_all_inputs(
+        "a test that passed makes nothing better known",
+        machine.fired(*PASSED).implies((foremost(own) >= place + ahead) & (rearmost(own) <= place - behind)),
+        statement="the precise interval of a self-test is not narrower than what was known without the radar, on either side",
+    )
+
+
+def _ages(model: ReflectorMachine) -> Iterator[Property]:
+    """How long a test is good for."""
+    machine, own, config = model.machine, model.own, model.own.config
+    drift = as_num(config.radar_drift_mm_s * config.period_ms * 1_000, NM)
+    most = exact_to(as_num(config.reference_tolerance_mm, MM), NM)
+    sides = (own.open_long, own.open_short)
+    later = was(model, *READY) & model.in_mode(*READY) & ~machine.fired(*PASSED)
+    yield for_all_inputs(
+        "what a test left open grows by the drift",
+        later.implies(all_of((side - before(side)).eq(drift) for side in sides)),
+        statement="in each cycle after a self-test the radar may have drifted by the most that it may, to either side",
+    )
+    yield for_all_inputs(
+        "a test is out of date only when it is",
+        machine.fired("self-test too long ago").implies(any_of(before(side) > most - drift for side in sides)),
+        statement="readiness is taken away for the age of the self-test only where the radar may have drifted beyond the "
+        "reference tolerance",
     )
 
 

@@ -72,18 +72,21 @@ def _strong_enough(model: ReflectorMachine) -> Iterator[Property]:
 def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
     machine, own, config = model.machine, model.own, model.own.config
     least = exact_to(machine.output("range_error_mm") + config.map_accuracy_mm, NM)
+    least = least + with_unit(machine.output("range_mm") * config.radar_scale_ppm, NM)
+    sides = ((own.track.above, least + own.open_long), (own.track.below, least + own.open_short))
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
-    most = least + with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
+    late = with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
     place = machine.output("reflector_position_mm") + config.radar_offset_mm
     yield for_all_inputs(
         "the radar's own bound",
         machine.flag("precise").implies(
             (own.track.position + machine.output("range_mm")).eq(place)
-            & all_of((least <= side) & (side <= most) for side in (own.track.above, own.track.below))
+            & all_of((least <= side) & (side - least <= late) for side, least in sides)
         ),
         statement="in the view zone the interval is that of the echo: its range from the reflector's place, its error bound, "
-        "the survey's and what was run since the frame; never narrower because of what was known before",
+        "the survey's, the radar's scale, what the last self-test left open with the drift since, and what was run since the "
+        "frame; never narrower because of what was known before",
         requirements=("RFL-2", "RFL-3", "RFL-D2"),
     )
 

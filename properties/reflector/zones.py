@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to
+from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to, with_unit
 from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
 from safeloc.models.reflector import ReflectorMachine
@@ -93,11 +93,12 @@ def _one_story(model: ReflectorMachine) -> Iterator[Property]:
 
 
 def _agree(own: Parts, one: Slot, other: Slot) -> Bool:
-    """Both ranges are alike within their errors, the survey's, and what may have been run since the frame."""
+    """Both ranges are alike within their errors, the survey's and the radar's, and what may have been run since the frame."""
     config = own.config
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     run_mm = -(-config.max_step_mm * share // 1_000_000)
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
-    most = exact_to(one.error + other.error + 2 * (config.map_accuracy_mm + run_mm), NM) + more * 2
+    scale = with_unit((one.range.value + other.range.value) * config.radar_scale_ppm, NM)
+    most = exact_to(one.error + other.error + 2 * (config.map_accuracy_mm + run_mm), NM) + more * 2 + scale
     apart = exact_to(one.range.value, NM) - exact_to(other.range.value, NM)
     return between(-most, apart, most)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cached_property
+from types import ModuleType
 
 import pytest
 
@@ -14,7 +15,7 @@ from tests.models.one_step import not_kept
 Made = tuple[Machine, Iterable[Property]]
 
 
-def edited(monkeypatch: pytest.MonkeyPatch, owner: type, name: str, wrong: Callable[..., object]) -> None:
+def edited(monkeypatch: pytest.MonkeyPatch, owner: type | ModuleType, name: str, wrong: Callable[..., object]) -> None:
     """Replace a term of the class `owner`, a property or a method, by a wrong one that is given the right one as well."""
     right = owner.__dict__[name]
     if isinstance(right, (property, cached_property)):

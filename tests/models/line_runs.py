@@ -16,6 +16,7 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Held
+from safeloc.models.layout_rules import LayoutConfig
 from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.line_runs.drive import Journey, Stream, streams
 from safeloc.models.line_runs.faults import parse
@@ -42,9 +43,19 @@ FEW = straight(
 """Seven linked groups, 150 m apart: enough to be told of beforehand."""
 
 
+EXACT = LineVehicle(
+    layout=LayoutConfig(detection_accuracy_mm=0, radar_error_mm=50, map_accuracy_mm=20), trust_first=True, in_time=True
+)
+"""A vehicle for stops within half a metre: what its radar's self-test leaves open fits the window."""
+
+
 @cache
 def walk_of(name: str) -> Walk:
-    """A shipped line to walk along; `few` is that of seven groups."""
+    """A shipped line to walk along; `few` is that of seven groups, `fig2-fine` has balises known to 5 cm."""
+    if name == "fig2-fine":
+        line = find_line("fig2")
+        groups = tuple(one.model_copy(update={"location_accuracy_mm": 50}) for one in line.balise_groups)
+        return Walk(line.model_copy(update={"balise_groups": groups}))
     return Walk(FEW if name == "few" else find_line(name))
 
 

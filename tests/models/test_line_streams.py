@@ -28,7 +28,7 @@ from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.map.walk import Walk
 from safeloc.simulation.speed_profile import Limit
 from safeloc.simulation.vehicles import load_vehicle
-from tests.models.line_runs import Said, between, broken, driven, first, routes_of, said, walk_of
+from tests.models.line_runs import EXACT, Said, between, broken, driven, first, routes_of, said, walk_of
 from tests.railway.map.made import group, reflector, straight
 
 # ------------------------------------------------------------------ what is told of a route
@@ -225,10 +225,15 @@ def test_each_course_of_figure_3_is_seen(models: str) -> None:
 
 def test_both_stop_points_of_figure_2_are_met() -> None:
     """Each stop is made in its window, and left on the order to depart."""
-    for stream in driven("fig2", "stop_point"):
+    for stream in driven("fig2-fine", "stop_point", vehicle=EXACT):
         told = said(stream)
         assert told.fired[-1] == "departs"
         assert "STOPPED" in told.modes
+
+
+def test_a_coarse_balise_confirms_no_precise_stop() -> None:
+    """30 cm of the balise and 1 m of its detection: what the self-test leaves open is wider than the window."""
+    assert "STOPPED" not in said(first("fig2", "stop_point")).modes
 
 
 @pytest.mark.parametrize("who", [path.stem for path in sorted(SHIPPED.glob("*.toml"))])
@@ -362,7 +367,7 @@ def test_what_is_not_the_reflector_is_called_so() -> None:
 )  # fmt: skip
 def test_faults_on_the_way_to_a_stop(fault: str, modes: set[str]) -> None:
     """In place only on a measurement; beside the window it is backed or crept into at reduced speed."""
-    told = said(first("fig2", "stop_point", fault))
+    told = said(first("fig2-fine", "stop_point", fault, vehicle=EXACT))
     assert modes == set(told.modes)
 
 

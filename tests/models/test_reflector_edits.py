@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import ModuleType
 
 import pytest
 
@@ -12,6 +13,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import build
+from safeloc.models.reflector import cycle as cycles
 from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.cycle import Judged
 from safeloc.models.reflector.dead_reckoning import Interval, Odometer
@@ -32,17 +34,21 @@ def made(slots: int = 1) -> tuple[Machine, list[Property]]:
     return model.machine, properties(model)
 
 
-def reference(cycle: Judged, *, lax_mm: int = 0, offset_mm: int = CONFIG.radar_offset_mm) -> Bool:
+def reference(cycle: Judged, *, lax_nm: int = 0, offset_mm: int = CONFIG.radar_offset_mm) -> Bool:
     """The self-test with other figures."""
-    missed = cycle.target.range + cycle.run - offset_mm - cycle.reference
-    allowed = exact_to(cycle.target.error + (CONFIG.reference_tolerance_mm + lax_mm), NM)
-    return exact_to(abs_(missed), NM) <= allowed + with_unit(abs_(cycle.run) * CONFIG.odometer.rate_ppm, NM)
+    missed = exact_to(cycle.target.range + cycle.run - offset_mm - cycle.reference, NM)
+    fix, known, more = cycle.target.bare, cycle.known, CONFIG.accuracy_nm + lax_nm
+    return (missed <= known.below + fix.above + more) & (missed >= -(known.above + fix.below + more))
+
+
+def nearer(interval: Interval, above: Num | int = 0, below: Num | int = 0) -> Interval:
+    """The interval with so much less on its sides, nm."""
+    return Interval(interval.position, interval.above - above, interval.below - below)
 
 
 def lax_run(cycle: Judged, lax_mm: int) -> Bool:
     """The check of a steady error, so much too lax."""
-    fix = cycle.target.fix
-    return Interval(fix.position, fix.above + lax_mm * 1_000_000, fix.below + lax_mm * 1_000_000).meets(cycle.anchored)
+    return cycle.target.bare.widened(lax_mm * 1_000_000).meets(cycle.drifted)
 
 
 def run_error(balise: BaliseReading) -> Num:
@@ -51,9 +57,10 @@ def run_error(balise: BaliseReading) -> Num:
 
 
 Wrong = Callable[..., object]
-EDITS: dict[str, tuple[type, str, Wrong, str]] = {
+Edits = dict[str, tuple[type | ModuleType, str, Wrong, str]]
+EDITS: Edits = {
     "self-test 20 m too lax": (
-        Judged, "reference_holds", lambda c, _: reference(c, lax_mm=20 * M), "the test is the prescribed distance"),
+        Judged, "reference_holds", lambda c, _: reference(c, lax_nm=20 * M * 1_000_000), "the test is the prescribed distance"),
     "self-test without the radar's offset": (
         Judged, "reference_holds", lambda c, _: reference(c, offset_mm=0), "the test is the prescribed distance"),
     "self-test always passed": (Judged, "reference_holds", lambda _c, _r: TRUE, "the test is the prescribed distance"),
@@ -84,12 +91,9 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "view without the radar's offset": (
         Reflector, "view_begins", lambda r, _: exact_to(r.place - CONFIG.radar_offset_mm - r.view_from, NM), "never too early"),
     "no latency of the frame": (
-        Situation, "fix", lambda now, _, r, range_, error: Interval(
-            r.place - range_, exact_to(error, NM) + now.law.accuracy_nm, exact_to(error, NM) + now.law.accuracy_nm),
-        "containment"),
+        Situation, "bare", lambda now, right, *_a: nearer(right, *now.lag), "containment"),
     "no accuracy of the map": (
-        Situation, "fix", lambda _, right, *_a: Interval(right.position, right.above - 50_000_000, right.below - 50_000_000),
-        "containment"),
+        Situation, "bare", lambda _, right, *_a: nearer(right, 50_000_000, 50_000_000), "containment"),
     "the radar's offset twice": (
         NextReflector, "reflector", lambda n, right: replace(right, place=n.position.value + 2 * n.offset_mm), "containment"),
     "no offset of the target": (Target, "reflector", lambda t, right: replace(right, place=t.position + 0), "containment"),
@@ -119,7 +123,7 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "the lag of the other direction": (
         Odometer, "lag", lambda _o, right, _share: (right[1], right[0]), "containment"),
     "an echo of the wrong sign": (
-        Situation, "fix", lambda _, right, r, range_, _e: Interval(r.place + range_, right.above, right.below), "containment"),
+        Situation, "bare", lambda _, right, r, range_, _e: Interval(r.place + range_, right.above, right.below), "containment"),
 }  # fmt: skip
 
 
@@ -132,7 +136,77 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     assert not keeps(made(), claim)
 
 
-OF_TWO: dict[str, tuple[type, str, Wrong, str]] = {
+OF_RADAR: Edits = {
+    "self-test 1 nm too lax": (
+        Judged, "reference_holds", lambda c, _: reference(c, lax_nm=1), "the test is the prescribed distance"),
+    "self-test 1 nm too tight": (
+        Judged, "reference_holds", lambda c, _: reference(c, lax_nm=-1), "a right radar passes the self-test"),
+    "self-test by the prescribed distance alone": (
+        Judged, "agrees", lambda c, _: c.reference_holds, "what passes is no worse than the test can see"),
+    "self-test by the map alone": (
+        Judged, "agrees", lambda c, _: c.target.fix.meets(c.known), "the test is the prescribed distance"),
+    "the radar's scale not charged": (
+        Situation, "bare", lambda now, right, _r, range_, _e: nearer(
+            right, *2 * (with_unit(range_ * CONFIG.radar_scale_ppm, NM),)), "containment"),
+    "what the self-test left open not charged": (
+        Situation, "fix", lambda now, _, *echo: now.bare(*echo), "containment"),
+    "what the self-test left open charged on the wrong sides": (
+        Situation, "fix", lambda now, right, *_a: Interval(
+            right.position, right.above - now.open[0] + now.open[1], right.below - now.open[1] + now.open[0]), "containment"),
+    "1 nm less charged ahead": (Situation, "fix", lambda _, right, *_a: nearer(right, 1, 0), "containment"),
+    "1 nm less charged behind": (Situation, "fix", lambda _, right, *_a: nearer(right, 0, 1), "containment"),
+    "1 nm less left open, measured too long": (
+        Judged, "left_open", lambda _, right: (right[0] - 1, right[1]), "containment"),
+    "1 nm less left open, measured too short": (
+        Judged, "left_open", lambda _, right: (right[0], right[1] - 1), "containment"),
+    "nothing charged in the cycle of the test": (Judged, "tested_fix", lambda c, _: c.target.bare, "containment"),
+    "nothing charged in the cycle of the test, and claimed": (
+        Judged, "tested_fix", lambda c, _: c.target.bare, "a test that passed makes nothing better known"),
+    "drift 1 nm slower than it is": (ReflectorConfig, "drift_nm", lambda _, right: right - 1, "containment"),
+    "drift not charged": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "what a test left open grows by the drift"),
+    "never out of date": (
+        Judged, "outdated", lambda _c, _r: FALSE, "precise only with a radar that is nearly right"),
+    "always out of date": (
+        Judged, "outdated", lambda c, _: c.tolerable & ~c.started, "a test is out of date only when it is"),
+    "a test as coarse as can be": (
+        Situation, "fine", lambda _n, _r, _f: TRUE, "precise only with a radar that is nearly right"),
+    "another reflector heard in the self-test": (
+        Situation, "alone", lambda _n, _, _r: TRUE, "the target is never mistaken"),
+    "another reflector heard from the strong range": (
+        Situation, "alone", lambda now, _, r: exact_to(r.clear, NM) - now.law.accuracy_nm
+        > exact_to(r.place, NM) - now.window.low + now.lag[0], "the target is never mistaken"),
+    "another reflector heard behind the target's balise": (
+        Situation, "alone", lambda now, _, r: exact_to(r.clear, NM) - now.law.accuracy_nm
+        > now.window.high - exact_to(r.place, NM) + now.lag[1] + now.law.strong_nm, "the target is never mistaken"),
+    "no self-test alone enough": (
+        Situation, "alone", lambda _n, _, _r: FALSE, "a self-test is ambiguous only where another is heard"),
+    "the balise's one-off constant not charged in the wait": (
+        Judged, "begins_at", lambda c, _: c.balise, "containment"),
+    "a wait however coarse": (Judged, "too_coarse", lambda _c, _r: FALSE, "containment"),
+    "drift taken for a fault": (Judged, "drifted", lambda c, _: c.anchored, "a sound radar raises no alarm"),
+    "where the radar has the vehicle, sides exchanged": (
+        cycles, "_seen_by", lambda i, _, o: Interval(i.position, i.above + o[0], i.below + o[1]),
+        "the target's own echo is in the window"),
+    "a jump that what was left open hides": (
+        cycles, "_measured_on", lambda own, right: nearer(right, -own.open_long, -own.open_short), "no measurement jumps"),
+    "the last measurement without drift": (
+        cycles, "_measured_on", lambda _, right: nearer(right, *2 * (CONFIG.drift_nm,)),
+        "the target's own echo is in the window"),
+}  # fmt: skip
+"""What the radar may be wrong by, and what the self-test says of it."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("edit", OF_RADAR)
+def test_a_wrong_charge_for_the_radar_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
+    """The same of each charge, of either side, and of the guards of the self-test."""
+    owner, name, wrong, claim = OF_RADAR[edit]
+    assert keeps(made(), claim)
+    edited(monkeypatch, owner, name, wrong)
+    assert not keeps(made(), claim)
+
+
+OF_TWO: Edits = {
     "echoes that exclude each other are believed": (
         Recognition, "conflict", lambda _c, _r: FALSE, "echoes that exclude each other give no position"),
     "every second echo is a conflict": (Recognition, "conflict", lambda _c, _r: TRUE, "what fits is used"),

@@ -32,6 +32,7 @@ def judged(*echoes: Echo) -> tuple[str, bool]:
         "step_mm": 0,
         "balise": 7,
         "balise_position_mm": 0,
+        "balise_accuracy_mm": 1_000,
         "balise_since_mm": 0,
         "next_position_mm": 80_000,
         "next_model": "A",

@@ -78,13 +78,15 @@ def test_each_check_of_an_echo_is_needed(dropped: Lit, broken: str, monkeypatch:
 )
 @pytest.mark.parametrize("side", ["above", "below"])
 def test_an_optimistic_measurement_is_noticed(name: str, side: str) -> None:
-    """A measured interval that is one nanometre too narrow does not hold the truth."""
+    """A measured interval that is one nanometre too narrow does not hold the truth, or, in the cycle of a self-test, where the
+    balise is known better still, not where the radar has the truth."""
     made = model()
     var = getattr(made.own.track, side)
     narrower = updates(made, name)[var]
     assert isinstance(narrower, Num)
     broken = changed(made.machine, name, set={**updates(made, name), var: narrower - 1})
-    assert "a measured interval holds the truth" in not_kept(broken, named(made, "containment"))
+    lost = "holds where the radar has the truth" if name == "self-test passed" else "holds the truth"
+    assert f"a measured interval {lost}" in not_kept(broken, named(made, "containment"))
 
 
 def test_a_forgotten_constant_is_noticed() -> None:

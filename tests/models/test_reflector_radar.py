@@ -115,8 +115,9 @@ def test_the_truth_is_held(run: list[Cycle]) -> None:
 
 
 def test_in_view_the_position_is_that_of_the_radar(run: list[Cycle]) -> None:
-    """Both reflectors are measured, at 25 m/s to a quarter of a metre; between them odometry has metres."""
+    """Both reflectors are measured, at 25 m/s to a metre and a half: a quarter of it by the radar, the rest by what a self-test
+    over a balise known to 1 m leaves open; between them odometry has metres."""
     precise = [cycle.outputs for cycle in run if cycle.outputs["precise"]]
     assert len(precise) > 40
-    assert max(out["margin_above_mm"] for out in precise) < 250
+    assert max(out["margin_above_mm"] for out in precise) < 1_500
     assert max(cycle.outputs["margin_above_mm"] for cycle in run if cycle.outputs["valid"]) > 5_000
