@@ -203,9 +203,9 @@ FIGURES = [
     ("balise", "telegram_age_limit_ms = 1", "telegram_age_limit_ms 1 must be above a tenth of period_ms 100"),
     (
         "reflector",
-        "max_speed_mm_s = 138889\nmeasuring_step_mm = 10000\nreference_distance_mm = 299999",
+        "radar_scale_ppm = 500000\nrange_limit_mm = 2000000\nreference_distance_mm = 299999",
         "these figures contradict each other in machine 'reflector' (radar_error_mm: Input should be less than or equal to "
-        "10000 (got 12146)). Mend one of: max_speed_mm_s = 138889, measuring_step_mm = 10000, reference_distance_mm = ",
+        "300000 (got 1022431)). Mend one of: range_limit_mm = 2000000, radar_scale_ppm = 500000, reference_distance_mm = ",
     ),
 ]
 

@@ -127,10 +127,10 @@ def _freight(
 CASES: tuple[Case, ...] = (
     _metro("odometer silent", (*_SILENT, "reflector: nothing to rely on", "odometry: hand over to rear device"),
            "balises and reflectors, which hear that odometer, withdraw; odometry goes on with the other device and radar"),
-    _metro("odometer slides", (*_SLIDES, "reflector: odometer failed"),
+    _metro("odometer slides", (*_SLIDES, "reflector: nothing to rely on"),
            "the wheel measures a quarter too little: refused as it begins, then charged what the radar measures more"),
-    _metro("radar blind", ("reflector: reference reflector not found",), "the radar's self-test fails: it is not used"),
-    _metro("radar shifted", ("reflector: reference reflector not found",),
+    _metro("radar blind", ("reflector: self-test grows too coarse",), "the radar's self-test fails: it is not used"),
+    _metro("radar shifted", ("reflector: self-test failed",),
            "60 m too far: the self-test against the reference reflector fails, the radar is not used"),
     _metro("marker misplaced", ("odometry: trailing reading at rear",),
            "a marker read with its neighbour's identity lies outside the window and is refused; the rear reader's counts"),
