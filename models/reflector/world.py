@@ -282,7 +282,9 @@ def _scale_law(own: Parts) -> Law:
     most = own.config.radar_scale_ppm
     return Law(
         all_of(
-            between(-with_unit(slot.range.value * most, NM), scaled, with_unit(slot.range.value * most, NM))
+            slot.range.present.implies(
+                between(-with_unit(slot.range.value * most, NM), scaled, with_unit(slot.range.value * most, NM))
+            )
             for slot, scaled in zip(own.slots, own.ghosts.scaled, strict=True)
         ),
         "What is wrong with a range in proportion to it is no more than the radar's scale allows.",

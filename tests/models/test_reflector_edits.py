@@ -110,7 +110,7 @@ EDITS: Edits = {
             b.position.value + b.run, *2 * (exact_to(b.accuracy.value_or(as_num(b.accuracy_mm, MM)), NM) + run_error(b),)),
         "containment"),
     "balise without the run since it": (
-        BaliseReading, "fix", lambda b, right, _o: Interval(b.position.value, right.above, right.below), "containment"),
+        BaliseReading, "fix", lambda b, right, _o: Interval(right.position - b.run, right.above, right.below), "containment"),
     "balise beyond the position believed": (
         Judged, "balise_contradicts", lambda _c, _r: FALSE, "a balise far away is noticed"),
     "a true balise contradicts": (
