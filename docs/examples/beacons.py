@@ -4,7 +4,7 @@ A tag at the front end measures the range to a beacon ahead, whose place the map
 grows by what the vehicle can run.
 """
 
-from safeloc.language.expr import Bool, Num, between, exact_to, ite, number, optional
+from safeloc.language.expr import Bool, Num, exact_to, ite, maximum, minimum, number, optional
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM
 from safeloc.language.world import Law
@@ -12,13 +12,15 @@ from safeloc.models.localizer import Vehicle
 from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import LOCATED, SENSOR_FAILURE
 
-SURVEY_MM, RANGING_MM, LATENCY_CYCLES, WIDEST_MM = 100, 300, 1, 45_000
-TRUE_RANGE = "The beacon's place less the range is the front end's, within survey, ranging error and a cycle's run."
+SURVEY_MM, RANGING_MM, WIDEST_MM = 100, 300, 45_000
+TRUE_RANGE = (
+    "The beacon's place less the range is where the front end was in the cycle, within survey and ranging error."
+)
 
 
-def holds(middle: Num, error: Num | int, truth: Num) -> Bool:
-    """The truth is no farther from the middle than the error."""
-    return between(exact_to(middle - error, NM), truth, exact_to(middle + error, NM))
+def holds(middle: Num, error: Num | int, low: Num, high: Num) -> Bool:
+    """A place no farther from the middle than the error lies between low and high."""
+    return (exact_to(middle - error, NM) <= high) & (exact_to(middle + error, NM) >= low)
 
 
 def source(vehicle: Vehicle) -> Machine:
@@ -27,10 +29,11 @@ def source(vehicle: Vehicle) -> Machine:
     beacon, distance = optional("beacon_mm", MM, 500_000 - far, far), optional("range_mm", MM, 0, 500_000)
     position, margin = number("place_mm", MM, -far, far), number("error_mm", MM, 0, WIDEST_MM)
     silent, located = table = modes("SILENT", "LOCATED")
-    mode, fresh = current_mode(table), SURVEY_MM + RANGING_MM + LATENCY_CYCLES * run
+    mode, fresh = current_mode(table), SURVEY_MM + RANGING_MM + run
     valid, ranged, place = mode.eq(located), beacon.present & distance.present, beacon.value - distance.value
-    law = Law(ranged.implies(holds(place, fresh, vehicle.truth_after)), TRUE_RANGE, owner="supplier", source="[M]")
-    wider = margin + run
+    before, after = vehicle.truth, vehicle.truth_after
+    near = holds(place, 400, minimum(before, after), maximum(before, after))
+    law, wider = Law(ranged.implies(near), TRUE_RANGE, owner="supplier", source="[M]"), margin + run
     return Machine(
         name="beacons",
         modes=table,
@@ -50,6 +53,6 @@ def source(vehicle: Vehicle) -> Machine:
             "reason": ite(valid, LOCATED, SENSOR_FAILURE),
         },
         world=vehicle.world({"a range is true": law}),
-        lemmas={"the interval holds the front end": valid.implies(holds(position, margin, vehicle.truth))},
+        lemmas={"the interval holds the front end": valid.implies(holds(position, margin, before, before))},
         mode_variable=mode,
     )

@@ -99,6 +99,8 @@ def test_a_vehicle_is_located_by_beacons() -> None:
     [
         ("{position: place, margin: fresh}", "{position: place, margin: fresh - 1}", "the interval holds the front end"),
         ("{margin: wider}", "{margin: margin + (run - 1)}", "the interval holds the front end"),
+        ("RANGING_MM + run", "RANGING_MM", "the interval holds the front end"),
+        ("SURVEY_MM, RANGING_MM, WIDEST_MM = 100", "SURVEY_MM, RANGING_MM, WIDEST_MM = 99", "the interval holds the front end"),
         ('"reference_accepted": valid & ', '"reference_accepted": ', None),
         ("ite(valid, LOCATED, SENSOR_FAILURE)", "ite(margin > 40_000, SENSOR_FAILURE, LOCATED)", "a reason is stated"),
         ('"reference_accepted": valid & margin.eq(fresh)', '"reference_accepted": ~valid', "a reference comes with an interval"),
@@ -116,7 +118,7 @@ def test_a_broken_clause_is_refuted_with_its_place(old: str, new: str, broken: s
 
 def test_a_margin_that_cannot_be_heard(tmp_path: Path) -> None:
     """Wider than the localizer hears: refuted, with the figure."""
-    target = load_target(f"contract+{edited(tmp_path, '1, 45_000', '1, 450_000')}")
+    target = load_target(f"contract+{edited(tmp_path, '300, 45_000', '300, 450_000')}")
     found = verdicts(target)
     assert isinstance(found["the interval can be heard"], Violated)
     assert "300000 mm" in next(one.statement for one in target.properties if one.name == "the interval can be heard")
@@ -132,7 +134,7 @@ def test_a_margin_that_cannot_be_heard(tmp_path: Path) -> None:
         ('name="beacons"', 'name="uplink"', "the localizer has a machine 'uplink' already"),
         ('name="beacons"', 'name="of beacons"', "is no name for a source"),
         ("return Machine(", "return list[Machine](), dict(", "returned tuple; a source is a function"),
-        ("vehicle.truth", "wrong.truth", "NameError"),
+        ("vehicle.truth, ", "wrong.truth, ", "NameError"),
         ("world=vehicle.world({\"a range is true\": law})", "doc=''", "does not say where the vehicle is"),
     ],
 )  # fmt: skip
