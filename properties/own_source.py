@@ -19,7 +19,7 @@ def properties(source: OwnSource) -> list[Property]:
     valid, reason = machine.flag("valid"), machine.output("reason")
     position, below, above = (machine.output(name) for name in ("position_mm", "margin_below_mm", "margin_above_mm"))
     far = vehicle.position_limit_mm
-    heard = [between(-far, position, far), *(between(0, margin, vehicle.widest_mm) for margin in (below, above))]
+    in_range = [between(-far, position, far), *(between(0, margin, vehicle.widest_mm) for margin in (below, above))]
     holds = between(exact_to(position - below, NM), vehicle.truth, exact_to(position + above, NM))
     free = partial(always, requirements=REQUIREMENTS, unconditional=True)
     clause = f"{source.place}, contract of a source: "
@@ -32,8 +32,8 @@ def properties(source: OwnSource) -> list[Property]:
             assumption="the source's own laws",
         ),
         free(
-            "the interval can be heard",
-            valid.implies(all_of(heard)),
+            "the interval is in range",
+            valid.implies(all_of(in_range)),
             statement=f"{clause}while valid, the position is at most {far} mm from 0, and each margin is from 0 to "
             f"{vehicle.widest_mm} mm",
         ),

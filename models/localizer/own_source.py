@@ -1,6 +1,6 @@
 """A source of your own: a function that makes a machine for a vehicle, and the contract that the machine keeps.
 
-The localizer takes any number of them beside its own sources (`safeloc verify localizer --source FILE.py:NAME`). It hears
+The localizer takes any number of them beside its own sources (`safeloc verify localizer --source FILE.py:NAME`). It reads
 of such a machine what the contract names, and nothing else:
 
     valid                              it states an interval
@@ -44,7 +44,7 @@ class Vehicle:
     period_ms           the cycle
     max_speed_mm_s, max_acceleration_mm_s2   the greatest, either way
     position_limit_mm   the line ends so far from 0, either way
-    widest_mm           the greatest margin that the localizer can hear
+    widest_mm           the greatest margin that the localizer accepts
     """
 
     truth: NumVar
@@ -111,7 +111,7 @@ def vehicle_of(moves: Motion, widest_mm: int) -> Vehicle:
 def own_source(make: Maker, vehicle: Vehicle) -> OwnSource:
     """Make the machine and hold it to the form of the contract.
 
-    InputError that names file, line and what is missing, where the machine has not what the localizer hears.
+    InputError that names file, line and what is missing, where an output or the world is missing or of another kind.
     """
     place = _place(make)
     machine = make(vehicle)

@@ -24,7 +24,7 @@ SEPARATOR = "+"
 
 
 def with_own_sources(kind: str, makers: Sequence[Maker], config: BaseModel) -> Target:
-    """Return what `KINDS` makes of a user's sources; InputError where one is not of the form that the localizer hears."""
+    """Return what `KINDS` makes of a user's sources; InputError where one lacks an output or states it in another unit."""
     assert isinstance(config, LocalizerConfig)
     return KINDS[kind](makers, config)
 
