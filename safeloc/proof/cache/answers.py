@@ -14,6 +14,7 @@ from typing import Literal
 
 from safeloc.proof.cache.engine import engine_digest, undisturbed
 from safeloc.proof.cache.store import Store, utc_now
+from safeloc.proof.cache.turns import Turn, turn
 
 Solver = Literal["z3", "cvc5"]
 KIND, PROVED = "answers", b"proved"
@@ -68,6 +69,16 @@ def keep_proved(solver: Solver, text: str) -> None:
     """Keep that this solver has proved every goal of this text."""
     if _PLACES:
         _PLACES[-1].store.put(KIND, _key(solver, text), PROVED)
+
+
+@contextmanager
+def turn_of(solver: Solver, text: str) -> Iterator[Turn | None]:
+    """Return the lock of this question, by which one process asks it while others wait; None where nothing is cached."""
+    if not _PLACES:
+        yield None
+        return
+    with turn(_PLACES[-1].store.folder, _key(solver, text)) as mine:
+        yield mine
 
 
 def _key(solver: Solver, text: str) -> str:

@@ -16,6 +16,7 @@ from safeloc.language.trace import shown
 from safeloc.proof.cache.answers import keep_proved, keeping, proved_before
 from safeloc.proof.provers.asking import ask, plain_solver, why_unknown
 from safeloc.proof.provers.limits import Deadline, deadline
+from safeloc.proof.provers.once import alone_in_asking
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,15 @@ Failure = Refuted | Undecided
 
 def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
     """Return the goals, by their keys, that do not follow, or are not decided within `seconds` for all of them together."""
-    text = to_smtlib(query) if keeping() else ""
-    if text and proved_before("z3", text):
+    if not keeping():
+        return _failures(query, seconds, seed)
+    text = to_smtlib(query)
+    if proved_before("z3", text):
         return {}
-    failed = _failures(query, seconds, seed)
-    if text and not failed:
-        keep_proved("z3", text)
+    with alone_in_asking("z3", text):
+        failed = {} if proved_before("z3", text) else _failures(query, seconds, seed)
+        if not failed:
+            keep_proved("z3", text)
     return failed
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from safeloc.errors import InputError, declared_at
@@ -55,7 +57,7 @@ class Deadline:
     @property
     def left(self) -> float:
         """Seconds of effort until then; 0 once it has passed."""
-        return 0.0 if time.monotonic() >= self.latest else max(0.0, self.at - effort())
+        return 0.0 if _clock() >= self.latest else max(0.0, self.at - effort())
 
     @property
     def passed(self) -> bool:
@@ -65,7 +67,7 @@ class Deadline:
 
 def deadline(seconds: float) -> Deadline:
     """Make a deadline of the given seconds of effort from now."""
-    return Deadline(effort() + seconds, time.monotonic() + CLOCK * seconds)
+    return Deadline(effort() + seconds, _clock() + CLOCK * seconds)
 
 
 def spend(seconds: float) -> None:
@@ -79,6 +81,24 @@ def effort() -> float:
 
 
 _spent = [0.0]
+
+
+@contextmanager
+def clock_stopped() -> Iterator[None]:
+    """Within, the clock of deadlines stands: this process waits for another one's work."""
+    began = time.monotonic()
+    try:
+        yield
+    finally:
+        _waited[0] += time.monotonic() - began
+
+
+def _clock() -> float:
+    """Return the clock's seconds, without those in which it was stopped."""
+    return time.monotonic() - _waited[0]
+
+
+_waited = [0.0]
 
 
 def milliseconds(seconds: float) -> int:

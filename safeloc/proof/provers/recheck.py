@@ -17,6 +17,7 @@ from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.errors import EngineError
 from safeloc.proof.cache.answers import keep_proved, proved_before
 from safeloc.proof.provers.limits import CLOCK, Deadline, deadline, milliseconds, spend
+from safeloc.proof.provers.once import alone_in_asking
 
 ENGINE = f"cvc5 {cvc5.__version__}"
 OPTIONS = {"incremental": "true", "ext-rew-prep": "use"}  # the second one: measured, three times faster on our terms
@@ -49,13 +50,19 @@ def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ())
     file = file_name(query.name, text)
     if proved_before("cvc5", text):
         return Certificate(file, text, ())
+    with alone_in_asking("cvc5", text):
+        open_ = () if proved_before("cvc5", text) else _unconfirmed(query, file, text, seconds)
+        if not open_:
+            keep_proved("cvc5", text)
+    return Certificate(file, text, open_)
+
+
+def _unconfirmed(query: Query[Key], file: str, text: str, seconds: float) -> tuple[Key, ...]:
+    """Return the goals that cvc5 does not confirm in time, first asked together, then each alone."""
     ends = deadline(seconds)
     answers = recheck(file, text, len(query.goals), seconds=seconds, each=min(seconds, FIRST_SECONDS))
     left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
-    open_ = tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
-    if not open_:
-        keep_proved("cvc5", text)
-    return Certificate(file, text, open_)
+    return tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
 
 
 def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:

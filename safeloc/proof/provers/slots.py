@@ -56,3 +56,17 @@ def sharing(slots: Slots) -> Iterator[None]:
         yield
     finally:
         _SHARED.pop()
+
+
+@contextmanager
+def resting() -> Iterator[None]:
+    """Within, this process waits and others may compute in its place; afterwards it has one again."""
+    places = shared()
+    if places is None:
+        yield
+        return
+    places.give()
+    try:
+        yield
+    finally:
+        places.take()

@@ -1,0 +1,24 @@
+"""The same question of two processes is asked once: the second one waits, and then finds the answer in the cache."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from safeloc.proof.cache.answers import Solver, turn_of
+from safeloc.proof.provers.limits import clock_stopped
+from safeloc.proof.provers.slots import resting
+
+
+@contextmanager
+def alone_in_asking(solver: Solver, text: str) -> Iterator[None]:
+    """Within, no other process that uses the same cache asks this solver the same question.
+
+    While it waits, this process has put its place at the processors back, and its clock stands. Whoever has waited looks
+    first whether the other one has proved it. Without a cache nobody waits.
+    """
+    with turn_of(solver, text) as turn:
+        if turn is not None and not turn.taken():
+            with resting(), clock_stopped():
+                turn.wait()
+        yield

@@ -1,0 +1,79 @@
+"""The same question of two processes is asked once; who waits has put its place back, and its clock stands."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from safeloc.codegen.smtlib import Query, to_smtlib
+from safeloc.language.expr import number
+from safeloc.language.units import COUNT
+from safeloc.proof.cache.answers import keep_proved, kept_in
+from safeloc.proof.cache.store import Store
+from safeloc.proof.provers import implication
+from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.limits import CLOCK, clock_stopped, deadline
+from safeloc.proof.provers.once import alone_in_asking
+from safeloc.proof.provers.recheck import certify
+from safeloc.proof.provers.slots import Slots, sharing
+
+FORK = multiprocessing.get_context("fork")
+X = number("x", COUNT, 0, 100)
+QUESTION = Query("q", [X > 5], {"goal": X > 4})
+TEXT = to_smtlib(QUESTION)
+
+
+def ask(places: Slots, pipe: Connection) -> None:
+    """Ask both solvers, with a place; tell how often z3 was asked, and whether all follows."""
+    asked = list[str]()
+    ours = implication._failures
+
+    def counted(query: Query[str], seconds: float, seed: int) -> object:
+        asked.append(query.name)
+        return ours(query, seconds, seed)
+
+    implication._failures = counted  # type: ignore[assignment]  # in this process only
+    places.take()
+    with sharing(places):
+        pipe.send("ready")
+        proved = unproved(QUESTION, 10) == {} and certify(QUESTION, seconds=10).undecided == ()
+    places.give()
+    pipe.send((asked, proved))
+
+
+def test_who_waits_gives_its_place_and_asks_nothing(tmp_path: Path) -> None:
+    """The place is free while it waits; then the answer is known, and the place is its own again until it ends."""
+    places = Slots(1)
+    here, there = FORK.Pipe()
+    with kept_in(Store(tmp_path)):
+        with alone_in_asking("z3", TEXT):
+            other = FORK.Process(target=ask, args=(places, there))
+            other.start()
+            assert here.recv() == "ready"
+            places.take()  # comes back only from a process that waits for the turn
+            keep_proved("z3", TEXT)
+        assert not here.poll(0.2)  # its place is still taken
+        places.give()
+        assert here.recv() == ([], True)
+    other.join()
+    assert [True, False] == [places.try_take() for _ in range(2)]
+    places.close()
+
+
+def test_without_a_cache_nobody_waits() -> None:
+    """There is nothing in which the other's answer could be found."""
+    with alone_in_asking("z3", TEXT), alone_in_asking("z3", TEXT):
+        assert {} == unproved(QUESTION, 10)
+
+
+def test_a_stopped_clock_ends_no_work() -> None:
+    """A deadline whose clock would be over while it stands has as much left as before."""
+    ends = deadline(0.05 / CLOCK)
+    before = ends.left
+    with clock_stopped():
+        time.sleep(0.1)
+    assert before == ends.left > 0
+    time.sleep(0.1)
+    assert ends.passed
