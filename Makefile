@@ -11,6 +11,8 @@ READY := .venv/ready
 # Two processes begin with half of the tests each, file after file, so that a file's machines are compiled once; who is
 # through takes from the other's end.
 TWO := -n 2 --dist worksteal
+# An ordinary test takes seconds; one that hangs is ended after this time, and where it hung is told.
+ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
 
 .PHONY: verify test test-all test-long lint formatted ruff mypy pyright bench coverage clean
 
@@ -18,7 +20,7 @@ verify: $(READY)
 	$(BIN)/safeloc verify --out safeloc-report --jobs 2
 
 test: $(READY)
-	$(BIN)/python -m pytest $(TWO) -m "not slow"
+	$(BIN)/python -m pytest $(TWO) $(ENDED) -m "not slow"
 
 test-all: $(READY)
 	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest $(TWO)

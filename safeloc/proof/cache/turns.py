@@ -23,18 +23,11 @@ class Turn:
         self._file, self._place = file, place
 
     def taken(self) -> bool:
-        """Take the turn at once; False if another process has it."""
-        return self._lock(wait=False)
-
-    def wait(self) -> None:
-        """Take the turn as soon as it is free."""
-        self._lock(wait=True)
-
-    def _lock(self, *, wait: bool) -> bool:
+        """Take the turn; False if another process has it."""
         import fcntl  # not on every system; where it is missing no process is forked either
 
         try:
-            fcntl.lockf(self._file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB), 1, self._place)
+            fcntl.lockf(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, self._place)
         except (BlockingIOError, PermissionError):
             return False
         except OSError:  # a folder without locks: the question is asked, perhaps twice

@@ -60,13 +60,13 @@ def sharing(slots: Slots) -> Iterator[None]:
 
 @contextmanager
 def resting() -> Iterator[None]:
-    """Within, this process waits and others may compute in its place; afterwards it has one again."""
+    """Within, this process waits and others may compute in its place; afterwards it has one again.
+
+    A process that is told to end while it waits does not wait for a place any more.
+    """
     places = shared()
-    if places is None:
-        yield
-        return
-    places.give()
-    try:
-        yield
-    finally:
+    if places is not None:
+        places.give()
+    yield
+    if places is not None:
         places.take()

@@ -38,9 +38,8 @@ def test_another_process_has_it_until_it_ends(tmp_path: Path, killed: bool) -> N
             other.kill()
         else:
             here.send("end")
-        mine.wait()
+        other.join()
         assert mine.taken()
-    other.join()
 
 
 def test_two_questions_do_not_wait_for_each_other(tmp_path: Path) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
+import sys
 import time
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -59,6 +61,30 @@ def test_who_waits_gives_its_place_and_asks_nothing(tmp_path: Path) -> None:
         assert here.recv() == ([], True)
     other.join()
     assert [True, False] == [places.try_take() for _ in range(2)]
+    places.close()
+
+
+def wait_until_told(places: Slots, pipe: Connection) -> None:
+    """Wait for a turn, and end when told to, as a process does whose run is interrupted."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))
+    places.take()
+    with sharing(places):
+        pipe.send("ready")
+        unproved(QUESTION, 10)
+
+
+def test_who_is_told_to_end_while_it_waits_ends(tmp_path: Path) -> None:
+    """It does not wait for a place, which others may keep for long."""
+    places = Slots(1)
+    here, there = FORK.Pipe()
+    with kept_in(Store(tmp_path)), alone_in_asking("z3", TEXT):
+        other = FORK.Process(target=wait_until_told, args=(places, there))
+        other.start()
+        assert here.recv() == "ready"
+        places.take()  # it waits now, and will have no place
+        other.terminate()
+        other.join(60)
+        assert other.exitcode == 3
     places.close()
 
 
