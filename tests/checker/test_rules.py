@@ -52,9 +52,9 @@ def test_readings_of_one_input_are_one_goal() -> None:
     assert (["confirmed"], {}, {}) == ([row.answer for row in found.rows], found.wrong, found.undecided)
 
 
-def test_a_goal_left_out(proofs: dict[str, Evidence]) -> None:
+def test_a_goal_left_out(whole_proofs: dict[str, Evidence]) -> None:
     """A step that does not show what it presumes shows nothing: the last goal is dropped from each certificate in turn."""
-    for name, evidence in proofs.items():
+    for name, evidence in whole_proofs.items():
         for file, text in with_goals(evidence).items():
             *others, goal = re.split(r"(?m)^(?=\(push 1\)$)", text)
             harmless = "(assert (not true))" in goal or "implies" in file  # the invariant may hold the property itself
@@ -69,9 +69,9 @@ def test_a_hypothesis_added(proofs: dict[str, Evidence]) -> None:
         assert refused(evidence.judged({file: added})), file
 
 
-def test_a_hypothesis_left_out_that_is_not_needed(proofs: dict[str, Evidence]) -> None:
+def test_a_hypothesis_left_out_that_is_not_needed(whole_proofs: dict[str, Evidence]) -> None:
     """Presuming less is no harm, where both solvers still confirm the goals."""
-    evidence = proofs["counting"]
+    evidence = whole_proofs["counting"]
     file = evidence.file("overlap")
     changed = removed(evidence.texts[file], r"\(assert t\d+\)\n(?=\(push 1\))")
     assert [] == refused(evidence.judged({file: changed}))

@@ -1,4 +1,4 @@
-"""The cache of solver answers: only the answer that every goal of a query is proved.
+"""The cache of solver answers: that every goal of a query is proved, and which hypotheses a proof needs.
 
 The key is the text of the query (hypotheses and goals), the solver, and the engine; after an edit of a machine only the
 affected queries are solved again.
@@ -7,7 +7,7 @@ affected queries are solved again.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
@@ -17,7 +17,7 @@ from safeloc.proof.cache.store import Store, utc_now
 from safeloc.proof.cache.turns import Turn, turn
 
 Solver = Literal["z3", "cvc5"]
-KIND, PROVED = "answers", b"proved"
+KIND, PROVED, NEEDED = "answers", b"proved", "needed"
 BEGINS = "(set-logic "
 
 
@@ -69,6 +69,27 @@ def keep_proved(solver: Solver, text: str) -> None:
     """Keep that this solver has proved every goal of this text."""
     if _PLACES:
         _PLACES[-1].store.put(KIND, _key(solver, text), PROVED)
+
+
+def needed_before(text: str, hypotheses: int) -> list[int] | None:
+    """Return the numbers of the hypotheses of this text that z3 used for its proof, out of so many; None if none are kept.
+
+    What is kept is a proposal: whoever uses it has the goals proved from these hypotheses.
+    """
+    if not _PLACES:
+        return None
+    place = _PLACES[-1]
+    entry = place.store.get(NEEDED, _key("z3", text))
+    if entry is None or entry.since < place.since:
+        return None
+    numbers = [int(number) for number in entry.data.split() if number.isdigit()]
+    return numbers if all(number < hypotheses for number in numbers) else None
+
+
+def keep_needed(text: str, numbers: Sequence[int]) -> None:
+    """Keep the numbers of the hypotheses of this text that z3 used for its proof."""
+    if _PLACES:
+        _PLACES[-1].store.put(NEEDED, _key("z3", text), b" ".join(b"%d" % number for number in numbers))
 
 
 @contextmanager
