@@ -47,5 +47,5 @@ def _core(parts: Sequence[Bool], goals: Sequence[Bool], seconds: float) -> list[
     solver.add(z3.Not(z3.And(*(terms.bool(goal) for goal in goals))))
     if ask(solver, seconds, *switches) != z3.unsat:
         return None
-    used = {switch.get_id() for switch in solver.unsat_core()}
-    return [number for number, switch in enumerate(switches) if switch.get_id() in used]
+    used = {str(switch) for switch in solver.unsat_core()}
+    return [number for number, switch in enumerate(switches) if str(switch) in used]
