@@ -86,7 +86,7 @@ def _header(query: Query[Key], relies_on: Sequence[str]) -> list[str]:
 
 
 def _is_product(node: Node) -> bool:
-    return isinstance(node, Mul) and not (isinstance(node.left, Lit) or isinstance(node.right, Lit))
+    return isinstance(node, Mul) and not node.by_constant
 
 
 def _comment(text: str) -> str:

@@ -204,6 +204,11 @@ class Mul(Num):
     right: Num
     unit: Unit | Enumeration
 
+    @property
+    def by_constant(self) -> bool:
+        """Whether one of the two is a constant: then the product is linear."""
+        return isinstance(self.left, Lit) or isinstance(self.right, Lit)
+
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class FloorDiv(Num):

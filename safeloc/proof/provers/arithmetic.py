@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.expr import Bool, Expr, Lit, Num, NumVar, all_of, between
+from safeloc.language.expr import Bool, Expr, Num, NumVar, all_of, between
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, FloorDiv, Mul
 from safeloc.language.ranges import beyond_int64
 from safeloc.language.render import infix
@@ -146,13 +146,9 @@ def division(system: TransitionSystem, _: Limits) -> Iterator[Obligation]:
     """Check that divisors are positive constants by construction; products of two variables are counted for the reader."""
     nodes = in_order(computed(system))
     divisors = [node.divisor for node in nodes if isinstance(node, FloorDiv)]
-    products = [node for node in nodes if isinstance(node, Mul) and not _by_constant(node)]
+    products = [node for node in nodes if isinstance(node, Mul) and not node.by_constant]
     why = f"{len(divisors)} divisions, each by a positive constant"
     verdict: Verdict = Proved(None, "construction", by_construction=why)
     if any(divisor <= 0 for divisor in divisors):
         verdict = Violated(None, "construction", f"divisors {sorted(set(divisors))}")
     yield Obligation("division", "no division by zero", verdict, f"{why}; {len(products)} products of two variables")
-
-
-def _by_constant(node: Mul) -> bool:
-    return isinstance(node.left, Lit) or isinstance(node.right, Lit)

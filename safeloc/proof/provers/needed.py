@@ -1,7 +1,8 @@
 """The hypotheses that a proof needs: z3's unsatisfiable core of a query, conjunct by conjunct.
 
 A goal that follows from fewer hypotheses follows from all, so leaving some out is sound. What is left is what cvc5 has to
-decide, and what a certificate holds.
+decide, and what a certificate holds. Facts about products stay as well: a model states them since solvers do not find them,
+and what z3 happens to find by itself, cvc5 does not.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import z3
 from safeloc.codegen.smt import Terms, constant
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.language.expr import Bool
-from safeloc.language.terms import conjuncts, variables
+from safeloc.language.nodes import Mul
+from safeloc.language.terms import conjuncts, in_order, variables
 from safeloc.proof.cache.answers import keep_needed, needed_before
 from safeloc.proof.provers.asking import ask, plain_solver
 
@@ -34,7 +36,16 @@ def only_needed(query: Query[Key], seconds: float = SECONDS) -> Query[Key]:
         numbers = _core(parts, list(query.goals.values()), seconds)
         if numbers is not None:
             keep_needed(text, numbers)
-    return replace(query, hypotheses=parts if numbers is None else [parts[number] for number in numbers])
+    if numbers is None:
+        return replace(query, hypotheses=parts)
+    named = set(variables([*(parts[number] for number in numbers), *query.goals.values()]))
+    products = {n for n, part in enumerate(parts) if _of_products(part) and named.issuperset(variables([part]))}
+    return replace(query, hypotheses=[parts[number] for number in sorted(products.union(numbers))])
+
+
+def _of_products(part: Bool) -> bool:
+    """Return whether the term multiplies two numbers of which none is a constant."""
+    return any(isinstance(node, Mul) and not node.by_constant for node in in_order([part]))
 
 
 def _core(parts: Sequence[Bool], goals: Sequence[Bool], seconds: float) -> list[int] | None:

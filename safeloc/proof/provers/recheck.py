@@ -48,10 +48,15 @@ class Certificate(Generic[Key]):
 def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate[Key]:
     """Return the text of what the query needs, each goal decided by cvc5.
 
-    EngineError if cvc5 contradicts a goal or cannot read the text. `relies_on` names the files of the proofs whose
-    results are hypotheses here.
+    If cvc5 does not confirm every goal from that in the given seconds of effort, the text of the whole query, for which it
+    has as much again. EngineError if cvc5 contradicts a goal or cannot read the text. `relies_on` names the files of the
+    proofs whose results are hypotheses here.
     """
-    query = only_needed(query)
+    needed = _certify(only_needed(query), seconds, relies_on)
+    return needed if not needed.undecided else _certify(query, seconds, relies_on)
+
+
+def _certify(query: Query[Key], seconds: float, relies_on: Sequence[str]) -> Certificate[Key]:
     text = to_smtlib(query, relies_on)
     file = file_name(query.name, text)
     if proved_before("cvc5", text):

@@ -8,13 +8,14 @@ import pytest
 
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import Bool, NumVar, number
+from safeloc.language.nodes import product
 from safeloc.language.render import infix
 from safeloc.language.terms import conjuncts
 from safeloc.language.units import MM
 from safeloc.proof.cache import answers
 from safeloc.proof.cache.answers import keep_needed, kept_in, needed_before
 from safeloc.proof.cache.store import Store
-from safeloc.proof.provers import needed
+from safeloc.proof.provers import needed, recheck
 from safeloc.proof.provers.implication import Refuted, unproved
 from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.recheck import certify
@@ -59,6 +60,22 @@ def test_the_certificate_holds_no_more() -> None:
     text = certify(query(ORDERED & (C < 7), A > 3, goal=B < C), seconds=10.0).text
     assert text.count("(assert t") == 1
     assert "|a|" not in text
+
+
+def test_a_fact_about_products_stays_where_it_speaks_of_nothing_else() -> None:
+    monotone, other = ((A >= 0) & (A <= B)).implies(product(A, A) <= product(B, B)), product(A, C) > 5
+    small = only_needed(query(monotone, other, A < B, C < 7, goal=A < B))
+    assert [infix(part) for part in small.hypotheses] == [infix(monotone), infix(A < B)]
+
+
+def test_where_that_does_not_do_cvc5_is_asked_from_every_hypothesis(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stuck(_: str, text: str, expected: int, **__: object) -> list[str]:
+        return ["unsat" if "|c|" in text else "unknown"] * expected
+
+    monkeypatch.setattr(recheck, "recheck", stuck)
+    certificate = certify(query(A < B, C < 7, goal=A < B), seconds=10.0)
+    assert certificate.undecided == ()
+    assert "|c|" in certificate.text
 
 
 def test_it_is_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
