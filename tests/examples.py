@@ -111,7 +111,6 @@ def build_odometer(tolerance_mm: int, *, judged_late: bool = False) -> Odometer:
             },
         ),
         lemmas={"truth within margin": mode.eq(tracking).implies(error <= margin)},
-        mode_variable=mode,
     )
     return Odometer(machine, position, margin, truth)
 
@@ -274,7 +273,6 @@ def alarm_chain() -> Example:
     judge = Machine(
         name="judge",
         modes=states,
-        mode_variable=judged,
         inputs=[value],
         state={bad: 0},
         outputs={"bad": bad},

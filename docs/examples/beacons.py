@@ -54,5 +54,4 @@ def source(vehicle: Vehicle) -> Machine:
         },
         world=vehicle.world({"a range is true": law}),
         lemmas={"the interval holds the front end": valid.implies(holds(position, margin, before, before))},
-        mode_variable=mode,
     )

@@ -93,7 +93,6 @@ def build(own: Parts) -> Arbitration:
         ),
         lemmas=_lemmas(own, given),
         definitions=_definitions(own, cycle),
-        mode_variable=current,
         doc=(
             "Gives out what all sources that state a position have in common, led by the one with the smallest margin, and "
             "nothing when they exclude each other. Assumed: a source that states an interval states one that holds the "

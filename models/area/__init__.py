@@ -88,7 +88,6 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
         world=world(own, kept, counted_out),
         lemmas=lemmas(own, current, table),
         initially=ends_in_order(own),
-        mode_variable=current,
         doc=(
             "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
             "undisturbed every vehicle that comes in is counted and given a free slot, a train that is counted out has "

@@ -75,7 +75,6 @@ def build(own: Parts) -> AxleCounter:
             "speed at least": cycle.speeds[0], "speed at most": cycle.speeds[1],
             "run at least": cycle.runs[0], "run at most": cycle.runs[1], "train has passed": cycle.passed,
         },
-        mode_variable=current,
         doc=(
             "Entry record of a train from the axles a counting head tells. Assumed: without a fault every axle is told in "
             "its cycle and in its direction, with true bounds of its speed; no train changes its speed faster, or has two "

@@ -65,7 +65,6 @@ def build(own: Parts) -> AxleHead:
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas=lemmas(own, current, table),
-        mode_variable=current,
         doc=(
             "Axles and their direction from the overlapping pulses of a two-channel head. A sample that no wheel can make "
             "after the one before disturbs the head until both channels are free. Assumed "

@@ -71,7 +71,6 @@ def build(own: Parts) -> AxleSection:
             "sweep ran through": _through(own),
             "answer": _answer(own, current, table),
         },
-        mode_variable=current,
         doc=(
             "Clear or occupied by counting axles at both ends. Assumed: heads without a fault count every axle once and "
             "in its direction; whoever reports a sweep ran it after the reset was asked for, on sight, has left the section, "

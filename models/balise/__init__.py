@@ -79,7 +79,6 @@ def build(own: Parts) -> Balise:
         world=world(own),
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
-        mode_variable=current,
         doc=(
             "Position of the front end from balise groups and an odometer between them. What is assumed of odometer, antenna and "
             "map stands in the laws of its world. Nothing is assumed of a telegram that is corrupted or incomplete, or of a group "

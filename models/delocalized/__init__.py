@@ -87,7 +87,6 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
         lemmas={
             "a passed position holds the truth": current.eq(localized).implies(_holds(position, below, above, truth))
         },
-        mode_variable=current,
         doc=(
             "Stands behind a way of locating. Passes its position on while it is valid and within tolerance; otherwise "
             "the vehicle is delocalized in the same step, with the first reason latched and the host told to be "

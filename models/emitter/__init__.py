@@ -79,7 +79,6 @@ def build(own: Parts) -> Emitter:
         world=world(own),
         lemmas=lemmas(own),
         definitions={"pattern judged": verdict(own), "a pattern may come": due(own), "overdue": overdue(own)},
-        mode_variable=current,
         doc=(
             "Function check of the fibre chain by an emitter with a bit pattern of its own. Assumed: nothing else makes "
             "this pattern at this place while the emitter is to send, so that hearing it then shows that the chain works."

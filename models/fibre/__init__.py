@@ -86,7 +86,6 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
             "error F": cycle.error, "section overdue": cycle.overdue, "run in the section": cycle.inside,
             "interval without an edge": cycle.place,
         },
-        mode_variable=current,
         doc=(
             "Place of one end of a train from localization sections in a fibre. Assumed of the detector: the run of a "
             "cycle is true within rate and floor; where the amplitude changes an edge was passed, within the edge's "

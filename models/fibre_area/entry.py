@@ -166,7 +166,6 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
             "nothing is due from nobody but once": (due & source.eq(NOBODY)).implies(current.eq(table[3])),
             "a sure balance is true": sure.implies(inside.eq(truly)),
         },
-        mode_variable=current,
         doc="When a train is counted in, when its reference came or is overdue, and when as many axles left as came in.",
     )
     balance = (inside, sure, left, in_part, truly, next_truly)

@@ -142,7 +142,6 @@ def build(own: Parts) -> Report:
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas=_lemmas(own, current, table),
-        mode_variable=current,
         doc=(
             "Which ends of a pattern are the train's, of a train that may part. Assumed: a count with all axles is that of "
             "the whole train within the count's run; a train is no longer than its reference; it loses vehicles at the end "

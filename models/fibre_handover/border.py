@@ -146,7 +146,6 @@ def build(own: Parts) -> Border:
         transitions=list(own.table(table)),
         initially=own.begins <= own.ends,
         lemmas={"the shared stretch is in order": own.begins <= own.ends},
-        mode_variable=current,
         doc="Hand-over of a train's record between two neighbouring areas that share a stretch of line.",
     )
     return Border(machine, own)

@@ -76,7 +76,6 @@ def speaker(far_mm: int) -> Speaker:
         state={low: 0, high: 0},
         outputs={"given": current.ne(table[0]), **_interval(current.ne(table[0]), low, high)},
         transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
-        mode_variable=current,
         doc="Which of two neighbouring areas gives a train's position out.",
     )
     return Speaker(machine, giving, taking, begins, ends, low, high)

@@ -92,7 +92,6 @@ def build(own: Parts) -> Guard:
         ),
         lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]), recovering)},
         definitions=_definitions(judged),
-        mode_variable=current,
         doc=(
             "Passes on of a receiver's positions what map and motion allow, each with the interval along the way that "
             "the vehicle is in. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "

@@ -161,7 +161,6 @@ def build(own: Parts) -> TrainEnds:
             "the far end is behind": _behind(own, own.world.truth, own.far),
             "the train lies between its ends": train.true_rear.eq(rear) & train.true_front.eq(front),
         },
-        mode_variable=current,
         doc=(
             "Where the train's far end is, a length behind its front end. Assumed: a train that is confirmed to be whole has "
             "its length within the tolerance; nothing of it is ahead of the front end, and no part runs faster than the "

@@ -167,7 +167,6 @@ def build(own: Parts) -> TrainSeen:
             },
         ),
         lemmas=_lemmas(own, current, table),
-        mode_variable=current,
         doc=(
             "The train as its new reports tell it. Assumed: what the radio link gives out of an end holds that end (the "
             "link's own proof discharges this)."

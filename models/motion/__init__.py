@@ -21,7 +21,7 @@ from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, number
-from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Initial, Machine, Transition, modes
 from safeloc.language.units import MM
 from safeloc.models.motion.told_error import lemmas, with_told_error
 from safeloc.models.motion.unit_check import UnitCheck, told_law, unit_check
@@ -191,7 +191,6 @@ def build(own: Parts) -> Motion:
         world=around if own.check is None else with_told_error(around, own.around, own.check),
         initially=initially(own.around),
         lemmas={} if own.check is None else lemmas(own.around, own.check),
-        mode_variable=current_mode(table),
         doc=(
             "The vehicle's odometer, told only where the vehicle can have run the distance, and its true movement: no "
             "faster than its highest speed, and on the line. With a check unit one of the two is assumed to keep its "

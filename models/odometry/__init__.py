@@ -84,7 +84,6 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
         world=with_hidden(world(own), judged),
         lemmas=lemmas(own, current, mode),
         definitions=_definitions(own, judged),
-        mode_variable=current,
         doc=(
             "Position of end A of the vehicle from distance measured since position markers, which a reader at either "
             "end reads. Assumed: a unit delivers a distance that obeys its error law, or one that no vehicle can have run; no "

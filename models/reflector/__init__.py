@@ -81,7 +81,6 @@ def build(own: Parts) -> ReflectorMachine:
         world=world(own, current.eq(mode[0])),
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
-        mode_variable=current,
         doc=(
             "Position of end A from the range to radar reflectors near them, and from odometry between them. Assumed: "
             "a measured distance that a vehicle can have run obeys the odometer's error law, and no cycle runs farther "

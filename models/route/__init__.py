@@ -83,7 +83,6 @@ def build(own: Parts) -> Route:
         world=world(own),
         lemmas=lemmas(own, current, table),
         definitions={f"route {cycle.route.number} fits what is seen": cycle.fits for cycle in cycles},
-        mode_variable=current,
         doc=(
             "The routes on which the vehicle may be, each with its interval. Assumed: at a start the true route is among the "
             "candidates and the vehicle within the start's error; the odometer keeps its error law; a sighting is of a "

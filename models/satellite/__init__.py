@@ -176,7 +176,6 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
         world=world(own, trusted),
         initially=can_stop(own, own.truth, own.true_speed),
         lemmas=lemmas(own, current, table, trusted),
-        mode_variable=current,
         doc=(
             "Position along the mapped track from usable satellites. Assumed: speed changes by no more than the greatest "
             "acceleration allows, and the vehicle stops before the coordinates end; "

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, Var, abs_, all_of, any_of, as_num, ite, minimum
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.units import COUNT
 from safeloc.models.satellite_selection.variables import (
     ABSENT,
@@ -87,7 +87,6 @@ def build(own: Parts) -> Selection:
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas={"usable ones are counted": own.usable.eq(_count(one.standing.eq(USABLE) for one in own.channels))},
-        mode_variable=current_mode(table),
         doc=(
             "The usable satellites among the visible ones. Assumed: a difference is the signal's own error plus what the "
             "prediction's error makes of it, less the error of the clock. Nothing is assumed of a signal's error."

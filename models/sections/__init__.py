@@ -207,7 +207,6 @@ def section(config: SectionsConfig, name: str) -> Section:
         transitions=list(_table(judged, table, rule, since, kept)),
         initially=start < end,
         lemmas={"bounds in order": start < end},
-        mode_variable=current,
         doc="One virtual section: clear only where no train of the area may be, and nothing that was never counted.",
     )
     return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)

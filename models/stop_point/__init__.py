@@ -84,7 +84,6 @@ def build(own: Parts) -> StopPoint:
         world=world(own),
         lemmas=_lemmas(own, current, table),
         definitions=_definitions(judged),
-        mode_variable=current,
         doc=(
             "Precise stop at a selected stop point on the measured distance, with repositioning after an overrun. Assumed: "
             "a valid interval holds the truth (the reflector machine's own proof discharges this), speed is measured "

@@ -51,7 +51,6 @@ def build(own: Parts) -> TrainOrder:
         world=world(own),
         lemmas=lemmas(own, current.eq(table[1])),
         definitions={"patterns match trains": cycle.matched, "events possible": cycle.possible},
-        mode_variable=current,
         doc=(
             "Whose a pattern is, by the order of trains on the track. Assumed: undisturbed counters tell every train that "
             "enters or leaves, unless what they tell cannot be; no train passes another; where there are as many patterns as "

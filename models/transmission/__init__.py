@@ -240,7 +240,6 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
             },
         ),
         lemmas=_lemmas(own, held),
-        mode_variable=current,
         doc=(
             "Brings a position from one computer to another and charges its age. Assumed: a position that is sent holds the "
             "truth when it is sent (the sender's own proof discharges this), and the vehicle moves no faster than its "

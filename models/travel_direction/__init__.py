@@ -74,7 +74,6 @@ def build(own: Parts) -> TravelDirection:
         world=world(own),
         lemmas=_lemmas(own, current, table),
         definitions={"neighbours differ": own.telling, "confirmed ahead": own.confirmed, "refuted ahead": own.refuted},
-        mode_variable=current,
         doc=(
             "Direction of travel from the models of the reflectors before and after a balise, in the order in which they "
             "are met. Assumed: of the two models recognised around a balise at least one is that of the map's reflector "

@@ -66,7 +66,6 @@ def build(own: Parts) -> TurnOff:
         world=world(own),
         lemmas=_lemmas(own, current, table),
         definitions={"the image moved by": own.motion, "surely before": own.before, "surely through": own.through},
-        mode_variable=current,
         doc=(
             "Straight on or turning off, from the lateral motion of a reflector in view over a switch, against the course "
             "by map and movement authority. Assumed: a switch is told only while the whole interval lies before it, and what "

@@ -107,7 +107,6 @@ def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, An
             "missing": judged.missing,
             "cycles since a verification": judged.age,
         },
-        mode_variable=current,
         **around(known, current.eq(table[2])),
     )
     return Verification(made, own, judged)

@@ -60,6 +60,17 @@ class Transition:
         return (self.source,) if isinstance(self.source, Lit) else self.source
 
 
+@dataclass(frozen=True, slots=True)
+class Modes(Enumeration):
+    """The modes of a machine, with the one variable that holds the current mode."""
+
+    current: NumVar = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        current = NumVar(self.name, self, 0, len(self.members) - 1, None, declared_at())
+        object.__setattr__(self, "current", current)
+
+
 IN_THE_WORLD: Final = {
     "ghosts": "world=World(ghosts=...)",
     "ghost_inputs": "world=World(choices=...)",
@@ -67,15 +78,18 @@ IN_THE_WORLD: Final = {
     "assumption": "world=World(clauses={name: ...})",
     "clauses": "world=World(clauses={name: ...})",
 }
+OF_THE_MODES: Final = {
+    "mode_variable": "modes=table alone: current_mode(table) is the variable of every machine with these modes"
+}
 
 
-@refuse_old_keywords(ModelError, IN_THE_WORLD)
+@refuse_old_keywords(ModelError, {**IN_THE_WORLD, **OF_THE_MODES})
 @dataclass(frozen=True, eq=False)
 class Machine:
     """A state machine, and the world around it. `check`ed when built; a ModelError lists all errors.
 
     name         used in catalogue, files and reports
-    modes        members of one enumeration; the first one is the initial mode
+    modes        what `modes` made; the first one is the initial mode
     inputs       variables read each step; `Optional` ones may be absent
     state        variable -> initial value (int, bool, member, or ANY in range)
     outputs      name -> term over state and mode, evaluated after the step
@@ -85,7 +99,6 @@ class Machine:
     lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
     definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
     doc          one paragraph for the reader of the report
-    mode_variable  the variable from `current_mode`, where terms were built before the machine
     """
 
     name: str
@@ -99,7 +112,6 @@ class Machine:
     lemmas: Mapping[str, Bool] = field(default_factory=dict)
     definitions: Mapping[str, Expr] = field(default_factory=dict)
     doc: str = ""
-    mode_variable: NumVar | None = None
     src: str = field(default_factory=declared_at)
     mode: NumVar = field(init=False)
     fired_name: NumVar = field(init=False)
@@ -108,14 +120,8 @@ class Machine:
         from safeloc.language.checks.machine import check, check_shape
 
         check_shape(self)
-        modes = Enumeration(f"{self.name}.mode", tuple(lit.label for lit in self.modes))
-        if self.modes and isinstance(self.modes[0].unit, Enumeration):
-            modes = self.modes[0].unit
         fired = Enumeration(f"{self.name}.fired", (STAY_NAME, *(t.name for t in self.transitions)))
-        mode = self.mode_variable
-        if mode is None:
-            mode = NumVar("mode", modes, 0, len(modes.members) - 1, None, self.src)
-        object.__setattr__(self, "mode", mode)
+        object.__setattr__(self, "mode", current_mode(self.modes))
         object.__setattr__(self, "fired_name", NumVar("fired", fired, 0, len(fired.members) - 1, None, self.src))
         check(self)
 
@@ -169,14 +175,20 @@ class Model(Generic[Parts_]):
 
 
 def modes(*labels: str) -> tuple[Lit, ...]:
-    """Create the modes of a machine, as constants to write transitions with; the first one is the initial mode."""
-    return members("mode", *labels)
+    """Create the modes of a machine, as constants to write transitions with; the first one is the initial mode.
+
+    The variable of the current mode comes with them: `current_mode`. ModelError if two have one label.
+    """
+    constants, table = members("mode", *labels), Modes("mode", labels)
+    return tuple(Lit(constant.value, table) for constant in constants)
 
 
 def current_mode(modes_: Sequence[Lit]) -> NumVar:
-    """Return the mode variable of a machine yet to be built, for terms that depend on the mode."""
-    unit = modes_[0].unit
-    return NumVar("mode", unit, 0, len(modes_) - 1, None, declared_at())
+    """Return the mode variable of the machine with these modes, built or yet to be built; ModelError for other constants."""
+    table = modes_[0].unit
+    if not isinstance(table, Modes):
+        raise ModelError(f"{declared_at()}: {modes_[0].label} is no mode; make modes with modes(...).")
+    return table.current
 
 
 MachineFunction = Callable[..., Machine]

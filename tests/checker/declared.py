@@ -20,7 +20,6 @@ ROSE = RISE.present & TICK
 counting = Machine(
     name="counting",
     modes=(LOW, HIGH),
-    mode_variable=MODE,
     inputs=[TICK, RISE],
     state={LEVEL: 0, LAST: 0, WIDE: 5},
     outputs={"level": LEVEL},

@@ -177,7 +177,6 @@ def machine(world: World, shared: Mapping[str, Any] | None = None) -> tuple[Mach
         ),
         initially=all_of(term(one, names) for one in world.initially),
         lemmas={name: term(lemma, names) for name, lemma in world.lemmas.items()},
-        mode_variable=names["mode"],
     )
     return made, {**names, "fired": made.fired_name}
 

@@ -109,7 +109,6 @@ def test_a_case_counts_only_while_what_is_relied_on_is_kept() -> None:
         {},
         GATE.transitions,
         world=World(clauses={"assumption": X < 9}, reads_machine="the test asks it"),
-        mode_variable=GATE.mode,
     )
     relies, free = (
         always(name, IN_B.implies(GATE.mode.ne(A)), unconditional=unconditional)

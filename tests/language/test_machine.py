@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 
 import pytest
 
 from safeloc.errors import ModelError, UnitError
-from safeloc.language.expr import boolean, enumeration, number
+from safeloc.language.expr import boolean, enumeration, members, number
 from safeloc.language.interpret import holds
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM
@@ -67,11 +67,30 @@ def test_the_mode_may_be_made_first() -> None:
     first, second = modes("FIRST", "SECOND")
     mode = current_mode((first, second))
     guard = mode.eq(first) & P
-    machine = Machine(
-        "early", (first, second), [P], {}, {}, [Transition("go", (first, second), second, guard)], mode_variable=mode
-    )
+    machine = Machine("early", (first, second), [P], {}, {}, [Transition("go", (first, second), second, guard)])
     assert machine.mode is mode
     assert holds(guard, {mode: 0, P: True})
+
+
+def test_modes_made_twice_have_two_variables() -> None:
+    """Two machines of one function are told apart, also where their modes have the same names; a changed copy is not."""
+    again = Machine("again", modes("A", "B"), [P], {}, {}, [])
+    assert enumeration(tuple(again.modes)) == enumeration((A, B))
+    assert again.mode is not MACHINE.mode
+    assert replace(MACHINE, transitions=[]).mode is MACHINE.mode is current_mode((A, B))
+
+
+def test_the_mode_is_one_variable_in_a_worker_process_too() -> None:
+    """A machine that was sent to one is whole: its mode variable is that of its modes."""
+    sent = pickle.loads(pickle.dumps(MACHINE))
+    assert sent.mode is current_mode(sent.modes) is not MACHINE.mode
+    assert sent.transitions[0].source.unit.current is sent.mode
+
+
+def test_only_modes_have_a_mode_variable() -> None:
+    """Members of another enumeration are no modes."""
+    with pytest.raises(ModelError, match=r"test_machine.py:\d+: RED is no mode; make modes with modes\(...\)"):
+        current_mode(members("colour", "RED", "GREEN"))
 
 
 def test_modes_are_an_enumeration() -> None:

@@ -13,7 +13,7 @@ from safeloc.errors import InputError, ModelError, PropertyError, SafelocError
 from safeloc.language.composition import compose
 from safeloc.language.expr import TRUE, boolean, number
 from safeloc.language.interpret import run, start
-from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.renamed import hint, name_now, renamed
 from safeloc.language.spec import Property, always, never, reachable, within
 from safeloc.language.system import lower
@@ -29,6 +29,12 @@ OLD: dict[str, tuple[Callable[[], object], type[SafelocError], str]] = {
         lambda: compose("both", [], {}, owes=[]),  # type: ignore[call-arg] # that is the slip
         ModelError,
         "compose: the keyword 'owes' is now 'discharge'; write discharge=.",
+    ),
+    "mode variable of a machine": (
+        lambda: Machine("m", (ON, OFF), [], {}, {}, [GO], mode_variable=current_mode((ON, OFF))),  # type: ignore[call-arg]
+        ModelError,
+        "Machine: there is no keyword 'mode_variable' any more; write modes=table alone: current_mode(table) is the variable "
+        "of every machine with these modes.",
     ),
     "trace of a transition": (
         lambda: Transition("go", ON, ON, trace=("R-1",)),  # type: ignore[call-arg]

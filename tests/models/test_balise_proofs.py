@@ -40,10 +40,7 @@ def model() -> Balise:
 
 def rebuilt(machine: Machine, table: Table) -> Machine:
     """The machine with another table and the same variables and environment."""
-    fields = {
-        f: getattr(machine, f) for f in machine.__dataclass_fields__ if f not in ("mode", "fired_name", "transitions")
-    }
-    return Machine(**{**fields, "transitions": table, "mode_variable": machine.mode})
+    return replace(machine, transitions=table)
 
 
 def proved(machine: Machine, names: Sequence[str]) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -154,10 +155,9 @@ def proved(wrong: Machine, name: str) -> bool:
     return isinstance(kinduction(observe(lower(wrong), prop), LIMITS), Proved)
 
 
-def rebuilt(whole: Machine, transitions: list[Transition], **others: object) -> Machine:
+def rebuilt(whole: Machine, transitions: list[Transition], **others: Any) -> Machine:
     """The machine with another table, or another field, and the same variables."""
-    fields = {name: getattr(whole, name) for name in whole.__dataclass_fields__ if name not in ("mode", "fired_name")}
-    return Machine(**{**fields, "transitions": transitions, "mode_variable": whole.mode, **others})
+    return replace(whole, transitions=transitions, **others)
 
 
 def changed(name: str, **changes: object) -> Machine:

@@ -409,10 +409,7 @@ def without(machine: Machine, name: str) -> Machine:
 
 def rebuilt(machine: Machine, transitions: list[odometry.Transition]) -> Machine:
     """The machine with another table and the same variables."""
-    fields = {
-        f: getattr(machine, f) for f in machine.__dataclass_fields__ if f not in ("mode", "fired_name", "transitions")
-    }
-    return Machine(**{**fields, "transitions": transitions, "mode_variable": machine.mode})
+    return replace(machine, transitions=transitions)
 
 
 def test_a_forgotten_loss_is_noticed() -> None:

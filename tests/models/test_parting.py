@@ -54,10 +54,7 @@ def alone() -> tuple[Machine, Report]:
         "only all axles match": Law(own.counted.implies(own.had_all)),
     }  # fmt: skip
     world = replace(machine.world, clauses={**machine.world.clauses, **keeps})
-    fields = {
-        name: getattr(machine, name) for name in machine.__dataclass_fields__ if name not in ("mode", "fired_name")
-    }
-    return Machine(**{**fields, "world": world, "mode_variable": machine.mode}), report
+    return replace(machine, world=world), report
 
 
 def holds(machine: Machine, report: Report) -> Property:

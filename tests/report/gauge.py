@@ -42,7 +42,6 @@ def system() -> TransitionSystem:
             Transition("tell", both, TELLING, told, keep, rank=0),
             Transition("be silent", both, SILENT, set=keep, rank=1),
         ],
-        mode_variable=current,
     )
     return lower(machine)
 

@@ -133,8 +133,8 @@ def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | No
 
 
 def remade(machine: Machine, **fields: Any) -> Machine:
-    """The machine with other fields, and the very variables of mode and row, of which claims speak."""
-    made = replace(machine, mode_variable=machine.mode, **fields)
+    """The machine with other fields, and the very variable of the row, of which claims speak."""
+    made = replace(machine, **fields)
     object.__setattr__(made, "fired_name", machine.fired_name)
     return made
 

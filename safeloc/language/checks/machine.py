@@ -11,10 +11,9 @@ from safeloc.errors import ModelError
 from safeloc.language.checks.rule import Rule, complaints, every_complaint
 from safeloc.language.checks.terms import malformed
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
-from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Transition
+from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Modes, Transition
 from safeloc.language.nodes import Compare, Past
 from safeloc.language.terms import in_order, variables
-from safeloc.language.units import Enumeration
 
 RESERVED = ("mode", "fired")
 LONGEST_NAME = 120
@@ -101,14 +100,14 @@ def _terms(machine: Machine) -> list[Expr]:
 def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
     if not machine.modes:
         yield "no modes; declare at least one with modes(...)."
-    elif any(mode.unit is not machine.modes[0].unit for mode in machine.modes):
+        return
+    table = machine.modes[0].unit
+    if any(mode.unit is not table for mode in machine.modes):
         yield "modes come from different enumerations; create them with one call of modes(...)."
-    elif [mode.label for mode in machine.modes] != list(_members(machine.modes[0])):
+    elif not isinstance(table, Modes):
+        yield f"mode {machine.modes[0].label!r}: make modes with modes(...)."
+    elif [mode.label for mode in machine.modes] != list(table.members):
         yield "modes must be all members of their enumeration, in order."
-
-
-def _members(mode: Lit) -> tuple[str, ...]:
-    return mode.unit.members if isinstance(mode.unit, Enumeration) else ()
 
 
 def _names_are_distinct(machine: Machine) -> Iterator[str]:
@@ -124,17 +123,6 @@ def _names_are_distinct(machine: Machine) -> Iterator[str]:
             yield f"variable {var.name!r} ({var.src}) is a value before the step; only properties may use it."
     if any(t.name == STAY_NAME for t in machine.transitions):
         yield f"transition name {STAY_NAME!r} is reserved."
-
-
-def _mode_variable_is_the_modes(machine: Machine) -> Iterator[str]:
-    """It holds every mode and nothing else, whoever made it."""
-    mode, unit = machine.mode, machine.modes[0].unit if machine.modes else None
-    if mode.name != "mode" or mode.before is not None:
-        yield f"the mode variable is called {mode.name!r} ({mode.src}); make it with current_mode(...)."
-    if mode.unit is not unit or (mode.low, mode.high) != (0, len(machine.modes) - 1):
-        yield f"the mode variable ({mode.src}) is not of this machine's modes; make it with current_mode(modes)."
-    if mode in {*input_variables(machine), *machine.state, *machine.world.variables}:
-        yield "the mode variable is declared as a variable of its own as well."
 
 
 def _labels_can_be_written(machine: Machine) -> Iterator[str]:
@@ -343,14 +331,13 @@ def _range(term: Num) -> tuple[int, int] | None:
 
 SHAPE: tuple[Rule[Machine], ...] = (
     Rule("variables are variables", "a crash", _variables_are_variables),
+    Rule("modes are one enumeration", "a crash", _modes_are_one_enumeration),
     Rule("terms are terms", "a crash", _terms_are_terms),
     Rule("terms are well formed", "a wrong verdict", _terms_are_well_formed),
 )
 """What the other rules, which walk the terms, rely on: only the first that complains is told."""
 
 MACHINE: tuple[Rule[Machine], ...] = (
-    Rule("modes are one enumeration", "a crash", _modes_are_one_enumeration),
-    Rule("the mode variable holds the modes", "a slip", _mode_variable_is_the_modes),
     Rule("names are distinct", "a wrong verdict", _names_are_distinct),
     Rule("names can be written", "a crash", _names_can_be_written),
     Rule("labels can be written", "a slip", _labels_can_be_written),

@@ -63,7 +63,6 @@ def machine() -> Machine:
         ],
         world=world,
         lemmas={"it lies inside": located.implies(inside())},
-        mode_variable=MODE,
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from safeloc.errors import ModelError
 from safeloc.language.expr import TRUE, before, boolean, choice, enumeration, members, number, optional
-from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.nodes import FloorDiv, NumVar
 from safeloc.language.spec import once
 from safeloc.language.units import MM, MS
@@ -128,14 +128,11 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
         {"transitions": [Transition("go", (A, B, B), B, P)]},
         "names source mode 'B' twice; name each mode once.",
     ),
-    "mode variable of half the modes": (
-        {"mode_variable": NumVar("mode", A.unit, 0, 0)},
-        "is not of this machine's modes; make it with current_mode(modes).",
+    "modes of another kind": (
+        {"modes": members("mode", "A", "B"), "transitions": []},
+        "mode 'A': make modes with modes(",
     ),
-    "mode variable of another name": (
-        {"mode_variable": NumVar("state", A.unit, 0, 1)},
-        "the mode variable is called 'state'",
-    ),
+    "mode variable as state": ({"state": {N: 0, current_mode((A, B)): A}}, "variable 'mode' ("),
     "input that is no variable": ({"inputs": ["x"]}, "input 'x' is no variable; declare it with number"),
     "state that is no variable": ({"state": {"x": 0}}, "state 'x' is no variable; declare it with number"),
     "mode that is no mode": ({"modes": ("A",), "transitions": []}, "mode 'A': make modes with modes(...)."),

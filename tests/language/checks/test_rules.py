@@ -357,7 +357,7 @@ OFFENCES: dict[str, Offence] = {
     "variables are variables": Offence(string_for_an_input, ("terms are well formed",)),
     "terms are terms": Offence(lemma_of_another_kind),
     "terms are well formed": Offence(empty_range, (WHOLE_TERMS,)),
-    "modes are one enumeration": Offence(no_modes, ("the mode variable holds the modes",)),
+    "modes are one enumeration": Offence(no_modes),
     "names are distinct": Offence(two_rows_of_one_name),
     "names can be written": Offence(bar_in_a_name),
     "sources are named once": Offence(source_named_twice),

@@ -73,7 +73,6 @@ def mode(mended: bool) -> TransitionSystem:
             {},
             {},
             [Transition("on", *TWO)],
-            mode_variable=now,
             world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
         )
     )
@@ -92,7 +91,6 @@ def third_mode(mended: bool) -> TransitionSystem:
             {x: 0},
             {},
             rows,
-            mode_variable=now,
             world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
         )
     )

@@ -32,7 +32,6 @@ def counter(
     return Machine(
         name="counter",
         modes=(LOW, HIGH),
-        mode_variable=MODE,
         inputs=[TICK],
         state={LEVEL: 0},
         outputs={"level": LEVEL},
