@@ -59,8 +59,8 @@ def build(own: Parts) -> AxleHead:
     made = Machine(
         name="axle_head",
         modes=table,
-        inputs=[own.a, own.b],
-        state={own.axle: NO_AXLE},
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={"counted": own.axle, "damped": current.ne(table[0]), "disturbed": current.eq(table[-1])},
         transitions=list(_table(own, table)),
         world=world(own),

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, choice, enumeration, members, number
 from safeloc.language.units import UM, US_PER_S
 
 AXLE = members("axle", "NONE", "UP", "DOWN")
@@ -44,7 +43,6 @@ class AxleHeadConfig(Config):
         return self
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables: channels damped, the axle counted in this sample.
 
@@ -52,23 +50,17 @@ class Parts:
     from_low  ghost: the wheel over the head came from below
     """
 
-    config: AxleHeadConfig
-    a: BoolVar
-    b: BoolVar
-    axle: NumVar
-    wheel: NumVar
-    next_wheel: NumVar
-    from_low: BoolVar
+    def __init__(self, config: AxleHeadConfig) -> None:
+        self.declared = declared = Declared()
+        self.config = config
+        self.a = declared.sensor(boolean("channel_a_damped"))
+        self.b = declared.sensor(boolean("channel_b_damped"))
+        self.axle = declared.state(choice("axle", enumeration(AXLE)), first=NO_AXLE)
+        self.wheel = declared.ghost(number("wheel_um", UM, -BESIDE_UM, BESIDE_UM), first=-BESIDE_UM)
+        self.from_low = declared.ghost(boolean("wheel_from_low"), first=False)
+        self.next_wheel = declared.choice(number("next_wheel_um", UM, -BESIDE_UM, BESIDE_UM))
 
 
 def parts(config: AxleHeadConfig) -> Parts:
     """Fresh variables for one head."""
-    return Parts(
-        config,
-        boolean("channel_a_damped"),
-        boolean("channel_b_damped"),
-        choice("axle", enumeration(AXLE)),
-        number("wheel_um", UM, -BESIDE_UM, BESIDE_UM),
-        number("next_wheel_um", UM, -BESIDE_UM, BESIDE_UM),
-        boolean("wheel_from_low"),
-    )
+    return Parts(config)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from safeloc.language.expr import Bool, Lit, Num, NumVar, between, ite
 from safeloc.language.units import UM, UM_PER_MM, US_PER_S
 from safeloc.language.world import Law, World
-from safeloc.models.axle_head.variables import BESIDE_UM, AxleHeadConfig, Parts
+from safeloc.models.axle_head.variables import AxleHeadConfig, Parts
 
 SAMPLED = ("max_speed_mm_s", "sample_us")
 
@@ -18,8 +18,8 @@ SAMPLED = ("max_speed_mm_s", "sample_us")
 def world(own: Parts) -> World:
     """The wheel nearest to the head, and from which side it came."""
     return World(
-        ghosts={own.wheel: -BESIDE_UM, own.from_low: False},
-        choices=[own.next_wheel],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={own.wheel: own.next_wheel, own.from_low: _from_low(own)},
         clauses=_clauses(own),
     )

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, any_of, as_num, between, ite
-from safeloc.language.machine import Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import COUNT
 from safeloc.models.axle_section.lemmas import lemmas
 from safeloc.models.axle_section.variables import (
@@ -48,14 +48,12 @@ def build(own: Parts) -> AxleSection:
     table = modes("UNKNOWN", "CLEAR", "OCCUPIED", "DISTURBED", "SWEEPING")
     current = current_mode(table)
     _, clear, occupied, _, _ = table
-    state: dict[Var, Initial] = {own.count: 0, own.quiet: 0, own.answer: NOT_ASKED}
-    state |= dict.fromkeys((*own.swept_from, *own.swept_to), False)
     counting = current.one_of(clear, occupied)
     made = Machine(
         name="axle_section",
         modes=table,
-        inputs=[*own.into, *own.out, own.fault, own.damped, own.reset, own.reported_clear],
-        state=state,
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "clear": current.eq(clear),
             "healthy": counting,

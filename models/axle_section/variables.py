@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
-    BoolVar,
-    NumVar,
     boolean,
     choice,
     enumeration,
     members,
     number,
 )
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT
 
 RESET = members("reset_answer", "NOT_ASKED", "ACCEPTED", "HEAD_DAMPED", "HEAD_FAULT", "AXLES_COUNTED", "AXLE_PASSED")
@@ -33,7 +31,6 @@ class AxleSectionConfig(Config):
     lead_cycles: int = quantity(10, "cycles", 1, 100_000, "[M] 5 s at 500 ms without an axle before a reset")
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine. Axles per cycle at the low and at the high end, into and out of the section.
 
@@ -47,46 +44,29 @@ class Parts:
     sweep_passes  which head the sweep's first or last axle passes in this cycle
     """
 
-    config: AxleSectionConfig
-    into: tuple[NumVar, ...]
-    out: tuple[NumVar, ...]
-    fault: BoolVar
-    damped: BoolVar
-    reset: BoolVar
-    reported_clear: BoolVar
-    count: NumVar
-    quiet: NumVar
-    swept_from: tuple[BoolVar, ...]
-    swept_to: tuple[BoolVar, ...]
-    answer: NumVar
-    axles: NumVar
-    true_into: tuple[NumVar, ...]
-    true_out: tuple[NumVar, ...]
-    sweep: NumVar
-    stood: NumVar
-    sweep_passes: NumVar
+    def __init__(self, config: AxleSectionConfig) -> None:
+        self.declared = declared = Declared()
+        most, limit = config.axles_a_cycle, config.axle_limit
+        self.config = config
+        self.into = tuple(declared.sensor(number(f"axles_in_{side}", COUNT, 0, most)) for side in SIDES)
+        self.out = tuple(declared.sensor(number(f"axles_out_{side}", COUNT, 0, most)) for side in SIDES)
+        self.fault = declared.sensor(boolean("head_fault"))
+        self.damped = declared.sensor(boolean("head_damped"))
+        self.reset = declared.sensor(boolean("reset_requested"))
+        self.reported_clear = declared.sensor(boolean("sweep_reported_clear"))
+        self.count = declared.state(number("counted_axles", COUNT, 0, limit), first=0)
+        self.quiet = declared.state(number("quiet_cycles", COUNT, 0, config.lead_cycles), first=0)
+        self.answer = declared.state(choice("answer", enumeration(RESET)), first=NOT_ASKED)
+        self.swept_from = tuple(declared.state(boolean(f"sweep_in_{side}"), first=False) for side in SIDES)
+        self.swept_to = tuple(declared.state(boolean(f"sweep_out_{side}"), first=False) for side in SIDES)
+        self.axles = declared.ghost(number("true_axles", COUNT, 0, 2 * limit), first=ANY)
+        self.sweep = declared.ghost(choice("true_sweep", enumeration(SWEEP)), first=NOBODY)
+        self.stood = declared.ghost(number("true_axles_before_sweep", COUNT, 0, 2 * limit), first=0)
+        self.true_into = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in SIDES)
+        self.true_out = tuple(declared.choice(number(f"true_axles_out_{side}", COUNT, 0, most)) for side in SIDES)
+        self.sweep_passes = declared.choice(choice("true_sweep_passes", enumeration(PASSES)))
 
 
 def parts(config: AxleSectionConfig) -> Parts:
     """Fresh variables for one section."""
-    most, limit = config.axles_a_cycle, config.axle_limit
-    return Parts(
-        config,
-        tuple(number(f"axles_in_{side}", COUNT, 0, most) for side in SIDES),
-        tuple(number(f"axles_out_{side}", COUNT, 0, most) for side in SIDES),
-        boolean("head_fault"),
-        boolean("head_damped"),
-        boolean("reset_requested"),
-        boolean("sweep_reported_clear"),
-        number("counted_axles", COUNT, 0, limit),
-        number("quiet_cycles", COUNT, 0, config.lead_cycles),
-        tuple(boolean(f"sweep_in_{side}") for side in SIDES),
-        tuple(boolean(f"sweep_out_{side}") for side in SIDES),
-        choice("answer", enumeration(RESET)),
-        number("true_axles", COUNT, 0, 2 * limit),
-        tuple(number(f"true_axles_in_{side}", COUNT, 0, most) for side in SIDES),
-        tuple(number(f"true_axles_out_{side}", COUNT, 0, most) for side in SIDES),
-        choice("true_sweep", enumeration(SWEEP)),
-        number("true_axles_before_sweep", COUNT, 0, 2 * limit),
-        choice("true_sweep_passes", enumeration(PASSES)),
-    )
+    return Parts(config)

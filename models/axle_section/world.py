@@ -8,7 +8,6 @@ came in; where he turned, he saw nothing of what lies beyond. What he lost on th
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, between, ite
-from safeloc.language.machine import ANY
 from safeloc.language.world import Law, World
 from safeloc.models.axle_section.variables import (
     FROM_HIGH,
@@ -29,8 +28,8 @@ from safeloc.models.axle_section.variables import (
 def world(own: Parts) -> World:
     """Axles in the section, and how far the sweep has come."""
     return World(
-        ghosts={own.axles: ANY, own.sweep: NOBODY, own.stood: 0},
-        choices=[*own.true_into, *own.true_out, own.sweep_passes],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={own.axles: _axles_after(own), own.sweep: _sweep_after(own), own.stood: _stood_after(own)},
         clauses=_clauses(own),
     )

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from safeloc.language.expr import TRUE, Expr, Lit, Num, Var, any_of, as_num, ite
-from safeloc.language.machine import Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import COUNT
 from safeloc.models.emitter.judgement import due, late, overdue, verdict
 from safeloc.models.emitter.variables import (
@@ -62,12 +62,11 @@ def build(own: Parts) -> Emitter:
     table = modes("UNTESTED", "TESTED", "FAILED")
     current = current_mode(table)
     tested = current.eq(table[1])
-    state: dict[Var, Initial] = {own.since: 0, own.asked: 0, own.passes: 0, own.judged: NOTHING}
     made = Machine(
         name="emitter",
         modes=table,
-        inputs=[own.pattern, own.place, own.requested],
-        state=state,
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "chain_tested": tested,
             "failed": current.eq(table[2]),

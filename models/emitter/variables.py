@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
 from safeloc.language.units import COUNT, MM
 
 HEARD = members("pattern_verdict", "NOTHING", "PASSED", "FOREIGN", "NOT_DUE", "ELSEWHERE", "NO_PLACE")
@@ -37,7 +36,6 @@ class EmitterConfig(Config):
         return self
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -51,34 +49,23 @@ class Parts:
     may_answer      ghost: cycles in which the emitter may still answer a request, 0: none is open
     """
 
-    config: EmitterConfig
-    pattern: Optional
-    place: Optional
-    requested: BoolVar
-    since: NumVar
-    asked: NumVar
-    passes: NumVar
-    judged: NumVar
-    works: BoolVar
-    next_works: BoolVar
-    silent: NumVar
-    may_answer: NumVar
+    def __init__(self, config: EmitterConfig) -> None:
+        self.declared = declared = Declared()
+        far, silence = 2_000_000_000, config.due_cycles - config.window_cycles - 1
+        self.config = config
+        self.pattern = declared.sensor(optional("heard_pattern", COUNT, 0, 2**MOST_BITS - 1))
+        self.place = declared.sensor(optional("heard_place_mm", MM, -far, far))
+        self.requested = declared.sensor(boolean("test_requested"))
+        self.since = declared.state(number("since_passed_cycles", COUNT, 0, config.due_cycles), first=0)
+        self.asked = declared.state(number("since_request_cycles", COUNT, 0, config.answer_cycles), first=0)
+        self.passes = declared.state(number("passes", COUNT, 0, config.passes_to_recover), first=0)
+        self.judged = declared.state(choice("judged", enumeration(HEARD)), first=NOTHING)
+        self.works = declared.ghost(boolean("chain_works"), first=True)
+        self.silent = declared.ghost(number("emitter_silent_cycles", COUNT, 0, silence), first=silence)
+        self.may_answer = declared.ghost(number("emitter_may_answer_cycles", COUNT, 0, config.answer_cycles), first=0)
+        self.next_works = declared.choice(boolean("next_chain_works"))
 
 
 def parts(config: EmitterConfig) -> Parts:
     """Fresh variables for one emitter."""
-    far = 2_000_000_000
-    return Parts(
-        config,
-        optional("heard_pattern", COUNT, 0, 2**MOST_BITS - 1),
-        optional("heard_place_mm", MM, -far, far),
-        boolean("test_requested"),
-        number("since_passed_cycles", COUNT, 0, config.due_cycles),
-        number("since_request_cycles", COUNT, 0, config.answer_cycles),
-        number("passes", COUNT, 0, config.passes_to_recover),
-        choice("judged", enumeration(HEARD)),
-        boolean("chain_works"),
-        boolean("next_chain_works"),
-        number("emitter_silent_cycles", COUNT, 0, config.due_cycles - config.window_cycles - 1),
-        number("emitter_may_answer_cycles", COUNT, 0, config.answer_cycles),
-    )
+    return Parts(config)

@@ -16,8 +16,8 @@ from safeloc.models.emitter.variables import Parts
 def world(own: Parts) -> World:
     """Whether the chain works, and the times at which the emitter sends."""
     return World(
-        ghosts={own.works: True, own.silent: own.silent.high, own.may_answer: 0},
-        choices=[own.next_works],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             own.works: own.next_works,
             own.silent: ite(_comes_through(own), own.silent.high, maximum(own.silent - 1, 0)),

@@ -40,8 +40,8 @@ def build(own: Parts) -> TrainOrder:
     made = Machine(
         name="train_order",
         modes=table,
-        inputs=own.inputs,
-        state=dict.fromkeys((*own.order, *own.belongs), 0),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "ordered": current.eq(table[1]),
             "associated": any_of(one > 0 for one in own.belongs),

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, Var, boolean, number
+from safeloc.language.declared import Declared
+from safeloc.language.expr import BoolVar, NumVar, boolean, number
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, UM, UM_PER_MM
 
 
@@ -27,7 +29,6 @@ class TrainGhosts:
     next_place: NumVar
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine. Trains are numbers from 1 on; 0 is none.
 
@@ -40,56 +41,37 @@ class Parts:
     owners    ghosts: the train that each pattern holds
     """
 
-    config: TrainOrderConfig
-    enters_low: NumVar
-    enters_high: NumVar
-    leaves_low: BoolVar
-    leaves_high: BoolVar
-    clear: BoolVar
-    fault: BoolVar
-    patterns: NumVar
-    lows: tuple[NumVar, ...]
-    highs: tuple[NumVar, ...]
-    order: tuple[NumVar, ...]
-    belongs: tuple[NumVar, ...]
-    trains: tuple[TrainGhosts, ...]
-    owners: tuple[NumVar, ...]
-
-    @property
-    def inputs(self) -> list[Var]:
-        """What is heard in a cycle."""
-        counters: list[Var] = [self.enters_low, self.enters_high, self.leaves_low, self.leaves_high]
-        return [*counters, self.clear, self.fault, self.patterns, *self.lows, *self.highs]
+    def __init__(self, config: TrainOrderConfig) -> None:
+        self.declared = declared = Declared()
+        count, far = config.trains, config.position_limit_mm
+        ranks = range(1, count + 1)
+        self.config = config
+        self.enters_low = declared.sensor(number("enters_low", COUNT, 0, count))
+        self.enters_high = declared.sensor(number("enters_high", COUNT, 0, count))
+        self.leaves_low = declared.sensor(boolean("leaves_low"))
+        self.leaves_high = declared.sensor(boolean("leaves_high"))
+        self.clear = declared.sensor(boolean("counters_clear"))
+        self.fault = declared.sensor(boolean("counter_fault"))
+        self.patterns = declared.sensor(number("patterns", COUNT, 0, count + 1))
+        self.lows = tuple(declared.sensor(number(f"pattern_{n}_low_mm", MM, -far, far)) for n in ranks)
+        self.highs = tuple(declared.sensor(number(f"pattern_{n}_high_mm", MM, -far, far)) for n in ranks)
+        self.order = tuple(declared.state(number(f"order_{n}", COUNT, 0, count), first=0) for n in ranks)
+        self.belongs = tuple(declared.state(number(f"pattern_{n}_train", COUNT, 0, count), first=0) for n in ranks)
+        self.trains = tuple(_train(declared, n, far * UM_PER_MM) for n in ranks)
+        self.owners = tuple(declared.choice(number(f"pattern_{n}_owner", COUNT, 0, count)) for n in ranks)
 
 
 def parts(config: TrainOrderConfig) -> Parts:
     """Fresh variables for one area."""
-    count, far = config.trains, config.position_limit_mm
-    ranks = range(1, count + 1)
-    return Parts(
-        config,
-        number("enters_low", COUNT, 0, count),
-        number("enters_high", COUNT, 0, count),
-        boolean("leaves_low"),
-        boolean("leaves_high"),
-        boolean("counters_clear"),
-        boolean("counter_fault"),
-        number("patterns", COUNT, 0, count + 1),
-        tuple(number(f"pattern_{n}_low_mm", MM, -far, far) for n in ranks),
-        tuple(number(f"pattern_{n}_high_mm", MM, -far, far) for n in ranks),
-        tuple(number(f"order_{n}", COUNT, 0, count) for n in ranks),
-        tuple(number(f"pattern_{n}_train", COUNT, 0, count) for n in ranks),
-        tuple(_train(n, far * UM_PER_MM) for n in ranks),
-        tuple(number(f"pattern_{n}_owner", COUNT, 0, count) for n in ranks),
-    )
+    return Parts(config)
 
 
-def _train(number_: int, far_um: int) -> TrainGhosts:
+def _train(declared: Declared, number_: int, far_um: int) -> TrainGhosts:
     name = f"train_{number_}"
     return TrainGhosts(
         number_,
-        boolean(f"{name}_inside"),
-        boolean(f"next_{name}_inside"),
-        number(f"{name}_place_um", UM, -far_um, far_um),
-        number(f"next_{name}_place_um", UM, -far_um, far_um),
+        declared.ghost(boolean(f"{name}_inside"), first=ANY),
+        declared.choice(boolean(f"next_{name}_inside")),
+        declared.ghost(number(f"{name}_place_um", UM, -far_um, far_um), first=ANY),
+        declared.choice(number(f"next_{name}_place_um", UM, -far_um, far_um)),
     )

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, as_num, between, exact_to, ite
-from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, UM
 from safeloc.language.world import Law, World
 from safeloc.models.train_order.variables import Parts, TrainGhosts
@@ -25,8 +24,8 @@ def world(own: Parts) -> World:
     for train in own.trains:
         moves |= {train.inside: train.next_inside, train.place: train.next_place}
     return World(
-        ghosts=dict.fromkeys(moves, ANY),
-        choices=[*(var for train in own.trains for var in (train.next_inside, train.next_place)), *own.owners],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves=moves,
         clauses={
             "trains keep their order": _order_law(own),

@@ -1,0 +1,96 @@
+"""Variables declared once: the roles they get, their order, and what is refused."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from safeloc.errors import ModelError
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, number, optional
+from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.units import MM
+from safeloc.language.world import World
+
+
+def whole(declared: Declared) -> Machine:
+    """A machine of one transition that sets nothing, over what is declared; ghosts rest."""
+    (on,) = table = modes("ON")
+    moves = {ghost: ghost for ghost in declared.ghosts}
+    world = World(ghosts=declared.ghosts, choices=declared.choices, moves=moves)
+    return Machine("m", table, declared.inputs, declared.states, {}, [Transition("stay on", on, on)], world)
+
+
+def test_each_role_keeps_the_order_of_its_declarations() -> None:
+    """Whatever stands between two variables of one role; inputs and state are the fields of the exported code."""
+    declared = Declared()
+    b, truth, a = declared.sensor(boolean("b")), declared.ghost(boolean("truth"), first=ANY), number("a_mm", MM, 0, 9)
+    place, push = declared.state(a, first=3), declared.choice(boolean("push"))
+    fix, held = declared.sensor(optional("fix_mm", MM, 0, 9)), declared.state(boolean("held"), first=False)
+    system = lower(whole(declared))
+    assert [var.name for var in system.inputs] == ["b", "fix_mm.present", "fix_mm", "push"]
+    assert [var.name for var in system.state] == ["mode", "a_mm", "held", "truth"]
+    assert [system.initial[var] for var in (place, held, truth)] == [3, False, ANY]
+    assert place is a
+    assert (declared.inputs, declared.choices) == ([b, fix], [push])
+    assert system.ghosts == {truth, push}
+
+
+A_MM, FIX = number("a_mm", MM, 0, 9), optional("a_mm", MM, 0, 9)
+TWICE: dict[str, Callable[[Declared], object]] = {
+    "the same variable in another role": lambda declared: declared.sensor(A_MM),
+    "the same variable in its role": lambda declared: declared.state(A_MM, first=0),
+    "another variable of its name": lambda declared: declared.choice(number("a_mm", MM, 0, 3)),
+    "an optional of its name": lambda declared: declared.sensor(FIX),
+    "a ghost of its name": lambda declared: declared.ghost(boolean("a_mm"), first=False),
+}
+
+
+@pytest.mark.parametrize("case", TWICE)
+def test_a_second_declaration_is_refused(case: str) -> None:
+    """The message says where the first one stands; what was declared stays as it was."""
+    declared = Declared()
+    declared.state(A_MM, first=9)
+    place = rf"{re.escape(__file__)}:\d+"
+    told = rf"^{place}: 'a_mm' is declared already, at {place}; a variable has one role and one name\.$"
+    with pytest.raises(ModelError, match=told):
+        TWICE[case](declared)
+    assert (declared.states, declared.inputs, declared.ghosts, declared.choices) == ({A_MM: 9}, [], {}, [])
+
+
+@pytest.mark.parametrize(
+    ("first", "told"),
+    [
+        (10, "initial value of 'a_mm' .*: 10 is outside 0..9"),
+        (True, "initial value of 'a_mm' .*: True is not a number"),
+        (A_MM, "initial value of 'a_mm' .*: a_mm is a term; give a value, or ANY and `initially`"),
+    ],
+)
+@pytest.mark.parametrize("role", ["state", "ghost"])
+def test_a_first_value_is_in_range(role: str, first: Initial, told: str) -> None:
+    """The machine refuses another one, with the place of the variable."""
+    declared = Declared()
+    getattr(declared, role)(A_MM, first=first)
+    with pytest.raises(ModelError, match=told):
+        whole(declared)
+
+
+@pytest.mark.parametrize("role", ["state", "ghost"])
+def test_a_first_value_is_given(role: str) -> None:
+    """None is taken for granted: 0 is a place."""
+    declare: Any = getattr(Declared(), role)
+    with pytest.raises(TypeError, match="missing 1 required keyword-only argument: 'first'"):
+        declare(A_MM)
+
+
+def test_what_a_machine_has_does_not_change_afterwards() -> None:
+    """A declaration that comes too late is none of the machine's."""
+    declared = Declared()
+    declared.state(A_MM, first=0)
+    machine = whole(declared)
+    declared.state(boolean("late"), first=False)
+    assert list(machine.state) == [A_MM]
