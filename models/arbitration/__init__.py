@@ -33,13 +33,13 @@ from safeloc.language.expr import (
     exact_to,
     ite,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM
 from safeloc.language.world import Law, World
 from safeloc.models.arbitration.cycle import Cycle
 from safeloc.models.arbitration.variables import SOURCES, ArbitrationConfig, Parts, Source, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
-from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
 
 __all__ = ["SOURCES", "Arbitration", "ArbitrationConfig", "Source", "build", "parts"]
 REQUIREMENTS = ("RFL-13", "RFL-14")
@@ -66,11 +66,8 @@ def build(own: Parts) -> Arbitration:
     made = Machine(
         name="arbitration",
         modes=table,
-        inputs=[own.distance, *(var for source in own.sources for var in source.inputs)],
-        state={
-            own.position: 0, own.below: 0, own.above: 0, own.lag: 0, own.first: 0, own.second: 0, own.reason: NO_REFERENCE,
-            own.referred: False,
-        },
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "valid": given,
             "position_mm": position_if(given, own.position),
@@ -86,8 +83,8 @@ def build(own: Parts) -> Arbitration:
         },
         transitions=[*_given(own, cycle), *_withheld(own, cycle)],
         world=World(
-            ghosts={own.truth: ANY},
-            choices=[own.next_truth],
+            ghosts=own.declared.ghosts,
+            choices=own.declared.choices,
             moves={own.truth: own.next_truth},
             clauses=_sources_hold_the_truth(own),
         ),

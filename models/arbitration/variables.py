@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     BoolVar,
     Num,
     NumVar,
-    Optional,
     Var,
     between,
     boolean,
@@ -24,8 +24,9 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import MM, NM, NM_PER_MM, Enumeration
-from safeloc.models.vocabulary.reasons import REASON
+from safeloc.language.machine import ANY
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
 SOURCES = ("odometry", "balise", "reflector", "satellite", "fibre")
 
@@ -100,7 +101,6 @@ class Source:
         return between(exact_to(self.low, NM), truth, exact_to(self.high, NM))
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -111,53 +111,40 @@ class Parts:
     truth, next_truth       ghosts: the front end, nm
     """
 
-    config: ArbitrationConfig
-    sources: tuple[Source, ...]
-    distance: Optional
-    position: NumVar
-    below: NumVar
-    above: NumVar
-    lag: NumVar
-    first: NumVar
-    second: NumVar
-    named: Enumeration
-    reason: NumVar
-    referred: BoolVar
-    truth: NumVar
-    next_truth: NumVar
+    def __init__(self, config: ArbitrationConfig) -> None:
+        self.declared = declared = Declared()
+        limit, widest = config.position_limit_mm, 10 * config.tolerance_mm
+        reach = (limit + 2 * widest) * NM_PER_MM
+        named = enumeration(members("source", "NONE", *(name.upper() for name in config.every)))
+        self.config = config
+        self.distance = declared.sensor(optional("distance_mm", MM, -config.max_step_mm, config.max_step_mm))
+        self.position = declared.state(number("common_position_mm", MM, -limit, limit), first=0)
+        self.below = declared.state(number("common_margin_below_mm", MM, 0, config.tolerance_mm), first=0)
+        self.above = declared.state(number("common_margin_above_mm", MM, 0, config.tolerance_mm), first=0)
+        self.lag = declared.state(number("lag_mm", MM, 0, config.lag_limit_mm), first=0)
+        self.first = declared.state(choice("contradicting_first", named), first=0)
+        self.second = declared.state(choice("contradicting_second", named), first=0)
+        self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
+        self.referred = declared.state(boolean("reference_taken"), first=False)
+        self.truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
+        self.sources = tuple(_source(declared, name, config) for name in config.every)
+        self.named = named
 
 
 def parts(config: ArbitrationConfig) -> Parts:
     """Fresh variables for one vehicle."""
-    limit, widest = config.position_limit_mm, 10 * config.tolerance_mm
-    reach = (limit + 2 * widest) * NM_PER_MM
-    named = enumeration(members("source", "NONE", *(name.upper() for name in config.every)))
-    return Parts(
-        config,
-        tuple(_source(name, config) for name in config.every),
-        optional("distance_mm", MM, -config.max_step_mm, config.max_step_mm),
-        number("common_position_mm", MM, -limit, limit),
-        number("common_margin_below_mm", MM, 0, config.tolerance_mm),
-        number("common_margin_above_mm", MM, 0, config.tolerance_mm),
-        number("lag_mm", MM, 0, config.lag_limit_mm),
-        choice("contradicting_first", named),
-        choice("contradicting_second", named),
-        named,
-        choice("reason", enumeration(REASON)),
-        boolean("reference_taken"),
-        number("truth_nm", NM, -reach, reach),
-        number("next_truth_nm", NM, -reach, reach),
-    )
+    return Parts(config)
 
 
-def _source(name: str, config: ArbitrationConfig) -> Source:
+def _source(declared: Declared, name: str, config: ArbitrationConfig) -> Source:
     limit, widest = config.position_limit_mm, 10 * config.tolerance_mm
     return Source(
         name,
-        boolean(f"{name}_valid"),
-        number(f"{name}_position_mm", MM, -limit, limit),
-        number(f"{name}_margin_below_mm", MM, 0, widest),
-        number(f"{name}_margin_above_mm", MM, 0, widest),
-        boolean(f"{name}_reference"),
-        choice(f"{name}_reason", enumeration(REASON)),
+        declared.sensor(boolean(f"{name}_valid")),
+        declared.sensor(number(f"{name}_position_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_margin_below_mm", MM, 0, widest)),
+        declared.sensor(number(f"{name}_margin_above_mm", MM, 0, widest)),
+        declared.sensor(boolean(f"{name}_reference")),
+        declared.sensor(choice(f"{name}_reason", enumeration(REASON))),
     )

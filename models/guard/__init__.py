@@ -24,13 +24,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
-from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.language.world import World
 from safeloc.models.guard import law
 from safeloc.models.guard.box import Box, Held, become, begun, tolerable, usable
 from safeloc.models.guard.judgement import Judged, judge
-from safeloc.models.guard.variables import NOTHING, PASSED, UNCONFIRMED, GuardConfig, Parts, parts
+from safeloc.models.guard.variables import PASSED, UNCONFIRMED, GuardConfig, Parts, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 REQUIREMENTS = ("MRK-D6",)
@@ -63,28 +63,16 @@ def build(own: Parts) -> Guard:
     made = Machine(
         name="guard",
         modes=table,
-        inputs=[
-            own.advance,
-            own.fault,
-            own.fix,
-            own.offset,
-            own.age,
-            own.ambiguous,
-            own.elsewhere,
-            own.speed,
-            own.course,
-            own.forwards_only,
-            own.start_anew,
-        ],
-        state=_state(own),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, holding),
         transitions=[
             _new_start(own, judged, table),
             *(_heard(judged, row) for row in (*_held(own, judged, table), *_free(own, judged, table))),
         ],
         world=World(
-            ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0, **law.first(own)},
-            choices=[own.next_truth, own.next_speed],
+            ghosts=own.declared.ghosts,
+            choices=own.declared.choices,
             moves=law.moves(own, holding),
             clauses=law.clauses(own, holding),
             reads_machine="the host may count places from another origin while the output `holding` is false, and the way since "
@@ -101,17 +89,6 @@ def build(own: Parts) -> Guard:
         ),
     )
     return Guard(made, own, judged)
-
-
-def _state(own: Parts) -> dict[Var, Initial]:
-    box = (own.low, own.high, own.slow, own.fast)
-    anchor = (own.anchor_low, own.anchor_high, own.anchor_steps)
-    zero: dict[Var, Initial] = dict.fromkeys((*box, *anchor, own.agreed, own.fair), 0)
-    line: dict[Var, Initial] = {
-        own.near_low: own.near_low.low, own.near_high: own.near_high.high,
-        own.known_low: own.known_low.low, own.known_high: own.known_high.high,
-    }  # fmt: skip
-    return {**zero, **line, own.judged: NOTHING}
 
 
 def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:

@@ -29,19 +29,12 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM, UM, UM_PER_MM, UM_S
 from safeloc.language.world import Law
 from safeloc.models.guard.variables import FAULT, HALF_TURN_MRAD, NO_FAULT, GuardConfig, Parts
 
 UM_S_PER_MM_S = 1_000
 FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
-
-
-def first(own: Parts) -> dict[Var, Initial]:
-    """Ghosts with initial values: no fix near the way has come yet, and no row was true."""
-    heard: dict[Var, Initial] = {own.heard_low: own.heard_low.low, own.heard_high: own.heard_high.high, own.row: 0}
-    return {**heard, own.sure_low: own.sure_low.low, own.sure_high: own.sure_high.high}
 
 
 def clauses(own: Parts, holding: Bool) -> dict[str, Law]:

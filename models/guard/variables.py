@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PER_MILLE, UM_PER_MM, UM_S
 
 FARTHEST_OFF_MM = 10_000_000
@@ -111,7 +111,6 @@ class GuardConfig(Config):
         return steps * self.way_nm + self.speed_change_um_s * self.period_ms * steps * (steps + 1) // 2
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of one guard.
 
@@ -135,87 +134,52 @@ class Parts:
     sure_*         ghosts: the same of the fixes that the law of the receiver speaks of
     """
 
-    config: GuardConfig
-    advance: BoolVar
-    fault: NumVar
-    fix: Optional
-    offset: NumVar
-    age: NumVar
-    ambiguous: BoolVar
-    elsewhere: BoolVar
-    speed: Optional
-    course: Optional
-    forwards_only: BoolVar
-    start_anew: BoolVar
-    low: NumVar
-    high: NumVar
-    slow: NumVar
-    fast: NumVar
-    anchor_low: NumVar
-    anchor_high: NumVar
-    anchor_steps: NumVar
-    agreed: NumVar
-    judged: NumVar
-    near_low: NumVar
-    near_high: NumVar
-    fair: NumVar
-    known_low: NumVar
-    known_high: NumVar
-    truth: NumVar
-    true_speed: NumVar
-    run: NumVar
-    heard_low: NumVar
-    heard_high: NumVar
-    row: NumVar
-    sure_low: NumVar
-    sure_high: NumVar
-    next_truth: NumVar
-    next_speed: NumVar
+    def __init__(self, config: GuardConfig) -> None:
+        self.declared = declared = Declared()
+        limit, fast = config.position_limit_mm, config.max_speed_mm_s * UM_PER_MM
+        reach = reach_nm(config)
+        most = 2 * fast * config.period_ms * config.window_steps
+        self.config = config
+        self.advance = declared.sensor(boolean("advance"))
+        self.fault = declared.sensor(choice("fault", enumeration(FAULT)))
+        self.fix = declared.sensor(optional("fix_mm", MM, -limit, limit))
+        self.offset = declared.sensor(number("fix_offset_mm", MM, 0, FARTHEST_OFF_MM))
+        self.age = declared.sensor(number("fix_age_ms", MS, 0, config.max_age_ms + config.period_ms))
+        self.ambiguous = declared.sensor(boolean("fix_ambiguous"))
+        self.elsewhere = declared.sensor(boolean("fix_elsewhere"))
+        self.speed = declared.sensor(optional("fix_speed_mm_s", MM_S, 0, 1_000_000))
+        self.course = declared.sensor(optional("fix_course_mrad", PER_MILLE, 0, HALF_TURN_MRAD))
+        self.forwards_only = declared.sensor(boolean("forwards_only"))
+        self.start_anew = declared.sensor(boolean("start_anew"))
+        self.low = declared.state(number("low_nm", NM, -reach, reach), first=0)
+        self.high = declared.state(number("high_nm", NM, -reach, reach), first=0)
+        self.slow = declared.state(number("slow_um_s", UM_S, -fast, fast), first=0)
+        self.fast = declared.state(number("fast_um_s", UM_S, -fast, fast), first=0)
+        self.anchor_low = declared.state(number("anchor_low_nm", NM, -reach, reach), first=0)
+        self.anchor_high = declared.state(number("anchor_high_nm", NM, -reach, reach), first=0)
+        self.anchor_steps = declared.state(number("anchor_steps", COUNT, 0, config.window_steps - 1), first=0)
+        self.agreed = declared.state(number("agreed_fixes", COUNT, 0, config.confirmations), first=0)
+        self.fair = declared.state(number("fair_fixes", COUNT, 0, config.confirmations), first=0)
+        self.near_low = declared.state(number("near_low_nm", NM, -reach, reach), first=-reach)
+        self.near_high = declared.state(number("near_high_nm", NM, -reach, reach), first=reach)
+        self.known_low = declared.state(number("known_low_nm", NM, -reach, reach), first=-reach)
+        self.known_high = declared.state(number("known_high_nm", NM, -reach, reach), first=reach)
+        self.judged = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
+        self.truth = declared.ghost(number("truth_nm", NM, -2 * reach, 2 * reach), first=ANY)
+        self.true_speed = declared.ghost(number("true_speed_um_s", UM_S, -fast, fast), first=ANY)
+        self.run = declared.ghost(number("run_nm", NM, -most, most), first=0)
+        self.heard_low = declared.ghost(number("heard_low_nm", NM, -reach, reach), first=-reach)
+        self.heard_high = declared.ghost(number("heard_high_nm", NM, -reach, reach), first=reach)
+        self.row = declared.ghost(number("row_fixes", COUNT, 0, config.confirmations), first=0)
+        self.sure_low = declared.ghost(number("sure_low_nm", NM, -reach, reach), first=-reach)
+        self.sure_high = declared.ghost(number("sure_high_nm", NM, -reach, reach), first=reach)
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -2 * reach, 2 * reach))
+        self.next_speed = declared.choice(number("next_speed_um_s", UM_S, -fast, fast))
 
 
 def parts(config: GuardConfig) -> Parts:
     """Fresh variables for one machine."""
-    limit, fast = config.position_limit_mm, config.max_speed_mm_s * UM_PER_MM
-    reach = reach_nm(config)
-    most = 2 * fast * config.period_ms * config.window_steps
-    return Parts(
-        config,
-        boolean("advance"),
-        choice("fault", enumeration(FAULT)),
-        optional("fix_mm", MM, -limit, limit),
-        number("fix_offset_mm", MM, 0, FARTHEST_OFF_MM),
-        number("fix_age_ms", MS, 0, config.max_age_ms + config.period_ms),
-        boolean("fix_ambiguous"),
-        boolean("fix_elsewhere"),
-        optional("fix_speed_mm_s", MM_S, 0, 1_000_000),
-        optional("fix_course_mrad", PER_MILLE, 0, HALF_TURN_MRAD),
-        boolean("forwards_only"),
-        boolean("start_anew"),
-        number("low_nm", NM, -reach, reach),
-        number("high_nm", NM, -reach, reach),
-        number("slow_um_s", UM_S, -fast, fast),
-        number("fast_um_s", UM_S, -fast, fast),
-        number("anchor_low_nm", NM, -reach, reach),
-        number("anchor_high_nm", NM, -reach, reach),
-        number("anchor_steps", COUNT, 0, config.window_steps - 1),
-        number("agreed_fixes", COUNT, 0, config.confirmations),
-        choice("judged", enumeration(JUDGED)),
-        number("near_low_nm", NM, -reach, reach),
-        number("near_high_nm", NM, -reach, reach),
-        number("fair_fixes", COUNT, 0, config.confirmations),
-        number("known_low_nm", NM, -reach, reach),
-        number("known_high_nm", NM, -reach, reach),
-        number("truth_nm", NM, -2 * reach, 2 * reach),
-        number("true_speed_um_s", UM_S, -fast, fast),
-        number("run_nm", NM, -most, most),
-        number("heard_low_nm", NM, -reach, reach),
-        number("heard_high_nm", NM, -reach, reach),
-        number("row_fixes", COUNT, 0, config.confirmations),
-        number("sure_low_nm", NM, -reach, reach),
-        number("sure_high_nm", NM, -reach, reach),
-        number("next_truth_nm", NM, -2 * reach, 2 * reach),
-        number("next_speed_um_s", UM_S, -fast, fast),
-    )
+    return Parts(config)
 
 
 def reach_nm(config: GuardConfig) -> int:

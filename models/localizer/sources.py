@@ -149,7 +149,7 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
 
 def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     """The trackside's verified position; on board it is stated by the downlink."""
-    model = verification.build(replace(verification.parts(config.fibre), truth=moves.own.ghosts.truth))
+    model = verification.build(verification.parts(config.fibre, truth=moves.own.ghosts.truth))
     machine, trusted = model.machine, model.machine.flag("trusted")
     stated = Stated(
         trusted,

@@ -73,16 +73,13 @@ def machine(config: SelectionConfig | None = None) -> Machine:
 def build(own: Parts) -> Selection:
     """The machine over the given variables."""
     table = modes("NONE_USABLE", "SOME_USABLE")
-    state: dict[Var, Lit | int] = {own.usable: 0}
-    for one in own.channels:
-        state |= {one.standing: ABSENT, one.held: 0, one.warm: 0}
     outputs: dict[str, Expr] = {"usable": own.usable}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}
     made = Machine(
         name="selection",
         modes=table,
-        inputs=[var for one in own.channels for var in one.inputs],
-        state=state,
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=outputs,
         transitions=list(_table(own, table)),
         world=world(own),

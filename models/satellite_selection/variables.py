@@ -8,11 +8,11 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, derived, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     BoolVar,
     NumVar,
     Optional,
-    Var,
     boolean,
     choice,
     enumeration,
@@ -120,59 +120,43 @@ class Channel:
     offset: NumVar
     speed_offset: NumVar
 
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """What is heard on it in a cycle."""
-        return [self.identity, self.ephemeris, self.off, self.speed_off, self.covariance, self.speed_covariance]
 
-    @property
-    def ghosts(self) -> list[Var]:
-        """The choices of the world."""
-        return [self.error, self.speed_error, self.offset, self.speed_offset]
-
-
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine. clock, speed_clock: ghosts, what the receiver's clock was estimated wrong by."""
 
-    config: SelectionConfig
-    channels: tuple[Channel, ...]
-    usable: NumVar
-    clock: NumVar
-    speed_clock: NumVar
+    def __init__(self, config: SelectionConfig) -> None:
+        self.declared = declared = Declared()
+        self.config = config
+        self.usable = declared.state(number("usable_satellites", COUNT, 0, config.channels), first=0)
+        self.channels = tuple(_channel(declared, n, config) for n in range(1, config.channels + 1))
+        self.clock = declared.choice(number("clock_mm", MM, -(10**9), 10**9))
+        self.speed_clock = declared.choice(number("clock_mm_s", MM_S, -(10**8), 10**8))
 
 
 def parts(config: SelectionConfig) -> Parts:
     """Fresh variables for one machine."""
-    channels = tuple(_channel(n, config) for n in range(1, config.channels + 1))
-    return Parts(
-        config,
-        channels,
-        number("usable_satellites", COUNT, 0, config.channels),
-        number("clock_mm", MM, -(10**9), 10**9),
-        number("clock_mm_s", MM_S, -(10**8), 10**8),
-    )
+    return Parts(config)
 
 
-def _channel(number_: int, config: SelectionConfig) -> Channel:
+def _channel(declared: Declared, number_: int, config: SelectionConfig) -> Channel:
     name, far, fast = f"channel_{number_}", 10**9, 10**8
 
     def covariance(kind: str, unit: Unit) -> Optional:
-        return optional(f"{name}_{kind}", unit, 0, 10**15)
+        return declared.sensor(optional(f"{name}_{kind}", unit, 0, 10**15))
 
     return Channel(
         number_,
-        optional(f"{name}_satellite", COUNT, 1, config.last_identity),
-        boolean(f"{name}_ephemeris_valid"),
-        optional(f"{name}_range_off_mm", MM, -far, far),
-        optional(f"{name}_speed_off_mm_s", MM_S, -fast, fast),
+        declared.sensor(optional(f"{name}_satellite", COUNT, 1, config.last_identity)),
+        declared.sensor(boolean(f"{name}_ephemeris_valid")),
+        declared.sensor(optional(f"{name}_range_off_mm", MM, -far, far)),
+        declared.sensor(optional(f"{name}_speed_off_mm_s", MM_S, -fast, fast)),
         covariance("range_covariance_mm2", SQUARE_MM),
         covariance("speed_covariance_mm2_s2", SQUARE_MM_S),
-        choice(f"{name}_standing", enumeration(STANDING)),
-        number(f"{name}_held", COUNT, 0, config.last_identity),
-        number(f"{name}_warm_cycles", COUNT, 0, config.warm_up_cycles),
-        number(f"{name}_error_mm", MM, -3 * far, 3 * far),
-        number(f"{name}_speed_error_mm_s", MM_S, -3 * fast, 3 * fast),
-        number(f"{name}_prediction_mm", MM, -2 * far, 2 * far),
-        number(f"{name}_prediction_mm_s", MM_S, -2 * fast, 2 * fast),
+        declared.state(choice(f"{name}_standing", enumeration(STANDING)), first=ABSENT),
+        declared.state(number(f"{name}_held", COUNT, 0, config.last_identity), first=0),
+        declared.state(number(f"{name}_warm_cycles", COUNT, 0, config.warm_up_cycles), first=0),
+        declared.choice(number(f"{name}_error_mm", MM, -3 * far, 3 * far)),
+        declared.choice(number(f"{name}_speed_error_mm_s", MM_S, -3 * fast, 3 * fast)),
+        declared.choice(number(f"{name}_prediction_mm", MM, -2 * far, 2 * far)),
+        declared.choice(number(f"{name}_prediction_mm_s", MM_S, -2 * fast, 2 * fast)),
     )

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
-    BoolVar,
     NumVar,
     Optional,
-    Var,
     boolean,
     choice,
     enumeration,
@@ -19,6 +18,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MM_S, NM, NM_PER_MM
 
 ORDER = members("order", "NONE", "PROCEED", "BRAKE", "HOLD", "CREEP", "REVERSE")
@@ -67,7 +67,6 @@ class MapStop:
     after: NumVar
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -78,71 +77,40 @@ class Parts:
     run_out    ghost: how far the vehicle still runs if the order to brake comes in the next cycle
     """
 
-    config: StopPointConfig
-    valid: BoolVar
-    precise: BoolVar
-    position: NumVar
-    above: NumVar
-    below: NumVar
-    speed: NumVar
-    stops: tuple[MapStop, ...]
-    selected: Optional
-    permitted: BoolVar
-    departure: BoolVar
-    released: BoolVar
-    stop: NumVar
-    before: NumVar
-    after: NumVar
-    pending: NumVar
-    served: NumVar
-    distance: NumVar
-    reason: NumVar
-    truth: NumVar
-    next_truth: NumVar
-    true_speed: NumVar
-    next_true_speed: NumVar
-    run_out: NumVar
-    next_run_out: NumVar
-
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """All inputs in order."""
-        measured = (self.valid, self.precise, self.position, self.above, self.below, self.speed)
-        stops = [var for stop in self.stops for var in (stop.position, stop.before, stop.after)]
-        return [*measured, *stops, self.selected, self.permitted, self.departure, self.released]
+    def __init__(self, config: StopPointConfig) -> None:
+        self.declared = declared = Declared()
+        limit, fast = config.position_limit_mm, config.max_speed_mm_s
+        reach, error = (limit + config.tolerance_mm) * NM_PER_MM, config.speed_error_mm_s
+        self.config = config
+        self.valid = declared.sensor(boolean("position_valid"))
+        self.precise = declared.sensor(boolean("position_precise"))
+        self.position = declared.sensor(number("position_mm", MM, -limit, limit))
+        self.above = declared.sensor(number("margin_above_mm", MM, 0, config.tolerance_mm))
+        self.below = declared.sensor(number("margin_below_mm", MM, 0, config.tolerance_mm))
+        self.speed = declared.sensor(number("speed_mm_s", MM_S, -fast, fast))
+        self.stops = tuple(_map_stop(declared, number_, limit) for number_ in range(1, config.stop_points + 1))
+        self.selected = declared.sensor(optional("selected_stop", COUNT, 1, config.stop_points))
+        self.permitted = declared.sensor(boolean("reposition_permitted"))
+        self.departure = declared.sensor(boolean("departure"))
+        self.released = declared.sensor(boolean("released"))
+        self.stop = declared.state(number("stop_mm", MM, -limit, limit), first=0)
+        self.before = declared.state(number("before_mm", MM, 0, MOST_WINDOW_MM), first=0)
+        self.after = declared.state(number("after_mm", MM, 0, MOST_WINDOW_MM), first=0)
+        self.pending = declared.state(number("pending_number", COUNT, 0, config.stop_points), first=0)
+        self.served = declared.state(number("served_number", COUNT, 0, config.stop_points), first=0)
+        self.distance = declared.state(number("to_go_mm", MM, -2 * limit, 2 * limit), first=0)
+        self.reason = declared.state(choice("held_reason", enumeration(REASON)), first=NO_REASON)
+        self.truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
+        self.true_speed = declared.ghost(number("true_speed_mm_s", MM_S, -fast - error, fast + error), first=ANY)
+        self.run_out = declared.ghost(number("run_out_nm", NM, 0, _longest_nm(config)), first=ANY)
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
+        self.next_true_speed = declared.choice(number("next_true_speed_mm_s", MM_S, -fast - error, fast + error))
+        self.next_run_out = declared.choice(number("next_run_out_nm", NM, 0, _longest_nm(config)))
 
 
 def parts(config: StopPointConfig) -> Parts:
     """Fresh variables for one machine."""
-    limit, fast = config.position_limit_mm, config.max_speed_mm_s
-    reach, error = (limit + config.tolerance_mm) * NM_PER_MM, config.speed_error_mm_s
-    return Parts(
-        config=config,
-        valid=boolean("position_valid"),
-        precise=boolean("position_precise"),
-        position=number("position_mm", MM, -limit, limit),
-        above=number("margin_above_mm", MM, 0, config.tolerance_mm),
-        below=number("margin_below_mm", MM, 0, config.tolerance_mm),
-        speed=number("speed_mm_s", MM_S, -fast, fast),
-        stops=tuple(_map_stop(number_, limit) for number_ in range(1, config.stop_points + 1)),
-        selected=optional("selected_stop", COUNT, 1, config.stop_points),
-        permitted=boolean("reposition_permitted"),
-        departure=boolean("departure"),
-        released=boolean("released"),
-        stop=number("stop_mm", MM, -limit, limit),
-        before=number("before_mm", MM, 0, MOST_WINDOW_MM),
-        after=number("after_mm", MM, 0, MOST_WINDOW_MM),
-        pending=number("pending_number", COUNT, 0, config.stop_points),
-        served=number("served_number", COUNT, 0, config.stop_points),
-        distance=number("to_go_mm", MM, -2 * limit, 2 * limit),
-        reason=choice("held_reason", enumeration(REASON)),
-        truth=number("truth_nm", NM, -reach, reach),
-        next_truth=number("next_truth_nm", NM, -reach, reach),
-        true_speed=number("true_speed_mm_s", MM_S, -fast - error, fast + error),
-        next_true_speed=number("next_true_speed_mm_s", MM_S, -fast - error, fast + error),
-        run_out=number("run_out_nm", NM, 0, _longest_nm(config)),
-        next_run_out=number("next_run_out_nm", NM, 0, _longest_nm(config)),
-    )
+    return Parts(config)
 
 
 def _longest_nm(config: StopPointConfig) -> int:
@@ -151,9 +119,9 @@ def _longest_nm(config: StopPointConfig) -> int:
     return (fastest * config.reaction_ms // 1_000 + fastest * fastest // (2 * config.brake_mm_s2) + 1) * NM_PER_MM
 
 
-def _map_stop(number_: int, limit_mm: int) -> MapStop:
+def _map_stop(declared: Declared, number_: int, limit_mm: int) -> MapStop:
     return MapStop(
-        optional(f"stop_{number_}_position_mm", MM, -limit_mm, limit_mm),
-        number(f"stop_{number_}_before_mm", MM, 0, MOST_WINDOW_MM),
-        number(f"stop_{number_}_after_mm", MM, 0, MOST_WINDOW_MM),
+        declared.sensor(optional(f"stop_{number_}_position_mm", MM, -limit_mm, limit_mm)),
+        declared.sensor(number(f"stop_{number_}_before_mm", MM, 0, MOST_WINDOW_MM)),
+        declared.sensor(number(f"stop_{number_}_after_mm", MM, 0, MOST_WINDOW_MM)),
     )

@@ -7,7 +7,6 @@ device's word; here it is a law about an input.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, between, exact_to, product, with_unit
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.stop_point.variables import Parts
@@ -18,8 +17,8 @@ NM_PER_UM, UM_PER_MM = 1_000, 1_000
 def world(own: Parts) -> World:
     """The front end, its speed, and its run-out once the brakes are ordered."""
     return World(
-        ghosts={own.truth: ANY, own.true_speed: ANY, own.run_out: ANY},
-        choices=[own.next_truth, own.next_true_speed, own.next_run_out],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={own.truth: own.next_truth, own.true_speed: own.next_true_speed, own.run_out: own.next_run_out},
         clauses={
             "a valid interval holds the truth": _reported(own),

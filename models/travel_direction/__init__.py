@@ -64,8 +64,8 @@ def build(own: Parts) -> TravelDirection:
     made = Machine(
         name="travel_direction",
         modes=table,
-        inputs=[own.passed, own.ahead, own.balise, own.before, own.after, own.backwards, own.expected],
-        state={own.last: NO_MODEL, own.awaited: NO_MODEL, own.along: False, own.asked: UNKNOWN},
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "direction": ite(current.eq(along), ALONG, ite(current.eq(against), AGAINST, UNKNOWN)),
             "contradicts": ite(current.eq(along), own.asked.eq(AGAINST), current.eq(against) & own.asked.eq(ALONG)),

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from safeloc.config import Config
-from safeloc.language.expr import Bool, BoolVar, Num, NumVar, boolean, choice, enumeration, ite, members
+from safeloc.language.declared import Declared
+from safeloc.language.expr import Bool, Num, boolean, choice, enumeration, ite, members
+from safeloc.language.machine import ANY
 from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 
 DIRECTION = members("travel", "UNKNOWN", "ALONG", "AGAINST")
@@ -16,7 +16,6 @@ class DirectionConfig(Config):
     """Nothing to configure: the map gives the models, the route the direction that is expected."""
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -31,22 +30,25 @@ class Parts:
     first_right    ghost: of the reflector passed last before the balise the true model was read
     """
 
-    passed: NumVar
-    ahead: NumVar
-    balise: BoolVar
-    before: NumVar
-    after: NumVar
-    backwards: BoolVar
-    expected: NumVar
-    last: NumVar
-    awaited: NumVar
-    along: BoolVar
-    asked: NumVar
-    runs_along: BoolVar
-    next_runs_along: BoolVar
-    last_read: NumVar
-    due: NumVar
-    first_right: BoolVar
+    def __init__(self) -> None:
+        self.declared = declared = Declared()
+        model, travel = enumeration(MODEL), enumeration(DIRECTION)
+        self.passed = declared.sensor(choice("passed_model", model))
+        self.ahead = declared.sensor(choice("ahead_model", model))
+        self.balise = declared.sensor(boolean("balise_read"))
+        self.before = declared.sensor(choice("model_before", model))
+        self.after = declared.sensor(choice("model_after", model))
+        self.backwards = declared.sensor(boolean("backwards"))
+        self.expected = declared.sensor(choice("route_direction", travel))
+        self.last = declared.state(choice("last_passed_model", model), first=NO_MODEL)
+        self.awaited = declared.state(choice("awaited_model", model), first=NO_MODEL)
+        self.along = declared.state(boolean("half_along"), first=False)
+        self.asked = declared.state(choice("asked_direction", travel), first=UNKNOWN)
+        self.runs_along = declared.ghost(boolean("runs_along"), first=ANY)
+        self.last_read = declared.ghost(choice("last_read_model", model), first=NO_MODEL)
+        self.due = declared.ghost(choice("true_next_model", model), first=NO_MODEL)
+        self.first_right = declared.ghost(boolean("first_model_right"), first=False)
+        self.next_runs_along = declared.choice(boolean("next_runs_along"))
 
     @property
     def latest(self) -> Num:
@@ -72,22 +74,4 @@ class Parts:
 
 def parts(_: DirectionConfig | None = None) -> Parts:
     """Fresh variables for one machine."""
-    model, travel = enumeration(MODEL), enumeration(DIRECTION)
-    return Parts(
-        passed=choice("passed_model", model),
-        ahead=choice("ahead_model", model),
-        balise=boolean("balise_read"),
-        before=choice("model_before", model),
-        after=choice("model_after", model),
-        backwards=boolean("backwards"),
-        expected=choice("route_direction", travel),
-        last=choice("last_passed_model", model),
-        awaited=choice("awaited_model", model),
-        along=boolean("half_along"),
-        asked=choice("asked_direction", travel),
-        runs_along=boolean("runs_along"),
-        next_runs_along=boolean("next_runs_along"),
-        last_read=choice("last_read_model", model),
-        due=choice("true_next_model", model),
-        first_right=boolean("first_model_right"),
-    )
+    return Parts()

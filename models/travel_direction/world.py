@@ -7,7 +7,6 @@ against it, the other way round.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Num, ite
-from safeloc.language.machine import ANY
 from safeloc.language.world import Law, World
 from safeloc.models.travel_direction.variables import Parts
 from safeloc.models.vocabulary.reflectors import NO_MODEL
@@ -16,8 +15,8 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 def world(own: Parts) -> World:
     """The direction, what was read of the reflector passed last, and what truly comes next after a balise."""
     return World(
-        ghosts={own.runs_along: ANY, own.last_read: NO_MODEL, own.due: NO_MODEL, own.first_right: False},
-        choices=[own.next_runs_along],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             own.runs_along: ite(own.backwards, own.next_runs_along, own.runs_along),
             own.last_read: ite(own.backwards, NO_MODEL, _read(own)),

@@ -59,8 +59,8 @@ def build(own: Parts) -> TurnOff:
     made = Machine(
         name="turn_off",
         modes=table,
-        inputs=[own.measured, own.lateral, own.low, own.high, own.switch, own.authorised],
-        state={own.here: own.here.low, own.noted: 0, own.course: UNDECIDED, own.asked: UNDECIDED, own.misses: 0},
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={"course": own.course, "contradicts": contradicts, "watching": current.eq(over)},
         transitions=list(_table(own, table)),
         world=world(own),

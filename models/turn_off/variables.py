@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
-    BoolVar,
     Num,
-    NumVar,
-    Optional,
     boolean,
     choice,
     enumeration,
@@ -20,6 +16,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM
 
@@ -54,7 +51,6 @@ class TurnOffConfig(Config):
         return self
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine. Lengths in mm.
 
@@ -67,24 +63,27 @@ class Parts:
     place, shift ghosts: where the reflector lies beside the axis before the switch, and how far its image has moved
     """
 
-    config: TurnOffConfig
-    measured: BoolVar
-    lateral: NumVar
-    low: NumVar
-    high: NumVar
-    switch: Optional
-    authorised: NumVar
-    here: NumVar
-    noted: NumVar
-    course: NumVar
-    asked: NumVar
-    misses: NumVar
-    true_switch: NumVar
-    true: NumVar
-    next_true: NumVar
-    place: NumVar
-    next_place: NumVar
-    shift: NumVar
+    def __init__(self, config: TurnOffConfig) -> None:
+        self.declared = declared = Declared()
+        limit, most, course = config.position_limit_mm, LATERAL_LIMIT_MM, enumeration(COURSE)
+        self.config = config
+        self.measured = declared.sensor(boolean("reflector_measured"))
+        self.lateral = declared.sensor(number("lateral_mm", MM, -most, most))
+        self.low = declared.sensor(number("position_low_mm", MM, -limit, limit))
+        self.high = declared.sensor(number("position_high_mm", MM, -limit, limit))
+        self.switch = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
+        self.authorised = declared.sensor(choice("authorised_course", course))
+        self.here = declared.state(number("switch_here_mm", MM, -limit - 1, limit), first=-limit - 1)
+        self.noted = declared.state(number("noted_lateral_mm", MM, -most, most), first=0)
+        self.course = declared.state(choice("seen_course", course), first=UNDECIDED)
+        self.asked = declared.state(choice("asked_course", course), first=UNDECIDED)
+        self.misses = declared.state(number("unmeasured_cycles", COUNT, 0, config.miss_limit_cycles), first=0)
+        self.true_switch = declared.ghost(number("true_switch_mm", MM, -limit, limit), first=ANY)
+        self.true = declared.ghost(choice("true_course", course), first=ANY)
+        self.place = declared.ghost(number("true_lateral_mm", MM, -2 * most, 2 * most), first=ANY)
+        self.next_true = declared.choice(choice("next_true_course", course))
+        self.next_place = declared.choice(number("next_true_lateral_mm", MM, -2 * most, 2 * most))
+        self.shift = declared.choice(number("true_shift_mm", MM, -4 * most, 4 * most))
 
     @property
     def motion(self) -> Num:
@@ -115,24 +114,4 @@ class Parts:
 
 def parts(config: TurnOffConfig) -> Parts:
     """Fresh variables for one machine."""
-    limit, most, course = config.position_limit_mm, LATERAL_LIMIT_MM, enumeration(COURSE)
-    return Parts(
-        config=config,
-        measured=boolean("reflector_measured"),
-        lateral=number("lateral_mm", MM, -most, most),
-        low=number("position_low_mm", MM, -limit, limit),
-        high=number("position_high_mm", MM, -limit, limit),
-        switch=optional("switch_position_mm", MM, -limit, limit),
-        authorised=choice("authorised_course", course),
-        here=number("switch_here_mm", MM, -limit - 1, limit),
-        noted=number("noted_lateral_mm", MM, -most, most),
-        course=choice("seen_course", course),
-        asked=choice("asked_course", course),
-        misses=number("unmeasured_cycles", COUNT, 0, config.miss_limit_cycles),
-        true_switch=number("true_switch_mm", MM, -limit, limit),
-        true=choice("true_course", course),
-        next_true=choice("next_true_course", course),
-        place=number("true_lateral_mm", MM, -2 * most, 2 * most),
-        next_place=number("next_true_lateral_mm", MM, -2 * most, 2 * most),
-        shift=number("true_shift_mm", MM, -4 * most, 4 * most),
-    )
+    return Parts(config)

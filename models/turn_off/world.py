@@ -7,7 +7,6 @@ reflector behind that switch.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Num, between, ite
-from safeloc.language.machine import ANY
 from safeloc.language.world import Law, World
 from safeloc.models.turn_off.variables import LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts
 
@@ -16,8 +15,8 @@ def world(own: Parts) -> World:
     """Switch, course and lateral place; the course may change while the vehicle is before the switch."""
     chosen = _another(own) | (own.measured & (own.high < own.true_switch))
     return World(
-        ghosts={own.true_switch: ANY, own.true: ANY, own.place: ANY},
-        choices=[own.next_true, own.next_place, own.shift],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             own.true_switch: _switch(own),
             own.true: _course(own, chosen),

@@ -94,8 +94,8 @@ def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, An
     made = Machine(
         name=name,
         modes=table,
-        inputs=own.inputs,
-        state=own.state(),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, judged, table)),
         definitions={

@@ -78,11 +78,12 @@ def world(train: Doubted) -> World:
     own = train.own
     return World(
         ghosts={
-            **dict.fromkeys((own.axles, own.length, own.truth, train.speed, train.width, train.spread), ANY),
+            **own.declared.ghosts,
+            **dict.fromkeys((train.speed, train.width, train.spread), ANY),
             train.record_ago: 0,
             train.untold_for: 0,
         },
-        choices=[own.next_axles, own.next_length, own.next_truth, train.next_speed],
+        choices=[*own.declared.choices, train.next_speed],
         moves={
             own.axles: own.next_axles,
             own.length: own.next_length,

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     BoolVar,
     NumVar,
-    Optional,
-    Var,
     boolean,
     choice,
     enumeration,
@@ -17,7 +14,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.machine import Initial
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MM_S, MM_S2, NM, UM, UM_S
 
 REASON = members(
@@ -81,7 +78,6 @@ class VerificationConfig(Config):
         return -(-self.max_speed_mm_s * self.period_ms // 1_000)
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -106,78 +102,76 @@ class Parts:
     length, truth    ghosts: of that train now (um, nm)
     """
 
-    config: VerificationConfig
-    due: BoolVar
-    source: NumVar
-    sound: BoolVar
-    record_count: NumVar
-    record_low: NumVar
-    record_high: NumVar
-    record_speed_low: NumVar
-    record_speed_high: NumVar
-    record_place_low: NumVar
-    record_place_high: NumVar
-    record_age: NumVar
-    associated: BoolVar
-    seen_count: Optional
-    seen_length: Optional
-    seen_speed: Optional
-    place: Optional
-    place_above: NumVar
-    place_below: NumVar
-    located: BoolVar
-    ends_low: Optional
-    ends_high: Optional
-    fibre_error: BoolVar
-    control_count: Optional
-    control_length: Optional
-    control_brake: Optional
-    chain_tested: BoolVar
-    chain_failed: BoolVar
-    leaves: BoolVar
-    kept_count: NumVar
-    kept_low: NumVar
-    kept_high: NumVar
-    possible_low: NumVar
-    possible_high: NumVar
-    length_known: BoolVar
-    last_length: NumVar
-    speed_known: BoolVar
-    last_speed: NumVar
-    slower: NumVar
-    faster: NumVar
-    place_known: BoolVar
-    last_place: NumVar
-    reach: NumVar
-    front: NumVar
-    front_above: NumVar
-    front_below: NumVar
-    age: NumVar
-    by_count: BoolVar
-    by_length: BoolVar
-    by_speed: BoolVar
-    by_place: BoolVar
-    by_control: BoolVar
-    by_emitter: BoolVar
-    given: BoolVar
-    reason: NumVar
-    axles: NumVar
-    next_axles: NumVar
-    length: NumVar
-    next_length: NumVar
-    truth: NumVar
-    next_truth: NumVar
-
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """What is heard in a cycle."""
-        record = [self.record_count, self.record_low, self.record_high, self.record_speed_low, self.record_speed_high]
-        reference: list[Var | Optional] = [self.due, self.source, self.sound, *record]
-        reference += [self.record_place_low, self.record_place_high, self.record_age]
-        seen: list[Var | Optional] = [self.associated, self.seen_count, self.seen_length, self.seen_speed, self.place]
-        seen += [self.place_above, self.place_below, self.located, self.ends_low, self.ends_high, self.fibre_error]
-        control: list[Var | Optional] = [self.control_count, self.control_length, self.control_brake]
-        return [*reference, *seen, *control, self.chain_tested, self.chain_failed, self.leaves]
+    def __init__(self, config: VerificationConfig, truth: NumVar | None = None) -> None:
+        self.declared = declared = Declared()
+        limit, fast = config.position_limit_mm, config.max_speed_mm_s
+        long, axles = config.length_limit_mm, config.axle_limit
+        margin, change, ages = config.margin_limit_mm, config.change_limit_um_s, config.currency_cycles + 1
+        far, oldest = 2 * (limit + margin), 2 * config.reference_age_limit_cycles + 1
+        possible = limit + config.fastest_run_mm + max(config.place_doubt_limit_mm, oldest * config.fastest_run_mm)
+        self.config = config
+        self.due = declared.sensor(boolean("reference_due"))
+        self.source = declared.sensor(choice("reference_from", enumeration(FROM)))
+        self.sound = declared.sensor(boolean("record_sound"))
+        self.record_count = declared.sensor(number("record_axles", COUNT, 0, axles))
+        self.record_low = declared.sensor(number("record_length_low_mm", MM, 0, long))
+        self.record_high = declared.sensor(number("record_length_high_mm", MM, 0, long))
+        self.record_speed_low = declared.sensor(number("record_speed_low_mm_s", MM_S, -fast, fast))
+        self.record_speed_high = declared.sensor(number("record_speed_high_mm_s", MM_S, -fast, fast))
+        self.record_place_low = declared.sensor(number("record_place_low_mm", MM, -limit, limit))
+        self.record_place_high = declared.sensor(number("record_place_high_mm", MM, -limit, limit))
+        self.record_age = declared.sensor(number("record_age_cycles", COUNT, 0, oldest))
+        self.associated = declared.sensor(boolean("associated"))
+        self.seen_count = declared.sensor(optional("fibre_axles", COUNT, 0, axles))
+        self.seen_length = declared.sensor(optional("fibre_length_mm", MM, 0, long))
+        self.seen_speed = declared.sensor(optional("fibre_speed_mm_s", MM_S, -fast, fast))
+        self.place = declared.sensor(optional("fibre_position_mm", MM, -limit, limit))
+        self.place_above = declared.sensor(number("fibre_margin_above_mm", MM, 0, margin))
+        self.place_below = declared.sensor(number("fibre_margin_below_mm", MM, 0, margin))
+        self.located = declared.sensor(boolean("fibre_located"))
+        self.ends_low = declared.sensor(optional("fibre_ends_low_mm", MM, -far, far))
+        self.ends_high = declared.sensor(optional("fibre_ends_high_mm", MM, -far, far))
+        self.fibre_error = declared.sensor(boolean("fibre_error"))
+        self.control_count = declared.sensor(optional("control_axles", COUNT, 0, axles))
+        self.control_length = declared.sensor(optional("control_length_mm", MM, 0, long))
+        self.control_brake = declared.sensor(optional("control_brake_mm_s2", MM_S2, 0, 5_000))
+        self.chain_tested = declared.sensor(boolean("chain_tested"))
+        self.chain_failed = declared.sensor(boolean("chain_failed"))
+        self.leaves = declared.sensor(boolean("train_leaves"))
+        self.kept_count = declared.state(number("kept_axles", COUNT, 0, axles), first=0)
+        self.kept_low = declared.state(number("kept_length_low_mm", MM, 0, long), first=0)
+        self.kept_high = declared.state(number("kept_length_high_mm", MM, 0, long), first=0)
+        self.possible_low = declared.state(number("possible_low_mm", MM, -possible, limit), first=0)
+        self.possible_high = declared.state(number("possible_high_mm", MM, -limit, possible), first=0)
+        self.last_length = declared.state(number("last_length_mm", MM, 0, long), first=0)
+        self.last_speed = declared.state(number("last_speed_mm_s", MM_S, -fast, fast), first=0)
+        self.slower = declared.state(number("slower_by_um_s", UM_S, 0, change), first=0)
+        self.faster = declared.state(number("faster_by_um_s", UM_S, 0, change), first=0)
+        self.last_place = declared.state(number("last_place_mm", MM, -limit, limit), first=0)
+        self.reach = declared.state(number("reach_since_mm", MM, 0, far), first=0)
+        self.front = declared.state(number("front_mm", MM, -limit, limit), first=0)
+        self.front_above = declared.state(number("front_margin_above_mm", MM, 0, margin), first=0)
+        self.front_below = declared.state(number("front_margin_below_mm", MM, 0, margin), first=0)
+        self.age = declared.state(number("verified_ago_cycles", COUNT, 0, ages), first=0)
+        self.by_count = declared.state(boolean("by_count"), first=False)
+        self.by_length = declared.state(boolean("by_length"), first=False)
+        self.by_speed = declared.state(boolean("by_speed_at_entry"), first=False)
+        self.by_place = declared.state(boolean("by_place_at_entry"), first=False)
+        self.by_control = declared.state(boolean("by_control_data"), first=False)
+        self.by_emitter = declared.state(boolean("by_emitter"), first=False)
+        self.length_known = declared.state(boolean("last_length_known"), first=False)
+        self.speed_known = declared.state(boolean("last_speed_known"), first=False)
+        self.place_known = declared.state(boolean("last_place_known"), first=False)
+        self.given = declared.state(boolean("given_out"), first=False)
+        self.reason = declared.state(choice("why", enumeration(REASON)), first=NO_RECORD)
+        self.axles = declared.ghost(number("true_axles", COUNT, 0, axles), first=ANY)
+        self.length = declared.ghost(number("true_length_um", UM, 0, 2_000 * long), first=ANY)
+        if truth is None:
+            truth = number("truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6)
+        self.truth = declared.ghost(truth, first=ANY)
+        self.next_axles = declared.choice(number("next_true_axles", COUNT, 0, axles))
+        self.next_length = declared.choice(number("next_true_length_um", UM, 0, 2_000 * long))
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6))
 
     @property
     def flags(self) -> tuple[BoolVar, ...]:
@@ -196,80 +190,7 @@ class Parts:
         """Which last readings there are."""
         return self.length_known, self.speed_known, self.place_known
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: no train."""
-        state: dict[Var, Initial] = dict.fromkeys((*self.numbers, self.age), 0)
-        return {**state, **dict.fromkeys((*self.flags, *self.known, self.given), False), self.reason: NO_RECORD}
 
-
-def parts(config: VerificationConfig) -> Parts:
-    """Fresh variables for one train."""
-    limit, long, axles, fast = (
-        config.position_limit_mm, config.length_limit_mm, config.axle_limit, config.max_speed_mm_s
-    )  # fmt: skip
-    margin, change, ages = config.margin_limit_mm, config.change_limit_um_s, config.currency_cycles + 1
-    far, oldest = 2 * (limit + margin), 2 * config.reference_age_limit_cycles + 1
-    possible = limit + config.fastest_run_mm + max(config.place_doubt_limit_mm, oldest * config.fastest_run_mm)
-    return Parts(
-        config=config,
-        due=boolean("reference_due"),
-        source=choice("reference_from", enumeration(FROM)),
-        sound=boolean("record_sound"),
-        record_count=number("record_axles", COUNT, 0, axles),
-        record_low=number("record_length_low_mm", MM, 0, long),
-        record_high=number("record_length_high_mm", MM, 0, long),
-        record_speed_low=number("record_speed_low_mm_s", MM_S, -fast, fast),
-        record_speed_high=number("record_speed_high_mm_s", MM_S, -fast, fast),
-        record_place_low=number("record_place_low_mm", MM, -limit, limit),
-        record_place_high=number("record_place_high_mm", MM, -limit, limit),
-        record_age=number("record_age_cycles", COUNT, 0, oldest),
-        associated=boolean("associated"),
-        seen_count=optional("fibre_axles", COUNT, 0, axles),
-        seen_length=optional("fibre_length_mm", MM, 0, long),
-        seen_speed=optional("fibre_speed_mm_s", MM_S, -fast, fast),
-        place=optional("fibre_position_mm", MM, -limit, limit),
-        place_above=number("fibre_margin_above_mm", MM, 0, margin),
-        place_below=number("fibre_margin_below_mm", MM, 0, margin),
-        located=boolean("fibre_located"),
-        ends_low=optional("fibre_ends_low_mm", MM, -far, far),
-        ends_high=optional("fibre_ends_high_mm", MM, -far, far),
-        fibre_error=boolean("fibre_error"),
-        control_count=optional("control_axles", COUNT, 0, axles),
-        control_length=optional("control_length_mm", MM, 0, long),
-        control_brake=optional("control_brake_mm_s2", MM_S2, 0, 5_000),
-        chain_tested=boolean("chain_tested"),
-        chain_failed=boolean("chain_failed"),
-        leaves=boolean("train_leaves"),
-        kept_count=number("kept_axles", COUNT, 0, axles),
-        kept_low=number("kept_length_low_mm", MM, 0, long),
-        kept_high=number("kept_length_high_mm", MM, 0, long),
-        possible_low=number("possible_low_mm", MM, -possible, limit),
-        possible_high=number("possible_high_mm", MM, -limit, possible),
-        length_known=boolean("last_length_known"),
-        last_length=number("last_length_mm", MM, 0, long),
-        speed_known=boolean("last_speed_known"),
-        last_speed=number("last_speed_mm_s", MM_S, -fast, fast),
-        slower=number("slower_by_um_s", UM_S, 0, change),
-        faster=number("faster_by_um_s", UM_S, 0, change),
-        place_known=boolean("last_place_known"),
-        last_place=number("last_place_mm", MM, -limit, limit),
-        reach=number("reach_since_mm", MM, 0, far),
-        front=number("front_mm", MM, -limit, limit),
-        front_above=number("front_margin_above_mm", MM, 0, margin),
-        front_below=number("front_margin_below_mm", MM, 0, margin),
-        age=number("verified_ago_cycles", COUNT, 0, ages),
-        by_count=boolean("by_count"),
-        by_length=boolean("by_length"),
-        by_speed=boolean("by_speed_at_entry"),
-        by_place=boolean("by_place_at_entry"),
-        by_control=boolean("by_control_data"),
-        by_emitter=boolean("by_emitter"),
-        given=boolean("given_out"),
-        reason=choice("why", enumeration(REASON)),
-        axles=number("true_axles", COUNT, 0, axles),
-        next_axles=number("next_true_axles", COUNT, 0, axles),
-        length=number("true_length_um", UM, 0, 2_000 * long),
-        next_length=number("next_true_length_um", UM, 0, 2_000 * long),
-        truth=number("truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6),
-        next_truth=number("next_truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6),
-    )
+def parts(config: VerificationConfig, *, truth: NumVar | None = None) -> Parts:
+    """Fresh variables for one train; `truth` is its place where another machine's world moves it."""
+    return Parts(config, truth)

@@ -7,7 +7,6 @@ anything said of the record, of train control, or of place and speed at the coun
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, between, exact_to
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM, UM
 from safeloc.language.world import Law, World
 from safeloc.models.verification.variables import Parts
@@ -18,8 +17,8 @@ PLACE = "a located interval holds the front"
 def world(own: Parts, *, place_kept: bool) -> World:
     """Axles (when counted), length and front of the train that the pattern belongs to; `place_kept`: an earlier machine vouches for it."""
     return World(
-        ghosts={own.axles: ANY, own.length: ANY, own.truth: ANY},
-        choices=[own.next_axles, own.next_length, own.next_truth],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={own.axles: own.next_axles, own.length: own.next_length, own.truth: own.next_truth},
         clauses={**_features(own), **({} if place_kept else _place(own))},
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from functools import cache
 
@@ -101,7 +102,9 @@ def test_one_less_is_refuted_by_a_run(claim: str, figure: str) -> None:
     """The figure of a claim is the least one: with one unit less a run breaks it, with the laws kept."""
     model = made(SHORT)
     less = SHORT.model_copy(update={figure: getattr(SHORT, figure) - 1})
-    narrower = named(replace(model, own=replace(model.own, config=less)), claim)
+    own = copy(model.own)
+    own.config = less
+    narrower = named(replace(model, own=own), claim)
     assert refuted(model.machine, narrower)
 
 
