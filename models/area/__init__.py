@@ -30,7 +30,7 @@ from safeloc.language.expr import (
     maximum,
     minimum,
 )
-from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
@@ -74,15 +74,11 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
     """
     table = modes("UNSWEPT", "SWEPT")
     current = current_mode(table)
-    limit = own.config.limit_mm
-    state: dict[Var, Initial] = {own.low_end: ANY, own.high_end: ANY, own.loose_low: -limit, own.loose_high: limit}
-    for one in own.slots:
-        state |= one.state()
     made = Machine(
         name="area",
         modes=table,
-        inputs=[own.healthy, own.clear, *(var for one in own.slots for var in one.inputs)],
-        state={**state, own.rejected: 0},
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, table)),
         world=world(own, kept, counted_out),

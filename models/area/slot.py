@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     Bool,
@@ -31,7 +32,7 @@ from safeloc.language.expr import (
     optional,
     with_unit,
 )
-from safeloc.language.machine import Initial
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MS, UM
 
 EVENT = members("event", "NONE", "ENTERS_LOW", "ENTERS_HIGH", "LEAVES_LOW", "LEAVES_HIGH")
@@ -95,11 +96,6 @@ class Slot:
     from_low: BoolVar
     from_high: BoolVar
     next_all_out: BoolVar
-
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """What is heard of it in a cycle."""
-        return [self.event, self.rear, self.front, self.age, self.trusted, self.integer, self.downwards]
 
     @property
     def enters(self) -> Bool:
@@ -174,19 +170,6 @@ class Slot:
         new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
         return ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: nobody."""
-        return {
-            self.present: False,
-            self.low: 0,
-            self.high: 0,
-            self.silent: 0,
-            self.unconfirmed: 0,
-            self.below: False,
-            self.above: False,
-            self.judged: NO_REPORT,
-        }
-
     def nobody(self) -> dict[Var, Expr]:
         """Updates after which nobody is here."""
         zero = as_num(0, MM)
@@ -201,7 +184,7 @@ class Slot:
         }
 
 
-def slot(number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: bool) -> Slot:
+def slot(declared: Declared, number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: bool) -> Slot:
     """A slot with fresh variables."""
     name, limit = f"train_{number_}", reach.limit_mm
     far, step = limit * 1_000, reach.cycle_mm * 1_000
@@ -209,27 +192,27 @@ def slot(number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: 
         number_,
         reach,
         integrity_is_trusted,
-        choice(f"{name}_event", enumeration(EVENT)),
-        optional(f"{name}_rear_mm", MM, -limit, limit),
-        optional(f"{name}_front_mm", MM, -limit, limit),
-        number(f"{name}_report_age_ms", MS, 0, 2 * reach.report_age_limit_ms),
-        boolean(f"{name}_trusted"),
-        boolean(f"{name}_integer"),
-        boolean(f"{name}_downwards"),
-        boolean(f"{name}_present"),
-        number(f"{name}_low_mm", MM, -limit, limit),
-        number(f"{name}_high_mm", MM, -limit, limit),
-        number(f"{name}_silent_cycles", COUNT, 0, count_limit),
-        number(f"{name}_unconfirmed_cycles", COUNT, 0, count_limit),
-        boolean(f"{name}_below_loose"),
-        boolean(f"{name}_above_loose"),
-        choice(f"{name}_judged", enumeration(VERDICT)),
-        boolean(f"{name}_there"),
-        number(f"{name}_true_rear_um", UM, -far, far),
-        number(f"{name}_true_front_um", UM, -far, far),
-        number(f"{name}_next_rear_um", UM, -far - step, far + step),
-        number(f"{name}_next_front_um", UM, -far - step, far + step),
-        boolean(f"{name}_from_low"),
-        boolean(f"{name}_from_high"),
+        declared.sensor(choice(f"{name}_event", enumeration(EVENT))),
+        declared.sensor(optional(f"{name}_rear_mm", MM, -limit, limit)),
+        declared.sensor(optional(f"{name}_front_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_report_age_ms", MS, 0, 2 * reach.report_age_limit_ms)),
+        declared.sensor(boolean(f"{name}_trusted")),
+        declared.sensor(boolean(f"{name}_integer")),
+        declared.sensor(boolean(f"{name}_downwards")),
+        declared.state(boolean(f"{name}_present"), first=False),
+        declared.state(number(f"{name}_low_mm", MM, -limit, limit), first=0),
+        declared.state(number(f"{name}_high_mm", MM, -limit, limit), first=0),
+        declared.state(number(f"{name}_silent_cycles", COUNT, 0, count_limit), first=0),
+        declared.state(number(f"{name}_unconfirmed_cycles", COUNT, 0, count_limit), first=0),
+        declared.state(boolean(f"{name}_below_loose"), first=False),
+        declared.state(boolean(f"{name}_above_loose"), first=False),
+        declared.state(choice(f"{name}_judged", enumeration(VERDICT)), first=NO_REPORT),
+        declared.ghost(boolean(f"{name}_there"), first=False),
+        declared.ghost(number(f"{name}_true_rear_um", UM, -far, far), first=ANY),
+        declared.ghost(number(f"{name}_true_front_um", UM, -far, far), first=ANY),
+        declared.choice(number(f"{name}_next_rear_um", UM, -far - step, far + step)),
+        declared.choice(number(f"{name}_next_front_um", UM, -far - step, far + step)),
+        declared.ghost(boolean(f"{name}_from_low"), first=False),
+        declared.ghost(boolean(f"{name}_from_high"), first=False),
         boolean(f"{name}_next_all_out"),
     )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, boolean, number
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, number
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, UM
-from safeloc.models.area.slot import Reach, Slot, slot
+from safeloc.models.area.slot import Reach, slot
 
 
 class AreaConfig(Config):
@@ -32,7 +32,6 @@ class AreaConfig(Config):
         return Reach(cycle, self.max_speed_mm_s, self.report_age_limit_ms, self.limit_mm)
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -42,44 +41,30 @@ class Parts:
     loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area, and where, um
     """
 
-    config: AreaConfig
-    slots: tuple[Slot, ...]
-    low_end: NumVar
-    high_end: NumVar
-    healthy: BoolVar
-    clear: BoolVar
-    loose_low: NumVar
-    loose_high: NumVar
-    rejected: NumVar
-    loose: BoolVar
-    loose_rear: NumVar
-    loose_front: NumVar
-    next_loose: BoolVar
-    next_loose_rear: NumVar
-    next_loose_front: NumVar
+    def __init__(self, config: AreaConfig) -> None:
+        self.declared = declared = Declared()
+        limit, reach = config.limit_mm, config.reach
+        far, step = limit * 1_000, reach.cycle_mm * 1_000
+        self.config = config
+        self.healthy = declared.sensor(boolean("counters_healthy"))
+        self.clear = declared.sensor(boolean("counters_clear"))
+        self.low_end = declared.state(number("low_end_mm", MM, -limit, limit), first=ANY)
+        self.high_end = declared.state(number("high_end_mm", MM, -limit, limit), first=ANY)
+        self.loose_low = declared.state(number("loose_low_mm", MM, -limit, limit), first=-limit)
+        self.loose_high = declared.state(number("loose_high_mm", MM, -limit, limit), first=limit)
+        self.loose = declared.ghost(boolean("loose_there"), first=ANY)
+        self.loose_rear = declared.ghost(number("loose_rear_um", UM, -far, far), first=ANY)
+        self.loose_front = declared.ghost(number("loose_front_um", UM, -far, far), first=ANY)
+        self.slots = tuple(
+            slot(declared, n, reach, config.count_limit, integrity_is_trusted=config.integrity_is_trusted)
+            for n in range(1, config.trains + 1)
+        )
+        self.rejected = declared.state(number("rejected_events", COUNT, 0, config.trains), first=0)
+        self.next_loose = declared.choice(boolean("next_loose_there"))
+        self.next_loose_rear = declared.choice(number("next_loose_rear_um", UM, -far - step, far + step))
+        self.next_loose_front = declared.choice(number("next_loose_front_um", UM, -far - step, far + step))
 
 
 def parts(config: AreaConfig) -> Parts:
     """Fresh variables for one machine."""
-    limit, reach = config.limit_mm, config.reach
-    far, step = limit * 1_000, reach.cycle_mm * 1_000
-    return Parts(
-        config,
-        tuple(
-            slot(n, reach, config.count_limit, integrity_is_trusted=config.integrity_is_trusted)
-            for n in range(1, config.trains + 1)
-        ),
-        number("low_end_mm", MM, -limit, limit),
-        number("high_end_mm", MM, -limit, limit),
-        boolean("counters_healthy"),
-        boolean("counters_clear"),
-        number("loose_low_mm", MM, -limit, limit),
-        number("loose_high_mm", MM, -limit, limit),
-        number("rejected_events", COUNT, 0, config.trains),
-        boolean("loose_there"),
-        number("loose_rear_um", UM, -far, far),
-        number("loose_front_um", UM, -far, far),
-        boolean("next_loose_there"),
-        number("next_loose_rear_um", UM, -far - step, far + step),
-        number("next_loose_front_um", UM, -far - step, far + step),
-    )
+    return Parts(config)

@@ -11,10 +11,9 @@ remembers at which end each train came in, and forgets it in a disturbance.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, exact_to, ite, with_unit
-from safeloc.language.machine import ANY, Initial
 from safeloc.language.units import UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
@@ -27,27 +26,15 @@ def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> Worl
     kept         slots whose reports an earlier machine vouches for, not assumed
     counted_out  slots of which an earlier machine vouches that all of the train left
     """
-    first: dict[Var, Initial] = {own.loose: ANY, own.loose_rear: ANY, own.loose_front: ANY}
     moves: dict[Var, Expr] = {
         own.loose: own.next_loose,
         own.loose_rear: own.next_loose_rear,
         own.loose_front: own.next_loose_front,
     }
     for one in own.slots:
-        first |= {one.there: False, one.true_rear: ANY, one.true_front: ANY, one.from_low: False, one.from_high: False}
         moves |= _train_moves(own, one)
-    return World(first, _choices(own, counted_out), moves, _laws(own, kept, counted_out))
-
-
-def _choices(own: Parts, counted_out: Sequence[Slot]) -> list[Var]:
-    ends: Iterable[Var] = (var for one in own.slots for var in (one.next_rear, one.next_front))
-    return [
-        *(one.next_all_out for one in counted_out),
-        *ends,
-        own.next_loose,
-        own.next_loose_rear,
-        own.next_loose_front,
-    ]
+    choices = [*(one.next_all_out for one in counted_out), *own.declared.choices]
+    return World(own.declared.ghosts, choices, moves, _laws(own, kept, counted_out))
 
 
 def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:

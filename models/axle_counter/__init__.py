@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Var, any_of, as_num, ite, maximum, minimum
-from safeloc.language.machine import Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, Var, any_of, as_num, ite, maximum, minimum
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM_S, MS, UM, UM_PER_MM
 from safeloc.models.axle_counter.cycle import Cycle
 from safeloc.models.axle_counter.lemmas import lemmas
@@ -27,7 +27,6 @@ from safeloc.models.axle_counter.passage import (
     LENGTH_UNKNOWN,
     MAYBE_ANOTHER_TRAIN,
     NO_SPEED,
-    POWER_UP,
     SOUND,
     SPEED_CONTRADICTED,
     TOO_LONG,
@@ -59,14 +58,12 @@ def build(own: Parts) -> AxleCounter:
     table = modes("SPOILT", "IDLE", "PASSING", "DONE")
     current = current_mode(table)
     *_, done = table
-    state: dict[Var, Initial] = dict.fromkeys(_bounds(own), 0)
-    state |= {own.came: NO_AXLE, own.count: 0, own.pause: 0, own.flaw: POWER_UP}
     cycle = Cycle(own)
     made = Machine(
         name="axle_counter",
         modes=table,
-        inputs=[own.axle, own.number, own.slow, own.fast, own.fault, own.over],
-        state=state,
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current.eq(done)),
         transitions=list(_table(own, cycle, table)),
         world=world(own),
@@ -83,10 +80,6 @@ def build(own: Parts) -> AxleCounter:
         ),
     )  # fmt: skip
     return Model(made, own)
-
-
-def _bounds(own: Parts) -> tuple[NumVar, ...]:
-    return own.low_speed, own.high_speed, own.run_low, own.run_high, own.length_low, own.length_high, own.past_low
 
 
 def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM_S, MS_PER_S, NM, UM, UM_PER_MM, UM_S
-from safeloc.models.axle_head import AXLE
+from safeloc.models.axle_head import AXLE, NO_AXLE
 
 FLAW = members(
     "flaw",
@@ -86,7 +86,6 @@ class AxleCounterConfig(Config):
         return (self.length_limit_mm + self.axle_gap_mm) * UM_PER_MM + step
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -106,71 +105,44 @@ class Parts:
     waited, last_up            ghosts: cycles since the last axle; it went upwards
     """
 
-    config: AxleCounterConfig
-    axle: NumVar
-    number: NumVar
-    slow: Optional
-    fast: Optional
-    fault: BoolVar
-    over: BoolVar
-    came: NumVar
-    count: NumVar
-    low_speed: NumVar
-    high_speed: NumVar
-    run_low: NumVar
-    run_high: NumVar
-    length_low: NumVar
-    length_high: NumVar
-    past_low: NumVar
-    pause: NumVar
-    flaw: NumVar
-    speed: NumVar
-    next_speed: NumVar
-    axle_speed: NumVar
-    step: NumVar
-    axle_step: NumVar
-    true_axles: NumVar
-    run: NumVar
-    length: NumVar
-    axles: NumVar
-    away: BoolVar
-    waited: NumVar
-    last_up: BoolVar
+    def __init__(self, config: AxleCounterConfig) -> None:
+        self.declared = declared = Declared()
+        most, far, axles = config.max_speed_mm_s, config.run_limit_um, config.axle_limit
+        step = 2 * most * config.period_ms * UM_PER_MM
+        self.config = config
+        self.axle = declared.sensor(choice("axle", enumeration(AXLE)))
+        self.number = declared.sensor(number("axles_in_cycle", COUNT, 1, config.axles_a_cycle))
+        self.slow = declared.sensor(optional("axle_speed_low_mm_s", MM_S, 0, most))
+        self.fast = declared.sensor(optional("axle_speed_high_mm_s", MM_S, 0, most))
+        self.fault = declared.sensor(boolean("head_fault"))
+        self.over = declared.sensor(boolean("passage_over"))
+        self.low_speed = declared.state(number("speed_low_mm_s", MM_S, -most, most), first=0)
+        self.high_speed = declared.state(number("speed_high_mm_s", MM_S, -most, most), first=0)
+        self.run_low = declared.state(number("run_low_um", UM, -far, far), first=0)
+        self.run_high = declared.state(number("run_high_um", UM, -far, far), first=0)
+        self.length_low = declared.state(number("length_low_um", UM, -far, far), first=0)
+        self.length_high = declared.state(number("length_high_um", UM, -far, far), first=0)
+        self.past_low = declared.state(number("past_low_um", UM, -far, far), first=0)
+        self.came = declared.state(choice("direction", enumeration(AXLE)), first=NO_AXLE)
+        self.count = declared.state(number("axles_counted", COUNT, 0, axles), first=0)
+        self.pause = declared.state(number("pause_cycles", COUNT, 0, config.pause_cycles), first=0)
+        self.flaw = declared.state(choice("flaw", enumeration(FLAW)), first=POWER_UP)
+        self.speed = declared.ghost(number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM), first=ANY)
+        self.run = declared.ghost(number("true_run_nm", NM, -(10**15), 10**15), first=0)
+        self.length = declared.ghost(number("true_length_nm", NM, -(10**15), 10**15), first=0)
+        self.axles = declared.ghost(number("true_axles", COUNT, 0, 2**31), first=0)
+        self.away = declared.ghost(boolean("train_is_away"), first=True)
+        self.waited = declared.ghost(
+            number("true_pause_cycles", COUNT, 0, config.headway_ms // config.period_ms + 1), first=ANY
+        )
+        self.last_up = declared.ghost(boolean("last_axle_upwards"), first=ANY)
+        self.next_speed = declared.choice(number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM))
+        self.axle_speed = declared.choice(number("axle_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM))
+        self.step = declared.choice(number("true_step_nm", NM, -step, step))
+        self.axle_step = declared.choice(number("true_step_to_axle_nm", NM, -step, step))
+        self.true_axles = declared.choice(number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle))
 
 
 def parts(config: AxleCounterConfig) -> Parts:
     """Fresh variables for one counter."""
-    most, far, axles = config.max_speed_mm_s, config.run_limit_um, config.axle_limit
-    step = 2 * most * config.period_ms * UM_PER_MM
-    return Parts(
-        config,
-        choice("axle", enumeration(AXLE)),
-        number("axles_in_cycle", COUNT, 1, config.axles_a_cycle),
-        optional("axle_speed_low_mm_s", MM_S, 0, most),
-        optional("axle_speed_high_mm_s", MM_S, 0, most),
-        boolean("head_fault"),
-        boolean("passage_over"),
-        choice("direction", enumeration(AXLE)),
-        number("axles_counted", COUNT, 0, axles),
-        number("speed_low_mm_s", MM_S, -most, most),
-        number("speed_high_mm_s", MM_S, -most, most),
-        number("run_low_um", UM, -far, far),
-        number("run_high_um", UM, -far, far),
-        number("length_low_um", UM, -far, far),
-        number("length_high_um", UM, -far, far),
-        number("past_low_um", UM, -far, far),
-        number("pause_cycles", COUNT, 0, config.pause_cycles),
-        choice("flaw", enumeration(FLAW)),
-        number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
-        number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
-        number("axle_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
-        number("true_step_nm", NM, -step, step),
-        number("true_step_to_axle_nm", NM, -step, step),
-        number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle),
-        number("true_run_nm", NM, -(10**15), 10**15),
-        number("true_length_nm", NM, -(10**15), 10**15),
-        number("true_axles", COUNT, 0, 2**31),
-        boolean("train_is_away"),
-        number("true_pause_cycles", COUNT, 0, config.headway_ms // config.period_ms + 1),
-        boolean("last_axle_upwards"),
-    )
+    return Parts(config)

@@ -8,7 +8,6 @@ be it of another train or of the same one that comes back.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, Var, abs_, all_of, between, exact_to, ite, maximum, minimum
-from safeloc.language.machine import ANY
 from safeloc.language.units import MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
@@ -29,16 +28,8 @@ def world(own: Parts) -> World:
     moves |= {own.away: _away_after(own), own.last_up: ite(passes, own.axle_speed > 0, own.last_up)}
     moves[own.waited] = ite(passes, 0, minimum(own.waited + 1, own.waited.high))
     return World(
-        ghosts={
-            own.speed: ANY,
-            own.run: 0,
-            own.length: 0,
-            own.axles: 0,
-            own.away: True,
-            own.waited: ANY,
-            own.last_up: ANY,
-        },
-        choices=[own.next_speed, own.axle_speed, own.step, own.axle_step, own.true_axles],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves=moves,
         clauses={**_head_laws(own), **_train_laws(own)},
     )

@@ -8,6 +8,7 @@ position is passed on. It is left only when the source is valid AND an absolute 
 from __future__ import annotations
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, NM_PER_MM
@@ -28,19 +29,20 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     config = config or DelocalizedConfig()
     limit, tolerance = config.position_limit_mm, config.tolerance_mm
     reasons = enumeration(REASON)
-    valid, reference = boolean("source_valid"), boolean("reference_accepted")
-    cause = choice("source_reason", reasons)
-    seen = number("source_position_mm", MM, -limit, limit)
-    seen_above = number("source_margin_above_mm", MM, 0, 10 * tolerance)
-    seen_below = number("source_margin_below_mm", MM, 0, 10 * tolerance)
-    position = number("passed_position_mm", MM, -limit, limit)
-    above, below = (
-        number("passed_margin_above_mm", MM, 0, tolerance),
-        number("passed_margin_below_mm", MM, 0, tolerance),
-    )
-    reason = choice("latched_reason", reasons)
     reach = (limit + 20 * tolerance) * NM_PER_MM
-    truth, next_truth = number("truth_nm", NM, -reach, reach), number("next_truth_nm", NM, -reach, reach)
+    declared = Declared()
+    valid = declared.sensor(boolean("source_valid"))
+    reference = declared.sensor(boolean("reference_accepted"))
+    cause = declared.sensor(choice("source_reason", reasons))
+    seen = declared.sensor(number("source_position_mm", MM, -limit, limit))
+    seen_above = declared.sensor(number("source_margin_above_mm", MM, 0, 10 * tolerance))
+    seen_below = declared.sensor(number("source_margin_below_mm", MM, 0, 10 * tolerance))
+    position = declared.state(number("passed_position_mm", MM, -limit, limit), first=0)
+    above = declared.state(number("passed_margin_above_mm", MM, 0, tolerance), first=0)
+    below = declared.state(number("passed_margin_below_mm", MM, 0, tolerance), first=0)
+    reason = declared.state(choice("latched_reason", reasons), first=NO_REFERENCE)
+    truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
+    next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
 
     table = modes("DELOCALIZED", "LOCALIZED")
     delocalized, localized = table
@@ -53,8 +55,8 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     return Machine(
         name="delocalized",
         modes=table,
-        inputs=[valid, reference, cause, seen, seen_above, seen_below],
-        state={position: 0, above: 0, below: 0, reason: NO_REFERENCE},
+        inputs=declared.inputs,
+        state=declared.states,
         outputs={
             "restrictive": current.eq(delocalized),
             "position_mm": position_if(current.eq(localized), position),
@@ -71,8 +73,8 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
             Transition("stay restrictive", delocalized, delocalized, set=nothing, requirements=("MRK-D2",), rank=2),
         ],
         world=World(
-            ghosts={truth: ANY},
-            choices=[next_truth],
+            ghosts=declared.ghosts,
+            choices=declared.choices,
             moves={truth: next_truth},
             clauses={
                 "a valid position holds the truth": Law(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import BoolVar, Lit, NumVar, boolean, choice, enumeration, number
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 
 
@@ -43,24 +45,30 @@ class Ghosts:
     ahead_by: NumVar
 
 
-def ghosts(bands: tuple[Lit, ...], places_mm: int, farthest_mm: int, sections: int, tolerance_mm: int) -> Ghosts:
-    """Fresh variables: of a line with places up to `places_mm` and so many sections, and runs of a cycle up to `farthest_mm`."""
+def ghosts(
+    declared: Declared, bands: tuple[Lit, ...], places_mm: int, farthest_mm: int, sections: int, tolerance_mm: int
+) -> Ghosts:
+    """Fresh variables: of a line with places up to `places_mm` and so many sections, and runs of a cycle up to `farthest_mm`.
+
+    Of `bands` the first one is told first: the normal amplitude.
+    """
     line, step = 8 * places_mm * NM_PER_MM, 2 * farthest_mm * NM_PER_MM
+    unheard, wrong = tolerance_mm * NM_PER_MM, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM
     return Ghosts(
-        truth=number("truth_nm", NM, -line, line),
-        step=number("true_run_nm", NM, -step, step),
-        edge=number("true_edge_nm", NM, -line, line),
-        spot=number("next_true_edge_nm", NM, -line, line),
-        count=number("true_count", COUNT, -2 * sections, 2 * sections),
-        next_count=number("next_true_count", COUNT, -2 * sections, 2 * sections),
-        real=boolean("section_is_real"),
-        next_real=boolean("next_section_is_real"),
-        band=choice("band_last_told", enumeration(bands)),
-        upwards=boolean("ran_upwards"),
-        unheard=number("told_unheard_nm", NM, 0, tolerance_mm * NM_PER_MM),
-        wrong=number("told_run_error_nm", NM, 0, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM),
-        of_map=boolean("section_is_the_maps"),
-        far=number("told_far_mm", MM, -places_mm, places_mm),
-        long=boolean("told_long"),
-        ahead_by=number("ahead_by", COUNT, -3 * sections, 3 * sections),
+        truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
+        step=declared.choice(number("true_run_nm", NM, -step, step)),
+        edge=declared.ghost(number("true_edge_nm", NM, -line, line), first=ANY),
+        spot=declared.choice(number("next_true_edge_nm", NM, -line, line)),
+        count=declared.ghost(number("true_count", COUNT, -2 * sections, 2 * sections), first=ANY),
+        next_count=declared.choice(number("next_true_count", COUNT, -2 * sections, 2 * sections)),
+        real=declared.ghost(boolean("section_is_real"), first=ANY),
+        next_real=declared.choice(boolean("next_section_is_real")),
+        band=declared.ghost(choice("band_last_told", enumeration(bands)), first=bands[0]),
+        upwards=declared.ghost(boolean("ran_upwards"), first=True),
+        unheard=declared.ghost(number("told_unheard_nm", NM, 0, unheard), first=unheard),
+        wrong=declared.ghost(number("told_run_error_nm", NM, 0, wrong), first=wrong),
+        of_map=declared.ghost(boolean("section_is_the_maps"), first=False),
+        far=declared.ghost(number("told_far_mm", MM, -places_mm, places_mm), first=0),
+        long=declared.ghost(boolean("told_long"), first=False),
+        ahead_by=declared.ghost(number("ahead_by", COUNT, -3 * sections, 3 * sections), first=0),
     )

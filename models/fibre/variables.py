@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     BoolVar,
     Num,
     NumVar,
-    Optional,
-    Var,
     boolean,
     choice,
     enumeration,
@@ -22,9 +21,8 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, MS_PER_S, NM, NM_PER_MM, Unit
-from safeloc.models.fibre.ghosts import Ghosts, ghosts
+from safeloc.models.fibre.ghosts import ghosts
 
 CDB = Unit("cdB")
 BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")
@@ -104,13 +102,7 @@ class Record:
     rises: BoolVar
     long: BoolVar
 
-    @property
-    def variables(self) -> list[Var | Optional]:
-        """All of them."""
-        return [self.known, self.near, self.far, self.rises, self.long]
 
-
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -130,52 +122,44 @@ class Parts:
     ghosts           of the world
     """
 
-    config: FibreConfig
-    amplitude: Optional
-    run: Optional
-    flight: Optional
-    reflection: Optional
-    ahead: Record
-    behind: Record
-    reference: BoolVar
-    reference_count: NumVar
-    reference_place: NumVar
-    answer: BoolVar
-    answer_count: NumVar
-    answer_place: NumVar
-    band: NumVar
-    count: NumVar
-    counted: BoolVar
-    forwards: BoolVar
-    base: NumVar
-    since: NumVar
-    drift: NumVar
-    gap: NumVar
-    unheard: NumVar
-    upwards: BoolVar
-    far: NumVar
-    long: BoolVar
-    word: NumVar
-    read: NumVar
-    signal: NumVar
-    why: NumVar
-    ghosts: Ghosts
-
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """What is heard in a cycle."""
-        heard: list[Var | Optional] = [self.amplitude, self.run, self.flight, self.reflection]
-        asked: list[Var | Optional] = [self.answer, self.answer_count, self.answer_place]
-        reference: list[Var | Optional] = [self.reference, self.reference_count, self.reference_place]
-        return [*heard, *self.ahead.variables, *self.behind.variables, *reference, *asked]
-
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        numbers = (self.count, self.base, self.since, self.drift, self.gap, self.far, self.word, self.read)
-        state: dict[Var, Initial] = dict.fromkeys(numbers, 0)
-        state |= dict.fromkeys((self.counted, self.upwards, self.long), False)
-        state[self.unheard] = self.config.unheard_limit_nm
-        return {**state, self.forwards: True, self.band: NORMAL, self.signal: NO_SIGNAL, self.why: NO_SIGNAL_YET}
+    def __init__(self, config: FibreConfig) -> None:
+        self.declared = declared = Declared()
+        limit, step = config.position_limit_mm, config.max_step_mm
+        far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
+        self.config = config
+        self.amplitude = declared.sensor(optional("amplitude_cdb", CDB, -10_000, 10_000))
+        self.run = declared.sensor(optional("run_mm", MM, -step, step))
+        self.flight = declared.sensor(optional("flight_position_mm", MM, -limit, limit))
+        self.reflection = declared.sensor(optional("reflecting_point_mm", MM, -limit, limit))
+        self.ahead = _record(declared, "ahead", limit)
+        self.behind = _record(declared, "behind", limit)
+        self.reference = declared.sensor(boolean("reference_accepted"))
+        self.reference_count = declared.sensor(number("reference_count", COUNT, 0, config.section_limit))
+        self.reference_place = declared.sensor(number("reference_position_mm", MM, -limit, limit))
+        self.answer = declared.sensor(boolean("word_found"))
+        self.answer_count = declared.sensor(number("word_count", COUNT, 0, config.section_limit))
+        self.answer_place = declared.sensor(number("word_position_mm", MM, -limit, limit))
+        self.count = declared.state(
+            number("sections_counted", COUNT, -config.section_limit, config.section_limit), first=0
+        )
+        self.base = declared.state(number("edge_mm", MM, -limit, limit), first=0)
+        self.since = declared.state(number("run_since_edge_mm", MM, -far, far), first=0)
+        self.drift = declared.state(number("drift_nm", NM, 0, drift), first=0)
+        self.gap = declared.state(number("silent_cycles", COUNT, 0, config.gap_limit_cycles), first=0)
+        self.far = declared.state(number("far_edge_mm", MM, -limit, limit), first=0)
+        self.word = declared.state(number("word_read", COUNT, 0, SYMBOLS**config.window - 1), first=0)
+        self.read = declared.state(number("symbols_read", COUNT, 0, config.window), first=0)
+        self.counted = declared.state(boolean("signal_counted"), first=False)
+        self.upwards = declared.state(boolean("entered_upwards"), first=False)
+        self.long = declared.state(boolean("long_by_map"), first=False)
+        self.unheard = declared.state(
+            number("run_unheard_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
+        )
+        self.forwards = declared.state(boolean("runs_forwards"), first=True)
+        self.band = declared.state(choice("band", enumeration(BAND)), first=NORMAL)
+        self.signal = declared.state(choice("event", enumeration(SIGNAL)), first=NO_SIGNAL)
+        self.why = declared.state(choice("why", enumeration(WHY)), first=NO_SIGNAL_YET)
+        self.ghosts = ghosts(declared, BAND, limit, step, config.section_limit, config.tolerance_mm)
 
     def next_to(self, forwards: Bool) -> tuple[Bool, Num, Num, Bool, Bool]:
         """The map's section that is met in this direction: known, near and far edge, rises, long."""
@@ -188,47 +172,14 @@ class Parts:
 
 def parts(config: FibreConfig) -> Parts:
     """Fresh variables for one end of a train."""
-    limit, step = config.position_limit_mm, config.max_step_mm
-    far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
-    return Parts(
-        config=config,
-        amplitude=optional("amplitude_cdb", CDB, -10_000, 10_000),
-        run=optional("run_mm", MM, -step, step),
-        flight=optional("flight_position_mm", MM, -limit, limit),
-        reflection=optional("reflecting_point_mm", MM, -limit, limit),
-        ahead=_record("ahead", limit),
-        behind=_record("behind", limit),
-        reference=boolean("reference_accepted"),
-        reference_count=number("reference_count", COUNT, 0, config.section_limit),
-        reference_place=number("reference_position_mm", MM, -limit, limit),
-        answer=boolean("word_found"),
-        answer_count=number("word_count", COUNT, 0, config.section_limit),
-        answer_place=number("word_position_mm", MM, -limit, limit),
-        band=choice("band", enumeration(BAND)),
-        count=number("sections_counted", COUNT, -config.section_limit, config.section_limit),
-        counted=boolean("signal_counted"),
-        forwards=boolean("runs_forwards"),
-        base=number("edge_mm", MM, -limit, limit),
-        since=number("run_since_edge_mm", MM, -far, far),
-        drift=number("drift_nm", NM, 0, drift),
-        gap=number("silent_cycles", COUNT, 0, config.gap_limit_cycles),
-        unheard=number("run_unheard_nm", NM, 0, config.unheard_limit_nm),
-        upwards=boolean("entered_upwards"),
-        far=number("far_edge_mm", MM, -limit, limit),
-        long=boolean("long_by_map"),
-        word=number("word_read", COUNT, 0, SYMBOLS**config.window - 1),
-        read=number("symbols_read", COUNT, 0, config.window),
-        signal=choice("event", enumeration(SIGNAL)),
-        why=choice("why", enumeration(WHY)),
-        ghosts=ghosts(BAND, limit, step, config.section_limit, config.tolerance_mm),
-    )
+    return Parts(config)
 
 
-def _record(name: str, limit: int) -> Record:
+def _record(declared: Declared, name: str, limit: int) -> Record:
     return Record(
-        boolean(f"{name}_known"),
-        number(f"{name}_near_mm", MM, -limit, limit),
-        number(f"{name}_far_mm", MM, -limit, limit),
-        boolean(f"{name}_rises"),
-        boolean(f"{name}_long"),
+        declared.sensor(boolean(f"{name}_known")),
+        declared.sensor(number(f"{name}_near_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_far_mm", MM, -limit, limit)),
+        declared.sensor(boolean(f"{name}_rises")),
+        declared.sensor(boolean(f"{name}_long")),
     )

@@ -31,7 +31,6 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.fibre import variables as v
@@ -44,8 +43,8 @@ def world(own: Parts) -> World:
     """The true place, the section that is really passed, and what the detector and the map told."""
     seen, now = own.ghosts, Passing(own)
     return World(
-        ghosts=_first(own),
-        choices=[seen.step, seen.spot, seen.next_count, seen.next_real],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             seen.truth: now.after,
             seen.edge: ite(now.edge, seen.spot, seen.edge),
@@ -60,15 +59,6 @@ def world(own: Parts) -> World:
         clauses=_laws(own, now),
         reads_machine=ASKED,
     )
-
-
-def _first(own: Parts) -> dict[Var, Initial]:
-    """Nothing was told: whatever is changed when the amplitude is first told may have been met anywhere."""
-    seen = own.ghosts
-    unknown: dict[Var, Initial] = dict.fromkeys((seen.truth, seen.edge, seen.count, seen.real), ANY)
-    told: dict[Var, Initial] = {seen.band: v.NORMAL, seen.upwards: True}
-    told |= {seen.unheard: seen.unheard.high, seen.wrong: seen.wrong.high}
-    return {**unknown, **told, seen.of_map: False, seen.far: 0, seen.long: False, seen.ahead_by: 0}
 
 
 def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:

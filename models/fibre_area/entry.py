@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     TRUE,
@@ -131,20 +132,27 @@ class Heard:
 def entry(wait_cycles: int, axle_limit: int) -> Entry:
     """The machine of one train of up to `axle_limit` axles."""
     table = modes("OUTSIDE", "AWAITED", "TOLD", "MISSING")
-    event, comes = choice("event", enumeration(EVENT)), choice("reference_comes", enumeration(FROM))
-    axles_in, axles_out = (optional(name, COUNT, 0, axle_limit) for name in ("axles_in", "axles_out"))
-    inside = number("axles_inside", COUNT, 0, axle_limit)
-    sure, left, in_part = boolean("count_is_sure"), boolean("left"), boolean("left_in_part")
-    waited = number("waited_cycles", COUNT, 0, wait_cycles)
-    due, source = boolean("due"), choice("from", enumeration(FROM))
-    truly, next_truly = (number(name, COUNT, 0, axle_limit) for name in ("true_axles_inside", "next_axles_inside"))
+    declared = Declared()
+    event = declared.sensor(choice("event", enumeration(EVENT)))
+    comes = declared.sensor(choice("reference_comes", enumeration(FROM)))
+    axles_in = declared.sensor(optional("axles_in", COUNT, 0, axle_limit))
+    axles_out = declared.sensor(optional("axles_out", COUNT, 0, axle_limit))
+    waited = declared.state(number("waited_cycles", COUNT, 0, wait_cycles), first=0)
+    due = declared.state(boolean("due"), first=False)
+    source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
+    inside = declared.state(number("axles_inside", COUNT, 0, axle_limit), first=0)
+    sure = declared.state(boolean("count_is_sure"), first=True)
+    left = declared.state(boolean("left"), first=False)
+    in_part = declared.state(boolean("left_in_part"), first=False)
+    truly = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
+    next_truly = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
     current = current_mode(table)
     heard = Heard(event, comes, axles_in, axles_out, inside, sure, in_part)
     machine = Machine(
         name="entry",
         modes=table,
-        inputs=[event, comes, axles_in, axles_out],
-        state={waited: 0, due: False, source: NOBODY, inside: 0, sure: True, left: False, in_part: False},
+        inputs=declared.inputs,
+        state=declared.states,
         outputs={
             "reference_due": due,
             "reference_from": source,
@@ -157,8 +165,8 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
         },
         transitions=list(_table(table, heard, waited, due, source, left)),
         world=World(
-            ghosts={truly: 0},
-            choices=[next_truly],
+            ghosts=declared.ghosts,
+            choices=declared.choices,
             moves={truly: next_truly},
             clauses=_clauses(heard, truly, next_truly),
         ),

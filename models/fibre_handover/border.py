@@ -14,14 +14,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    BoolVar,
     Expr,
     Lit,
-    NumVar,
     Var,
     as_num,
     boolean,
@@ -30,7 +29,7 @@ from safeloc.language.expr import (
     ite,
     number,
 )
-from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.variables import FROM, NEIGHBOUR, NOBODY
 
@@ -44,7 +43,6 @@ class BorderConfig(Config):
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -56,22 +54,19 @@ class Parts:
     due, source, sound  what the taking area's verification is told
     """
 
-    begins: NumVar
-    ends: NumVar
-    trusted: BoolVar
-    doubted: BoolVar
-    high: NumVar
-    arrives: BoolVar
-    gone: BoolVar
-    waited: NumVar
-    due: BoolVar
-    source: NumVar
-    sound: BoolVar
-
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        kept: dict[Var, Initial] = {self.begins: ANY, self.ends: ANY, self.waited: 0}
-        return {**kept, self.due: False, self.source: NOBODY, self.sound: False}
+    def __init__(self, config: BorderConfig, far_mm: int) -> None:
+        self.declared = declared = Declared()
+        self.trusted = declared.sensor(boolean("giving_trusts"))
+        self.doubted = declared.sensor(boolean("giving_distrusts"))
+        self.high = declared.sensor(number("front_high_mm", MM, -far_mm, far_mm))
+        self.arrives = declared.sensor(boolean("record_arrives"))
+        self.gone = declared.sensor(boolean("train_gone"))
+        self.begins = declared.state(number("shared_from_mm", MM, -far_mm, far_mm), first=ANY)
+        self.ends = declared.state(number("shared_to_mm", MM, -far_mm, far_mm), first=ANY)
+        self.waited = declared.state(number("sent_cycles", COUNT, 0, config.wait_cycles), first=0)
+        self.due = declared.state(boolean("due"), first=False)
+        self.source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
+        self.sound = declared.state(boolean("record_sound"), first=False)
 
     @property
     def here(self) -> Bool:
@@ -111,20 +106,7 @@ class Border:
 
 def parts(config: BorderConfig, far_mm: int) -> Parts:
     """Fresh variables for one train, on a line within `far_mm` to either side."""
-    begins, ends, high = (number(f"{n}_mm", MM, -far_mm, far_mm) for n in ("shared_from", "shared_to", "front_high"))
-    return Parts(
-        begins,
-        ends,
-        boolean("giving_trusts"),
-        boolean("giving_distrusts"),
-        high,
-        boolean("record_arrives"),
-        boolean("train_gone"),
-        number("sent_cycles", COUNT, 0, config.wait_cycles),
-        boolean("due"),
-        choice("from", enumeration(FROM)),
-        boolean("record_sound"),
-    )
+    return Parts(config, far_mm)
 
 
 def build(own: Parts) -> Border:
@@ -134,8 +116,8 @@ def build(own: Parts) -> Border:
     machine = Machine(
         name="border",
         modes=table,
-        inputs=[own.trusted, own.doubted, own.high, own.arrives, own.gone],
-        state=own.state(),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "reference_due": own.due,
             "reference_from": own.source,

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     TRUE,
     Bool,
@@ -21,7 +22,6 @@ from safeloc.language.expr import (
     Expr,
     Lit,
     NumVar,
-    Var,
     as_num,
     boolean,
     floor_div,
@@ -60,25 +60,32 @@ class Speaker:
 
 def speaker(far_mm: int) -> Speaker:
     """The machine of one train, on a line within `far_mm` to either side."""
-    giving, taking = (
-        Side(boolean(f"{side}_trusts"), *(number(f"{side}_{end}_mm", MM, -far_mm, far_mm) for end in ("low", "high")))
-        for side in ("giving", "taking")
-    )
-    names = ("shared_from_mm", "shared_to_mm", "given_low_mm", "given_high_mm")
-    begins, ends, low, high = (number(name, MM, -far_mm, far_mm) for name in names)
+    declared = Declared()
+    giving, taking = (_side(declared, side, far_mm) for side in ("giving", "taking"))
+    begins = declared.sensor(number("shared_from_mm", MM, -far_mm, far_mm))
+    ends = declared.sensor(number("shared_to_mm", MM, -far_mm, far_mm))
+    low = declared.state(number("given_low_mm", MM, -far_mm, far_mm), first=0)
+    high = declared.state(number("given_high_mm", MM, -far_mm, far_mm), first=0)
     table = modes("NOBODY", "GIVING", "TAKING", "BOTH")
     current = current_mode(table)
-    inputs: list[Var] = [var for side in (giving, taking) for var in (side.trusted, side.low, side.high)]
     machine = Machine(
         name="speaker",
         modes=table,
-        inputs=[*inputs, begins, ends],
-        state={low: 0, high: 0},
+        inputs=declared.inputs,
+        state=declared.states,
         outputs={"given": current.ne(table[0]), **_interval(current.ne(table[0]), low, high)},
         transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
         doc="Which of two neighbouring areas gives a train's position out.",
     )
     return Speaker(machine, giving, taking, begins, ends, low, high)
+
+
+def _side(declared: Declared, name: str, far_mm: int) -> Side:
+    return Side(
+        declared.sensor(boolean(f"{name}_trusts")),
+        declared.sensor(number(f"{name}_low_mm", MM, -far_mm, far_mm)),
+        declared.sensor(number(f"{name}_high_mm", MM, -far_mm, far_mm)),
+    )
 
 
 def _interval(given: Bool, low: NumVar, high: NumVar) -> dict[str, Expr]:

@@ -19,7 +19,7 @@ position of a reference, is not assumed of the whole, but owed by those, and pro
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from safeloc.language.composition import Clause, Composition, compose
 from safeloc.language.expr import Bool, BoolVar, Expr, Num, NumVar, Var
@@ -152,7 +152,7 @@ def _downlink(
 
 
 def _link(name: str, config: TransmissionConfig, moves: Motion) -> Transmission:
-    return transmission.build(replace(transmission.parts(config), truth=moves.own.ghosts.truth), name)
+    return transmission.build(transmission.parts(config, truth=moves.own.ghosts.truth), name)
 
 
 def _into_link(link: Transmission, valid: Bool, position: Num, below: Num, above: Num) -> dict[Var, Expr]:

@@ -14,7 +14,7 @@ assumed: each machine owes it to the next. What counters tell is assumed of the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from pydantic import model_validator
 
@@ -139,7 +139,7 @@ class _Behind:
         """The uplink's own figures; its margin wider by what is unknown of the length."""
         near, wider = self._config.localizer.uplink, self._config.train.length_tolerance_mm
         config = near.model_copy(update={"margin_limit_mm": near.margin_limit_mm + wider})
-        return transmission.build(replace(transmission.parts(config), truth=self.ends.own.far), "far_uplink")
+        return transmission.build(transmission.parts(config, truth=self.ends.own.far), "far_uplink")
 
     def _seen(self) -> train_seen.Parts:
         near, far, area = self._uplink.own.config, self.far_uplink.own.config, self._config.sections.area

@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     TRUE,
     Bool,
-    BoolVar,
     Expr,
     Lit,
     Num,
@@ -63,7 +63,6 @@ class FrontEnd:
     truth: NumVar
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -75,21 +74,26 @@ class Parts:
     train            ghosts of the area: the same train's rear and front along the line, um
     """
 
-    config: TrainConfig
-    world: FrontEnd
-    valid: BoolVar
-    position: NumVar
-    below: NumVar
-    above: NumVar
-    whole: BoolVar
-    upwards: BoolVar
-    told_position: NumVar
-    told_below: NumVar
-    told_above: NumVar
-    far: NumVar
-    next_truth: NumVar
-    next_far: NumVar
-    train: Slot
+    def __init__(self, config: TrainConfig, world: FrontEnd, train: Slot) -> None:
+        self.declared = declared = Declared()
+        limit, widest = world.limit_mm, world.margin_mm
+        wider, reach = widest + config.length_tolerance_mm, limit * NM_PER_MM
+        self.config, self.world, self.train = config, world, train
+        self.valid = declared.sensor(boolean("front_valid"))
+        self.position = declared.sensor(number("front_position_mm", MM, -limit, limit))
+        self.below = declared.sensor(number("front_margin_below_mm", MM, 0, widest))
+        self.above = declared.sensor(number("front_margin_above_mm", MM, 0, widest))
+        self.whole = declared.sensor(boolean("train_whole"))
+        self.upwards = declared.state(boolean("faces_upwards"), first=ANY)
+        self.told_position = declared.state(number("far_position_mm", MM, -limit, limit), first=0)
+        self.told_below = declared.state(number("far_margin_below_mm", MM, 0, wider), first=0)
+        self.told_above = declared.state(number("far_margin_above_mm", MM, 0, wider), first=0)
+        declared.ghost(world.truth, first=ANY)
+        self.far = declared.ghost(number("far_end_nm", NM, -reach, reach), first=ANY)
+        declared.ghost(train.true_rear, first=ANY)
+        declared.ghost(train.true_front, first=ANY)
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
+        self.next_far = declared.choice(number("next_far_end_nm", NM, -reach, reach))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,25 +106,7 @@ class TrainEnds:
 
 def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
     """Fresh variables; the train's ghosts are those of its slot in the area."""
-    limit, widest = world.limit_mm, world.margin_mm
-    wider, reach = widest + config.length_tolerance_mm, limit * NM_PER_MM
-    return Parts(
-        config,
-        world,
-        boolean("front_valid"),
-        number("front_position_mm", MM, -limit, limit),
-        number("front_margin_below_mm", MM, 0, widest),
-        number("front_margin_above_mm", MM, 0, widest),
-        boolean("train_whole"),
-        boolean("faces_upwards"),
-        number("far_position_mm", MM, -limit, limit),
-        number("far_margin_below_mm", MM, 0, wider),
-        number("far_margin_above_mm", MM, 0, wider),
-        number("far_end_nm", NM, -reach, reach),
-        number("next_truth_nm", NM, -reach, reach),
-        number("next_far_end_nm", NM, -reach, reach),
-        train,
-    )
+    return Parts(config, world, train)
 
 
 def build(own: Parts) -> TrainEnds:
@@ -134,8 +120,8 @@ def build(own: Parts) -> TrainEnds:
     machine = Machine(
         name="ends",
         modes=table,
-        inputs=[own.valid, own.position, own.below, own.above, own.whole],
-        state={own.upwards: ANY, own.told_position: 0, own.told_below: 0, own.told_above: 0},
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "valid": both,
             "position_mm": position_if(both, own.told_position),
@@ -145,8 +131,8 @@ def build(own: Parts) -> TrainEnds:
         },
         transitions=list(_table(own, table)),
         world=World(
-            ghosts={own.world.truth: ANY, own.far: ANY, train.true_rear: ANY, train.true_front: ANY},
-            choices=[own.next_truth, own.next_far],
+            ghosts=own.declared.ghosts,
+            choices=own.declared.choices,
             moves={
                 own.world.truth: own.next_truth,
                 own.far: own.next_far,

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     TRUE,
@@ -33,7 +34,7 @@ from safeloc.language.expr import (
     number,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
@@ -124,11 +125,6 @@ class Slot:
         """What is kept."""
         return Report(self.there, self.valid, self.position, self.below, self.above, self.age)
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: no report."""
-        numbers: dict[Var, Initial] = dict.fromkeys((self.position, self.below, self.above, self.age), 0)
-        return {self.there: False, self.valid: False, **numbers}
-
     def become(self, report: Report) -> dict[Var, Expr]:
         """Updates that keep the report."""
         return {
@@ -137,7 +133,6 @@ class Slot:
         }  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -146,17 +141,26 @@ class Parts:
     flying, held     the report on its way, and the one that arrived last
     """
 
-    config: TransmissionConfig
-    sent: BoolVar
-    arrived: BoolVar
-    valid: BoolVar
-    position: NumVar
-    below: NumVar
-    above: NumVar
-    flying: Slot
-    held: Slot
-    truth: NumVar
-    next_truth: NumVar
+    def __init__(self, config: TransmissionConfig, truth: NumVar | None = None) -> None:
+        self.declared = declared = Declared()
+        limit, widest = config.position_limit_mm, config.margin_limit_mm
+        reach = (limit + 2 * widest) * NM_PER_MM
+        self.config = config
+        self.sent = declared.sensor(boolean("sent"))
+        self.arrived = declared.sensor(boolean("arrived"))
+        self.valid = declared.sensor(boolean("sent_valid"))
+        self.position = declared.sensor(number("sent_position_mm", MM, -limit, limit))
+        self.below = declared.sensor(number("sent_margin_below_mm", MM, 0, widest))
+        self.above = declared.sensor(number("sent_margin_above_mm", MM, 0, widest))
+        self.flying = _slot(declared, "flying", config)
+        self.held = _slot(declared, "held", config)
+        self.truth = declared.ghost(number("truth_nm", NM, -reach, reach) if truth is None else truth, first=ANY)
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
+
+
+def parts(config: TransmissionConfig, *, truth: NumVar | None = None) -> Parts:
+    """Fresh variables for one link; `truth` is the sender's place where another machine's world moves it."""
+    return Parts(config, truth)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,34 +171,15 @@ class Transmission:
     own: Parts
 
 
-def parts(config: TransmissionConfig) -> Parts:
-    """Fresh variables for one link."""
-    limit, widest = config.position_limit_mm, config.margin_limit_mm
-    reach = (limit + 2 * widest) * NM_PER_MM
-    return Parts(
-        config,
-        boolean("sent"),
-        boolean("arrived"),
-        boolean("sent_valid"),
-        number("sent_position_mm", MM, -limit, limit),
-        number("sent_margin_below_mm", MM, 0, widest),
-        number("sent_margin_above_mm", MM, 0, widest),
-        _slot("flying", config),
-        _slot("held", config),
-        number("truth_nm", NM, -reach, reach),
-        number("next_truth_nm", NM, -reach, reach),
-    )
-
-
-def _slot(name: str, config: TransmissionConfig) -> Slot:
+def _slot(declared: Declared, name: str, config: TransmissionConfig) -> Slot:
     limit, widest, ages = config.position_limit_mm, config.margin_limit_mm, config.age_limit_cycles
     return Slot(
-        boolean(f"{name}_there"),
-        boolean(f"{name}_valid"),
-        number(f"{name}_position_mm", MM, -limit, limit),
-        number(f"{name}_margin_below_mm", MM, 0, widest),
-        number(f"{name}_margin_above_mm", MM, 0, widest),
-        number(f"{name}_age_cycles", COUNT, 0, ages),
+        declared.state(boolean(f"{name}_there"), first=False),
+        declared.state(boolean(f"{name}_valid"), first=False),
+        declared.state(number(f"{name}_position_mm", MM, -limit, limit), first=0),
+        declared.state(number(f"{name}_margin_below_mm", MM, 0, widest), first=0),
+        declared.state(number(f"{name}_margin_above_mm", MM, 0, widest), first=0),
+        declared.state(number(f"{name}_age_cycles", COUNT, 0, ages), first=0),
     )
 
 
@@ -207,8 +192,8 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
     made = Machine(
         name=name,
         modes=table,
-        inputs=[own.sent, own.arrived, own.valid, own.position, own.below, own.above],
-        state={**own.flying.state(), **own.held.state()},
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "valid": held,
             "position_mm": position_if(held, own.held.position),
@@ -218,8 +203,8 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
         },
         transitions=list(_table(own, table)),
         world=World(
-            ghosts={own.truth: ANY},
-            choices=[own.next_truth],
+            ghosts=own.declared.ghosts,
+            choices=own.declared.choices,
             moves={own.truth: own.next_truth},
             clauses={
                 "a position that is sent holds the truth": Law(
