@@ -4,6 +4,7 @@ A tag at the front end measures the range to a beacon ahead, whose place the map
 grows by what the vehicle can run.
 """
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import Bool, Num, exact_to, ite, maximum, minimum, number, optional
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM
@@ -25,9 +26,11 @@ def holds(middle: Num, error: Num | int, low: Num, high: Num) -> Bool:
 
 def source(vehicle: Vehicle) -> Machine:
     """The beacons' machine for a vehicle."""
-    far, run = vehicle.position_limit_mm, vehicle.farthest_mm
-    beacon, distance = optional("beacon_mm", MM, 500_000 - far, far), optional("range_mm", MM, 0, 500_000)
-    position, margin = number("place_mm", MM, -far, far), number("error_mm", MM, 0, WIDEST_MM)
+    far, run, declared = vehicle.position_limit_mm, vehicle.farthest_mm, Declared()
+    beacon = declared.sensor(optional("beacon_mm", MM, 500_000 - far, far))
+    distance = declared.sensor(optional("range_mm", MM, 0, 500_000))
+    position = declared.state(number("place_mm", MM, -far, far), first=0)
+    margin = declared.state(number("error_mm", MM, 0, WIDEST_MM), first=0)
     silent, located = table = modes("SILENT", "LOCATED")
     mode, fresh = current_mode(table), SURVEY_MM + RANGING_MM + run
     valid, ranged, place = mode.eq(located), beacon.present & distance.present, beacon.value - distance.value
@@ -37,8 +40,8 @@ def source(vehicle: Vehicle) -> Machine:
     return Machine(
         name="beacons",
         modes=table,
-        inputs=[beacon, distance],
-        state={position: 0, margin: 0},
+        inputs=declared.inputs,
+        state=declared.states,
         transitions=[
             Transition("range", table, located, ranged, {position: place, margin: fresh}),
             Transition("run on", located, located, wider <= WIDEST_MM, {margin: wider}, rank=1),
