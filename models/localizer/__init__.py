@@ -152,7 +152,7 @@ def _downlink(
 
 
 def _link(name: str, config: TransmissionConfig, moves: Motion) -> Transmission:
-    return transmission.build(transmission.parts(config, truth=moves.own.ghosts.truth), name)
+    return transmission.build(transmission.Parts(config, moves.own.ghosts.truth), name)
 
 
 def _into_link(link: Transmission, valid: Bool, position: Num, below: Num, above: Num) -> dict[Var, Expr]:

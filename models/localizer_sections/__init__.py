@@ -139,7 +139,7 @@ class _Behind:
         """The uplink's own figures; its margin wider by what is unknown of the length."""
         near, wider = self._config.localizer.uplink, self._config.train.length_tolerance_mm
         config = near.model_copy(update={"margin_limit_mm": near.margin_limit_mm + wider})
-        return transmission.build(transmission.parts(config, truth=self.ends.own.far), "far_uplink")
+        return transmission.build(transmission.Parts(config, self.ends.own.far), "far_uplink")
 
     def _seen(self) -> train_seen.Parts:
         near, far, area = self._uplink.own.config, self.far_uplink.own.config, self._config.sections.area

@@ -141,10 +141,9 @@ class Parts:
     flying, held     the report on its way, and the one that arrived last
     """
 
-    def __init__(self, config: TransmissionConfig, truth: NumVar | None = None) -> None:
+    def __init__(self, config: TransmissionConfig, truth: NumVar) -> None:
         self.declared = declared = Declared()
-        limit, widest = config.position_limit_mm, config.margin_limit_mm
-        reach = (limit + 2 * widest) * NM_PER_MM
+        limit, widest, reach = config.position_limit_mm, config.margin_limit_mm, _reach_nm(config)
         self.config = config
         self.sent = declared.sensor(boolean("sent"))
         self.arrived = declared.sensor(boolean("arrived"))
@@ -154,13 +153,17 @@ class Parts:
         self.above = declared.sensor(number("sent_margin_above_mm", MM, 0, widest))
         self.flying = _slot(declared, "flying", config)
         self.held = _slot(declared, "held", config)
-        self.truth = declared.ghost(number("truth_nm", NM, -reach, reach) if truth is None else truth, first=ANY)
+        self.truth = declared.ghost(truth, first=ANY)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
 
 
-def parts(config: TransmissionConfig, *, truth: NumVar | None = None) -> Parts:
-    """Fresh variables for one link; `truth` is the sender's place where another machine's world moves it."""
-    return Parts(config, truth)
+def parts(config: TransmissionConfig) -> Parts:
+    """Fresh variables for one link; where another machine's world moves the sender, use `Parts` with that machine's truth."""
+    return Parts(config, number("truth_nm", NM, -_reach_nm(config), _reach_nm(config)))
+
+
+def _reach_nm(config: TransmissionConfig) -> int:
+    return (config.position_limit_mm + 2 * config.margin_limit_mm) * NM_PER_MM
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ def test_what_is_known_is_handed_over() -> None:
     made = step_inputs(END, BEFORE, {"P1": 2_100})
     expected = {"flight_position_mm": 2_000, "run_mm": 550, "amplitude_cdb": 1_180, "reflecting_point_mm": 2_100}
     assert expected == made
-    optional = {item.value.name for item in parts(FibreConfig()).inputs if isinstance(item, Optional)}
+    optional = {item.value.name for item in parts(FibreConfig()).declared.inputs if isinstance(item, Optional)}
     assert set(made) == optional
 
 
