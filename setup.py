@@ -53,4 +53,5 @@ if __name__ == "__main__":
         packages=list(packages()),
         package_dir=TREES,
         package_data={package: data_files(folder) for package, folder in packages().items()},
+        include_package_data=False,
     )

@@ -58,12 +58,12 @@ def imported(code: str) -> Iterator[str]:
 
 @cache
 def rooms() -> nx.DiGraph[str]:
-    """All rooms with the number of their files; an edge from each room to each that it imports, with the number of files that do."""
+    """All rooms; an edge from each to each that it imports, with the number of files that do."""
     homes = {module_of(path): room_of(path) for path in files()}
     graph: nx.DiGraph[str] = nx.DiGraph()
     for path in files():
         room = room_of(path)
-        graph.add_node(room, files=graph.nodes.get(room, {}).get("files", 0) + 1)
+        graph.add_node(room)
         for target in {home(name, homes) for name in imported(path.read_text(encoding="utf-8"))}:
             if target not in (None, room):
                 times = graph.get_edge_data(room, target, {"times": 0})["times"]

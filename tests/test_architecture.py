@@ -63,7 +63,18 @@ HEAVY = {
 TARGET = re.compile(r"^safeloc\.models\.(\w+)\.target\b")
 LANGUAGE = sorted((ROOT / "language").rglob("*.py"))
 ENGINE = ("language", "codegen", "runtime", "proof")
-ABOVE_THE_ENGINE = ("railway", "sensing", "simulation", "report", "checker", "cli", "models", "properties", "targets", "shipped")
+ABOVE_THE_ENGINE = (
+    "railway",
+    "sensing",
+    "simulation",
+    "report",
+    "checker",
+    "cli",
+    "models",
+    "properties",
+    "targets",
+    "shipped",
+)
 KNOWS = {
     "language": (),
     "codegen": ("language",),

@@ -30,7 +30,7 @@ def test_each_room_has_its_box_with_all_that_it_imports() -> None:
     for room in graph:
         assert room in texts
         named = ", ".join(sorted(graph.successors(room))) or "nothing"
-        assert re.search(rf"{re.escape(room)} {graph.nodes[room]['files']} files?; imports {re.escape(named)}", said)
+        assert f"{room} imports {named}" in said
 
 
 def test_arrows_say_as_much_as_the_imports() -> None:
