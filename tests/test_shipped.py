@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +18,7 @@ from safeloc.shipped import ENTRIES, folders
 from safeloc.target import Entry, Family
 
 ROOT = Path(__file__).parents[1]
-SOURCE = Path(__file__).parents[1] / "docs" / "examples" / "beacons.py"
+SOURCE = ROOT / "docs" / "examples" / "beacons.py"
 
 
 def test_every_folder_with_a_target_is_in_the_catalogue() -> None:
@@ -107,29 +104,3 @@ def test_a_users_source_is_silent_under_no_name(tmp_path: Path) -> None:
     path.write_text(text.replace('name="beacons"', 'name="emitter"'), encoding="utf-8")
     target: Any = load_target(f"contract+{path}:source")
     assert ("emitter", ()) == (target.name, target.silent)
-
-
-# ------------------------------------------------------------------ what is loaded
-
-
-def loaded(code: str) -> set[str]:
-    """The modules that a fresh interpreter has after running `code`."""
-    told = f"{code}\nimport json, sys; print(json.dumps(sorted(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True, cwd=ROOT)
-    return set(json.loads(done.stdout.splitlines()[-1]))
-
-
-def test_the_catalogue_loads_no_numpy() -> None:
-    """Machines are declared without it; it is loaded where something is simulated."""
-    found = loaded("from safeloc.catalogue import ENTRIES")
-    assert "safeloc.models.emitter.target" in found
-    assert not {"numpy", "z3", "scipy"} & found
-
-
-def test_help_loads_no_machine() -> None:
-    """Nor the catalogue: it takes a fifth of a second."""
-    found = loaded(
-        "import sys\nsys.argv = ['safeloc', '--help']\nfrom safeloc.cli import main\ntry: main()\nexcept SystemExit: pass"
-    )
-    assert "safeloc.cli.entry" in found
-    assert not {one for one in found if one.startswith(("safeloc.models", "safeloc.shipped", "safeloc.catalogue"))}
