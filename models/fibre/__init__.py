@@ -29,7 +29,6 @@ from safeloc.language.expr import (
     Lit,
     Num,
     NumVar,
-    Var,
     abs_,
     all_of,
     as_num,
@@ -39,6 +38,7 @@ from safeloc.language.expr import (
     ite,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.cycle import Cycle
@@ -80,7 +80,7 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, table)),
         world=world(own),
-        lemmas=_lemmas(own, current, table),
+        lemmas=_lemmas(own, cycle, current, table),
         definitions={
             "position signal So": cycle.enters, "normal again": cycle.leaves, "signal fits the map": cycle.fits,
             "error F": cycle.error, "section overdue": cycle.overdue, "run in the section": cycle.inside,
@@ -102,69 +102,125 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     waiting, counting, located, faulted = table
+    heard, no_signal = _heard(own, cycle), _signal(own, v.NO_SIGNAL)
+    referred: Updates = {own.base: own.reference_place, own.count: own.reference_count, own.counted: FALSE}
+    lost: Updates = {own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
     normal = cycle.band.eq(v.NORMAL)
-    lost = {**cycle.nowhere(), own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
-    at: dict[Var, Expr] = {own.base: own.reference_place, own.since: as_num(0, MM), own.drift: as_num(0, NM)}
-    known: dict[Var, Expr] = {own.count: own.reference_count, own.counted: FALSE, own.why: v.LOCATED}
-    referred = {**cycle.heard(), **cycle.no_word(), **at, **known}
-    yield Transition("reference accepted", table, located, own.reference & normal, referred, COUNTS, 0)
-    yield Transition("pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide, lost, SEEN, 1)
+    yield Transition(
+        "reference accepted", table, located, own.reference & normal,
+        together(heard, no_signal, _no_run(own), _no_word(own), referred, {own.why: v.LOCATED}), COUNTS, 0)  # fmt: skip
+    yield Transition(
+        "pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide,
+        together(heard, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own), lost), SEEN, 1)  # fmt: skip
     yield from _located(own, cycle, located, faulted)
     yield from _counting(own, cycle, waiting, counting, located)
-    started = {**cycle.nowhere(), **cycle.enter(cycle.one), own.why: v.ONLY_COUNTING}
-    yield Transition("first signal", waiting, counting, cycle.enters & ~cycle.late, started, (*SEEN, *COUNTS), 3)
-    yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), requirements=SEEN, rank=6)
-    yield Transition("error stays", faulted, faulted, set=cycle.heard(), requirements=CHECKED, rank=6)
+    yield Transition(
+        "first signal", waiting, counting, cycle.enters & ~cycle.late,
+        together(heard, _entered(own, cycle, cycle.one), _no_word(own), _no_place(own), {own.why: v.ONLY_COUNTING}),
+        (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition("no signal yet", waiting, waiting, TRUE, together(heard, no_signal), SEEN, 6)
+    yield Transition("error stays", faulted, faulted, TRUE, together(heard, no_signal), CHECKED, 6)
 
 
 def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[Transition]:
-    """The count tells the section."""
+    """Rows of LOCATED: the count tells which section it is."""
+    heard, edge = _heard(own, cycle), _from_edge(own, cycle)
     _, near, far, _, long = own.next_to(cycle.forwards)
-    error = {**cycle.nowhere(), own.why: cycle.flaw, own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL)}
-    entered = {**cycle.enter(own.count + cycle.one), own.base: near, own.far: far, own.long: long}
-    passed = {**cycle.edge(v.PASSED), own.base: own.far}
-    turned = {**cycle.edge(v.TURNED_BACK), own.count: _uncounted(own)}
-
-    def row(
-        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
-    ) -> Transition:
-        return Transition(name, located, target, when, updates, trace, rank)
-
-    yield row("error", faulted, cycle.error, error, (*CHECKED, *CODE, *COUNTS), 2)
-    yield row("section counted", located, cycle.enters, entered, (*SEEN, *COUNTS), 3)
-    yield row("section passed", located, cycle.leaves & ~cycle.turned_back, passed, (*SEEN, *CODE), 3)
-    yield row("section left again", located, cycle.leaves & cycle.turned_back, turned, (*SEEN, *COUNTS), 3)
-    yield row("run on", located, TRUE, cycle.run_on(), CHECKED, 6)
+    error: Updates = {own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL), own.why: cycle.flaw}
+    entered: Updates = {own.base: near, own.far: far, own.long: long}
+    yield Transition(
+        "error", located, faulted, cycle.error,
+        together(heard, _no_run(own), _no_word(own), _no_place(own), _no_count(own), error),
+        (*CHECKED, *CODE, *COUNTS), 2)  # fmt: skip
+    yield Transition(
+        "section counted", located, located, cycle.enters,
+        together(heard, _entered(own, cycle, own.count + cycle.one), entered), (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition(
+        "section passed", located, located, cycle.leaves & ~cycle.turned_back,
+        together(heard, edge, {own.signal: v.PASSED, own.base: own.far}), (*SEEN, *CODE), 3)  # fmt: skip
+    yield Transition(
+        "section left again", located, located, cycle.leaves & cycle.turned_back,
+        together(heard, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}), (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition(
+        "run on", located, located, TRUE,
+        together(heard, _run_on(own, cycle), {own.signal: v.NO_SIGNAL}), CHECKED, 6)  # fmt: skip
 
 
 def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Lit) -> Iterator[Transition]:
-    """Which section it is, is not known yet."""
+    """Rows of COUNTING: it is not known which section it is."""
+    heard, edge, on = _heard(own, cycle), _from_edge(own, cycle), _run_on(own, cycle)
+    no_signal, passed = _signal(own, v.NO_SIGNAL), _signal(own, v.PASSED)
     turns = own.counted & cycle.forwards.iff(~own.upwards)
-    edge = cycle.edge(v.PASSED)
-    anew = {**cycle.nowhere(), own.why: v.NO_END_OF_SECTION}
-    spelt: dict[Var, Expr] = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
-    entered = {**cycle.enter(own.count + cycle.one), **spelt}
-    back = {**cycle.edge(v.TURNED_BACK), **cycle.no_word(), own.count: _uncounted(own)}
-    found: dict[Var, Expr] = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
+    turned: Updates = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
+    found: Updates = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
     whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
+    yield Transition(
+        "no end of the section", counting, waiting, cycle.endless | (cycle.enters & cycle.full),
+        together(heard, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own),
+                 {own.why: v.NO_END_OF_SECTION}), SEEN, 2)  # fmt: skip
+    yield Transition(
+        "signal counted", counting, counting, cycle.enters,
+        together(heard, _entered(own, cycle, own.count + cycle.one), turned), (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition(
+        "symbol read", counting, counting, cycle.read,
+        together(heard, edge, passed, {own.word: cycle.word, own.read: cycle.word_length}), CODE, 3)  # fmt: skip
+    yield Transition(
+        "section left again, uncounted", counting, counting, cycle.leaves & cycle.turned_back,
+        together(heard, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}, _no_word(own)),
+        COUNTS, 3)  # fmt: skip
+    yield Transition(
+        "symbol not read", counting, counting, cycle.leaves & ~cycle.turned_back,
+        together(heard, edge, passed, _no_word(own)), CODE, 4)  # fmt: skip
+    yield Transition(
+        "word found", counting, located, whole, together(heard, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
+    yield Transition("count on", counting, counting, TRUE, together(heard, on, no_signal), COUNTS, 6)
 
-    def row(
-        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
-    ) -> Transition:
-        return Transition(name, counting, target, when, updates, trace, rank)
 
-    yield row("no end of the section", waiting, cycle.endless | (cycle.enters & cycle.full), anew, SEEN, 2)
-    yield row("signal counted", counting, cycle.enters, entered, (*SEEN, *COUNTS), 3)
-    yield row("symbol read", counting, cycle.read, {**edge, **cycle.spell()}, CODE, 3)
-    yield row("section left again, uncounted", counting, cycle.leaves & cycle.turned_back, back, COUNTS, 3)
-    yield row("symbol not read", counting, cycle.leaves & ~cycle.turned_back, {**edge, **cycle.no_word()}, CODE, 4)
-    yield row("word found", located, whole, {**cycle.run_on(), **cycle.no_word(), **found}, CODE, 5)
-    yield row("count on", counting, TRUE, cycle.run_on(), COUNTS, 6)
+# ------------------------------------------------------------------ groups of updates
 
 
-def _uncounted(own: Parts) -> Num:
-    """The count without the section that was left where it was entered."""
-    return own.count + ite(own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
+def _heard(own: Parts, cycle: Cycle) -> Updates:
+    """Set in every row: amplitude band, direction, and how long run and amplitude have been absent."""
+    return {own.band: cycle.band, own.forwards: cycle.forwards, own.gap: cycle.gap, own.unheard: cycle.unheard}
+
+
+def _signal(own: Parts, signal: Lit) -> Updates:
+    return {own.signal: signal}
+
+
+def _run_on(own: Parts, cycle: Cycle) -> Updates:
+    """No edge in this cycle: the run goes on, with its error."""
+    return {own.since: cycle.since, own.drift: cycle.drift}
+
+
+def _from_edge(own: Parts, cycle: Cycle) -> Updates:
+    """An edge was passed: the run begins anew."""
+    return {own.since: 0, own.drift: cycle.fresh}
+
+
+def _entered(own: Parts, cycle: Cycle, count: Num) -> Updates:
+    """A section was entered: a position signal is counted, and the run begins anew at the section's edge."""
+    counted: Updates = {own.count: count, own.counted: TRUE, own.upwards: cycle.forwards}
+    return together(_from_edge(own, cycle), _signal(own, v.POSITION_SIGNAL), counted)
+
+
+def _no_run(own: Parts) -> Updates:
+    return {own.since: 0, own.drift: 0}
+
+
+def _no_place(own: Parts) -> Updates:
+    return {own.base: 0, own.far: 0}
+
+
+def _no_word(own: Parts) -> Updates:
+    return {own.word: 0, own.read: 0}
+
+
+def _no_count(own: Parts) -> Updates:
+    return {own.count: 0, own.counted: FALSE}
+
+
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:
@@ -192,7 +248,7 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
 # ------------------------------------------------------------------ what helps to prove
 
 
-def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
+def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     counting, located = current.eq(table[1]), current.eq(table[2])
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
     of_map = [seen.of_map, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
@@ -200,7 +256,7 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
     told = [own.long.iff(seen.long), onwards]
     return {
         "a section can be uncounted": (inside & (counting | located)).implies(
-            abs_(_uncounted(own)) <= own.config.section_limit
+            abs_(cycle.uncounted) <= own.config.section_limit
         ),
         "the world hears what the machine hears": all_of(
             [own.band.eq(seen.band), own.forwards.iff(seen.upwards), own.unheard.eq(seen.unheard)]

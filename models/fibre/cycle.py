@@ -6,13 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import (
-    FALSE,
-    TRUE,
     Bool,
-    Expr,
     Lit,
     Num,
-    Var,
     abs_,
     any_of,
     as_num,
@@ -236,52 +232,41 @@ class Cycle:
             reason = ite(flaw, why, reason)
         return reason
 
-    # -------------------------------------------------------------- updates
+    # -------------------------------------------------------------- next values of counters and word
 
     @cached_property
     def one(self) -> Num:
         """One section, with the sign of the direction."""
         return ite(self.forwards, as_num(1, COUNT), as_num(-1, COUNT))
 
-    def heard(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
+    @cached_property
+    def uncounted(self) -> Num:
+        """The count without the section that was left where it was entered."""
+        return self.own.count + ite(self.own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
+
+    @cached_property
+    def gap(self) -> Num:
+        """Cycles since the detector last followed the pattern."""
         own = self.own
-        gap = ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
-        unheard = ite(own.amplitude.present, as_num(0, NM), minimum(self.fresh, own.unheard.high))
-        told: dict[Var, Expr] = {own.band: self.band, own.forwards: self.forwards, own.gap: gap}
-        return {**told, own.unheard: unheard, own.signal: v.NO_SIGNAL}
+        return ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
 
-    def run_on(self) -> dict[Var, Expr]:
-        """Updates of a cycle without an edge."""
-        return {**self.heard(), self.own.since: self.since, self.own.drift: self.drift}
+    @cached_property
+    def unheard(self) -> Num:
+        """Farthest run since the last amplitude, nm."""
+        return ite(self.own.amplitude.present, as_num(0, NM), minimum(self.fresh, self.own.unheard.high))
 
-    def edge(self, signal: Lit) -> dict[Var, Expr]:
-        """Updates of a cycle with an edge: the run begins anew."""
-        own = self.own
-        return {**self.heard(), own.since: as_num(0, MM), own.drift: self.fresh, own.signal: signal}
-
-    def enter(self, count: Num) -> dict[Var, Expr]:
-        """A position signal is counted."""
-        own = self.own
-        return {**self.edge(v.POSITION_SIGNAL), own.count: count, own.counted: TRUE, own.upwards: self.forwards}
-
-    def spell(self) -> dict[Var, Expr]:
-        """The symbol of the section just passed joins the word."""
+    @cached_property
+    def word(self) -> Num:
+        """The word with the symbol of the section just passed; the oldest symbol is dropped."""
         own = self.own
         symbol = ite(own.band.eq(v.RAISED), as_num(2, COUNT), as_num(0, COUNT)) + ite(
             self.reads_long, as_num(1, COUNT), 0
         )
-        oldest = v.SYMBOLS ** (own.config.window - 1)
+        oldest: int = v.SYMBOLS ** (own.config.window - 1)
         kept = own.word - floor_div(own.word, oldest) * oldest
-        read = ite(own.read >= own.config.window, own.read, own.read + 1)
-        return {own.word: kept * v.SYMBOLS + symbol, own.read: read}
+        return kept * v.SYMBOLS + symbol
 
-    def no_word(self) -> dict[Var, Expr]:
-        """No symbols are read."""
-        return {self.own.word: as_num(0, COUNT), self.own.read: as_num(0, COUNT)}
-
-    def nowhere(self) -> dict[Var, Expr]:
-        """Nothing is known of place and count."""
-        own, zero = self.own, as_num(0, MM)
-        cleared: dict[Var, Expr] = {own.base: zero, own.since: zero, own.far: zero, own.drift: as_num(0, NM)}
-        return {**self.heard(), **cleared, **self.no_word(), own.count: as_num(0, COUNT), own.counted: FALSE}
+    @cached_property
+    def word_length(self) -> Num:
+        """Symbols of that word."""
+        return ite(self.own.read >= self.own.config.window, self.own.read, self.own.read + 1)
