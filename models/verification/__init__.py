@@ -21,8 +21,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, as_num, ite, maximum, minimum
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, as_num, ite, maximum, minimum
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.doubted import Doubted, doubted
 from safeloc.models.verification.doubted import world as doubted_world
@@ -117,26 +118,87 @@ def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, An
 
 def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, withheld, trusted, untrusted = table
-    known = (withheld, trusted)
+    known, course = (withheld, trusted), (*REQUIREMENTS, *COURSE)
     good, fresh = judged.verified & ~judged.missing, judged.current & ~judged.missing
-    why = ite(judged.missing, judged.lack, NOT_VERIFIED)
-    gone: dict[Var, Expr] = {**judged.forget(), own.reason: NO_RECORD, own.given: FALSE}
-    refused: dict[Var, Expr] = {**judged.forget(), own.reason: judged.flaw}
-    sure: dict[Var, Expr] = {own.reason: VERIFIED, own.given: TRUE}
-    waits: dict[Var, Expr] = {**judged.take(), own.reason: why, own.given: FALSE}
-    taken, course = {**judged.take(), **sure}, {**judged.go_on(), **sure}
+    lack: Updates = {own.reason: ite(judged.missing, judged.lack, NOT_VERIFIED)}
+    verified: Updates = {own.reason: VERIFIED, own.given: TRUE}
+    taken = together(_readings(own, judged), _record(own), _rests_on_record(own, judged))
+    goes_on = together(_readings(own, judged), _rests_on(own, judged))
+    gone = together(_forgotten(own), {own.reason: NO_RECORD, own.given: FALSE})
     yield Transition("train has left", table, none, own.leaves, gone, REQUIREMENTS, 0)
     yield Transition(
-        "mismatch", table, untrusted, judged.mismatch, refused, (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1
-    )
-    yield Transition("reference accepted and verified", table, trusted, judged.accepted & good, taken, ENTRY, 2)
-    yield Transition("reference accepted", table, withheld, judged.accepted & ~good, waits, ENTRY, 2)
-    yield Transition("verified", known, trusted, good, course, (*REQUIREMENTS, *COURSE), 3)
-    yield Transition("still verified", trusted, trusted, fresh, course, (*REQUIREMENTS, *COURSE), 4)
-    lacking: dict[Var, Expr] = {**judged.go_on(), own.reason: why}
-    yield Transition("not verified now", known, withheld, TRUE, lacking, (*REQUIREMENTS, *COURSE), 5)
+        "mismatch", table, untrusted, judged.mismatch,
+        together(_forgotten(own), {own.reason: judged.flaw}), (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1)  # fmt: skip
+    yield Transition(
+        "reference accepted and verified", table, trusted, judged.accepted & good,
+        together(taken, verified), ENTRY, 2)  # fmt: skip
+    yield Transition(
+        "reference accepted", table, withheld, judged.accepted & ~good,
+        together(taken, lack, {own.given: FALSE}), ENTRY, 2)  # fmt: skip
+    yield Transition("verified", known, trusted, good, together(goes_on, verified), course, 3)
+    yield Transition("still verified", trusted, trusted, fresh, together(goes_on, verified), course, 4)
+    yield Transition("not verified now", known, withheld, TRUE, together(goes_on, lack), course, 5)
     yield Transition("mismatch is kept", untrusted, untrusted, TRUE, {}, REQUIREMENTS, 5)
     yield Transition("no train", none, none, TRUE, gone, REQUIREMENTS, 5)
+
+
+# ------------------------------------------------------------------ groups of updates
+
+
+def _readings(own: Parts, judged: Judged) -> Updates:
+    """The last readings with what may have changed since, the places possible by the record, and the front's interval."""
+    slower, faster = judged.abilities
+    speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
+    return {
+        own.possible_low: judged.possible[0],
+        own.possible_high: judged.possible[1],
+        own.length_known: own.length_known | length,
+        own.last_length: ite(length, own.seen_length.value, own.last_length),
+        own.speed_known: own.speed_known | speed,
+        own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
+        own.slower: ite(speed, 0, slower),
+        own.faster: ite(speed, 0, faster),
+        own.place_known: own.place_known | judged.placed,
+        own.last_place: ite(judged.placed, own.place.value, own.last_place),
+        own.reach: ite(judged.placed, 0, judged.reach),
+        own.front: ite(judged.placed, own.place.value, own.front),
+        own.front_above: ite(judged.placed, own.place_above, own.front_above),
+        own.front_below: ite(judged.placed, own.place_below, own.front_below),
+    }
+
+
+def _record(own: Parts) -> Updates:
+    """The accepted record is stored."""
+    return {own.kept_count: own.record_count, own.kept_low: own.record_low, own.kept_high: own.record_high}
+
+
+def _rests_on_record(own: Parts, judged: Judged) -> Updates:
+    """Trust rests on what was compared with the accepted record in this cycle."""
+    return {
+        own.age: ite(judged.verified, 0, as_num(own.age.high, COUNT)),
+        own.by_count: judged.count_matches,
+        own.by_length: judged.length_matches,
+        own.by_speed: judged.speed_compared,
+        own.by_place: judged.place_compared,
+        own.by_control: judged.controlled,
+        own.by_emitter: own.chain_tested,
+    }
+
+
+def _rests_on(own: Parts, judged: Judged) -> Updates:
+    """Trust rests on the last verification; what was compared at the entry stays."""
+    return {
+        own.age: judged.age,
+        own.by_count: ite(judged.verified, judged.count_matches, own.by_count),
+        own.by_length: ite(judged.verified, judged.length_matches, own.by_length),
+        own.by_control: judged.controlled | own.by_control,
+        own.by_emitter: own.chain_tested,
+    }
+
+
+def _forgotten(own: Parts) -> Updates:
+    """Nothing is stored of the train."""
+    return together(dict.fromkeys((*own.numbers, own.age), 0), dict.fromkeys((*own.flags, *own.known), FALSE))
 
 
 # ------------------------------------------------------------------ what is given out

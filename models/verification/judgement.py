@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import (
-    FALSE,
     Bool,
-    Expr,
     Lit,
     Num,
-    Var,
     abs_,
     any_of,
     as_num,
@@ -311,57 +308,6 @@ class Judged:
     def current(self) -> Bool:
         """The last verification is recent enough."""
         return self.age <= self.own.config.currency_cycles
-
-    # -------------------------------------------------------------- updates
-
-    def go_on(self) -> dict[Var, Expr]:
-        """Updates of a cycle without a mismatch: last readings, what was verified, and the interval."""
-        own, new = self.own, self.verified
-        slower, faster = self.abilities
-        speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
-        return {
-            own.possible_low: self.possible[0],
-            own.possible_high: self.possible[1],
-            own.length_known: own.length_known | length,
-            own.last_length: ite(length, own.seen_length.value, own.last_length),
-            own.speed_known: own.speed_known | speed,
-            own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
-            own.slower: ite(speed, 0, slower),
-            own.faster: ite(speed, 0, faster),
-            own.place_known: own.place_known | self.placed,
-            own.last_place: ite(self.placed, own.place.value, own.last_place),
-            own.reach: ite(self.placed, 0, self.reach),
-            own.front: ite(self.placed, own.place.value, own.front),
-            own.front_above: ite(self.placed, own.place_above, own.front_above),
-            own.front_below: ite(self.placed, own.place_below, own.front_below),
-            own.age: self.age,
-            own.by_count: ite(new, self.count_matches, own.by_count),
-            own.by_length: ite(new, self.length_matches, own.by_length),
-            own.by_control: self.controlled | own.by_control,
-            own.by_emitter: own.chain_tested,
-        }
-
-    def take(self) -> dict[Var, Expr]:
-        """Updates of a cycle with an accepted reference."""
-        own = self.own
-        return {
-            **self.go_on(),
-            own.kept_count: own.record_count,
-            own.kept_low: own.record_low,
-            own.kept_high: own.record_high,
-            own.age: ite(self.verified, 0, as_num(own.age.high, COUNT)),
-            own.by_count: self.count_matches,
-            own.by_length: self.length_matches,
-            own.by_speed: self.speed_compared,
-            own.by_place: self.place_compared,
-            own.by_control: self.controlled,
-        }
-
-    def forget(self) -> dict[Var, Expr]:
-        """Updates after which nothing is kept of the train."""
-        own = self.own
-        cleared: dict[Var, Expr] = {var: as_num(0, var.unit) for var in own.numbers if isinstance(var.unit, Unit)}
-        return {**cleared, own.age: as_num(0, COUNT), **dict.fromkeys((*own.flags, *own.known), FALSE)}
 
 
 def _braking(own: Parts) -> Num:
