@@ -31,6 +31,8 @@ from safeloc.language.expr import (
     minimum,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.nodes import Value
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
@@ -137,67 +139,88 @@ def _swept(own: Parts) -> tuple[Num, Num]:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unswept, swept = table
-    limit = own.config.limit_mm
     low, high = _swept(own)
     none_left = (low > own.high_end) | (high < own.low_end) | (low > high)
-    anywhere: dict[Var, Expr] = {own.loose_low: as_num(-limit, MM), own.loose_high: as_num(limit, MM)}
-    forgotten: dict[Var, Expr] = {var: FALSE for one in own.slots for var in (one.below, one.above)}
-    followed = _followed(own)
-    emptied = {var: term for one in own.slots for var, term in one.nobody().items()}
-    judged: dict[Var, Expr] = {one.judged: one.verdict for one in own.slots}
-    nothing: dict[Var, Expr] = {**anywhere, own.rejected: as_num(0, COUNT)}
+    limit, verdicts = own.config.limit_mm, _verdicts(own)
+    anywhere: Updates = {own.loose_low: -limit, own.loose_high: limit}
+    apart: Updates = {own.loose_low: low, own.loose_high: high}
+    followed = together(verdicts, _trains(own), _rejected(own))
     yield Transition(
-        "something came in uncounted",
-        table,
-        unswept,
-        _uncounted(own),
-        {**followed, **anywhere, **forgotten},
-        REQUIREMENTS,
-        0,
-    )
-    yield Transition("counters are clear", table, swept, _empty(own), {**emptied, **judged, **nothing}, REQUIREMENTS, 1)
+        "something came in uncounted", table, unswept, _uncounted(own),
+        together(followed, _no_order(own), anywhere), REQUIREMENTS, 0)  # fmt: skip
     yield Transition(
-        "everything loose is pushed out", unswept, swept, none_left, {**followed, **anywhere}, REQUIREMENTS, 2
-    )
-    kept = {**followed, own.loose_low: low, own.loose_high: high}
-    yield Transition("follow trains, loose vehicles apart", unswept, unswept, TRUE, kept, REQUIREMENTS, 3)
-    yield Transition("follow trains", swept, swept, TRUE, {**followed, **anywhere}, REQUIREMENTS, 3)
+        "counters are clear", table, swept, _empty(own),
+        together(verdicts, _no_trains(own), _no_order(own), {own.rejected: 0}, anywhere), REQUIREMENTS, 1)  # fmt: skip
+    followed = together(followed, _order(own))
+    yield Transition(
+        "everything loose is pushed out", unswept, swept, none_left, together(followed, anywhere), REQUIREMENTS, 2)  # fmt: skip
+    yield Transition(
+        "follow trains, loose vehicles apart", unswept, unswept, TRUE, together(followed, apart), REQUIREMENTS, 3)  # fmt: skip
+    yield Transition("follow trains", swept, swept, TRUE, together(followed, anywhere), REQUIREMENTS, 3)
 
 
-def _followed(own: Parts) -> dict[Var, Expr]:
-    """Every slot after the cycle; a rejected event is counted."""
-    updates: dict[Var, Expr] = {}
-    rejected = as_num(0, COUNT)
-    for one in own.slots:
-        updates |= _after(own, one)
-        strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)
-        rejected = rejected + ite(strange, as_num(1, COUNT), 0)
-    return {**updates, own.rejected: rejected}
+# ------------------------------------------------------------------ groups of updates
 
 
-def _after(own: Parts, one: Slot) -> dict[Var, Expr]:
-    gone, limit = _leaves(own, one), own.config.count_limit
-    present = (one.present & ~gone) | one.enters
-    low, high = one.bounds(own.low_end, own.high_end)
+def _verdicts(own: Parts) -> Updates:
+    return {one.judged: one.verdict for one in own.slots}
+
+
+def _trains(own: Parts) -> Updates:
+    """Presence, interval and waiting times of every train after the cycle."""
+    return together(*(_train(own, one) for one in own.slots))
+
+
+def _train(own: Parts, one: Slot) -> Updates:
+    present, (low, high) = _present_after(own, one), one.bounds(own.low_end, own.high_end)
     taken = one.enters & one.present  # two trains in one slot: it covers both, wherever they are
-    zero, none = as_num(0, MM), as_num(0, COUNT)
-    far = own.config.limit_mm
-
-    def while_present(term: Num, otherwise: Num) -> Num:
-        return ite(present, term, otherwise)
-
+    far, limit, none = own.config.limit_mm, own.config.count_limit, as_num(0, COUNT)
+    silent = ite(one.accepted | one.enters, none, minimum(one.silent + 1, limit))
+    unconfirmed = ite(one.confirmed | one.enters, none, minimum(one.unconfirmed + 1, limit))
     return {
         one.present: present,
-        one.low: while_present(ite(taken, as_num(-far, MM), low), zero),
-        one.high: while_present(ite(taken, as_num(far, MM), high), zero),
-        one.silent: while_present(ite(one.accepted | one.enters, none, minimum(one.silent + 1, limit)), none),
-        one.unconfirmed: while_present(
-            ite(one.confirmed | one.enters, none, minimum(one.unconfirmed + 1, limit)), none
-        ),
-        one.below: present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below),
-        one.above: present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above),
-        one.judged: one.verdict,
+        one.low: ite(present, ite(taken, as_num(-far, MM), low), 0),
+        one.high: ite(present, ite(taken, as_num(far, MM), high), 0),
+        one.silent: ite(present, silent, none),
+        one.unconfirmed: ite(present, unconfirmed, none),
     }
+
+
+def _no_trains(own: Parts) -> Updates:
+    """No train is in any slot."""
+    numbers = [var for one in own.slots for var in (one.low, one.high, one.silent, one.unconfirmed)]
+    return together({one.present: FALSE for one in own.slots}, dict.fromkeys(numbers, 0))
+
+
+def _order(own: Parts) -> Updates:
+    """Trains that have all loose vehicles on one side of them: those that came in at that end."""
+    updates: dict[Var, Expr | Value] = {}
+    for one in own.slots:
+        present = _present_after(own, one)
+        updates[one.below] = present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below)
+        updates[one.above] = present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above)
+    return updates
+
+
+def _no_order(own: Parts) -> Updates:
+    """Loose vehicles may be on either side of any train."""
+    return {var: FALSE for one in own.slots for var in (one.below, one.above)}
+
+
+def _rejected(own: Parts) -> Updates:
+    """Events of this cycle that cannot be: a train leaves where it is not, or enters a slot that is taken."""
+    rejected = as_num(0, COUNT)
+    for one in own.slots:
+        strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)
+        rejected = rejected + ite(strange, as_num(1, COUNT), 0)
+    return {own.rejected: rejected}
+
+
+def _present_after(own: Parts, one: Slot) -> Bool:
+    return (one.present & ~_leaves(own, one)) | one.enters
+
+
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:

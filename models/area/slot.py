@@ -14,11 +14,9 @@ from safeloc.language.expr import (
     FALSE,
     Bool,
     BoolVar,
-    Expr,
     Num,
     NumVar,
     Optional,
-    Var,
     as_num,
     boolean,
     choice,
@@ -169,19 +167,6 @@ class Slot:
         new_low = ite(self.event.eq(ENTERS_LOW), as_num(-limit, MM), area_high - cycle)
         new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
         return ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
-
-    def nobody(self) -> dict[Var, Expr]:
-        """Updates after which nobody is here."""
-        zero = as_num(0, MM)
-        return {
-            self.present: FALSE,
-            self.low: zero,
-            self.high: zero,
-            self.silent: as_num(0, COUNT),
-            self.unconfirmed: as_num(0, COUNT),
-            self.below: FALSE,
-            self.above: FALSE,
-        }
 
 
 def slot(declared: Declared, number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: bool) -> Slot:

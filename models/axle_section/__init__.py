@@ -14,8 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, any_of, as_num, between, ite
+from safeloc.language.expr import TRUE, Bool, BoolVar, Lit, Num, NumVar, any_of, as_num, between, ite
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.axle_section.lemmas import lemmas
 from safeloc.models.axle_section.variables import (
@@ -112,32 +113,25 @@ def _answer(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Num:
 
 def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, clear, occupied, disturbed, sweeping = table
-    answer = _answer(own, current, table)
-    zero = as_num(0, COUNT)
-    quiet = ite(_moved(own), zero, ite(own.quiet >= own.config.lead_cycles, own.quiet, own.quiet + 1))
-    told: dict[Var, Expr | int | bool] = {own.quiet: quiet, own.answer: answer}
-    fresh: dict[Var, Expr | int | bool] = {
-        **told,
-        own.count: 0,
-        **dict.fromkeys((*own.swept_from, *own.swept_to), False),
-    }
-    counted: dict[Var, Expr | int | bool] = {**told, own.count: _counted(own)}
-    sweep = counted | {var: var | (axles > 0) for var, axles in _ways(own)}
-    believed = (clear, occupied, sweeping)
+    answer, counted = _answer(own, current, table), _counted(own)
+    quiet = ite(own.quiet >= own.config.lead_cycles, own.quiet, own.quiet + 1)
+    always: Updates = {own.quiet: ite(_moved(own), as_num(0, COUNT), quiet), own.answer: answer}
+    fresh = together(always, {own.count: 0}, dict.fromkeys((*own.swept_from, *own.swept_to), False))
+    counts = together(always, {own.count: counted})
+    sweeps = together(counts, {passed: passed | (axles > 0) for passed, axles in _ways(own)})
+    believed, all_out = (clear, occupied, sweeping), counted.eq(0) & ~own.damped
     wrong = own.fault | ~_possible(own)
     swept = _through(own) & _counted(own).eq(0) & ~_moved(own) & ~own.damped & own.reported_clear
     yield Transition("count cannot be believed", believed, disturbed, wrong, fresh, REQUIREMENTS, 0)
     yield Transition("reset accepted", table, sweeping, answer.eq(ACCEPTED), fresh, REQUIREMENTS, 1)
-    yield Transition("swept", sweeping, clear, swept, counted, REQUIREMENTS, 2)
-    yield Transition("sweep goes on", sweeping, sweeping, TRUE, sweep, REQUIREMENTS, 3)
-    yield Transition(
-        "all axles counted out", occupied, clear, _counted(own).eq(0) & ~own.damped, counted, REQUIREMENTS, 2
-    )
-    yield Transition("axles counted in", clear, occupied, (_counted(own) > 0) | own.damped, counted, REQUIREMENTS, 2)
-    yield Transition("stay clear", clear, clear, TRUE, counted, REQUIREMENTS, 3)
-    yield Transition("stay occupied", occupied, occupied, TRUE, counted, REQUIREMENTS, 3)
-    yield Transition("stay disturbed", disturbed, disturbed, TRUE, told, REQUIREMENTS, 3)
-    yield Transition("stay unknown", unknown, unknown, TRUE, told, REQUIREMENTS, 3)
+    yield Transition("swept", sweeping, clear, swept, counts, REQUIREMENTS, 2)
+    yield Transition("sweep goes on", sweeping, sweeping, TRUE, sweeps, REQUIREMENTS, 3)
+    yield Transition("all axles counted out", occupied, clear, all_out, counts, REQUIREMENTS, 2)
+    yield Transition("axles counted in", clear, occupied, (counted > 0) | own.damped, counts, REQUIREMENTS, 2)
+    yield Transition("stay clear", clear, clear, TRUE, counts, REQUIREMENTS, 3)
+    yield Transition("stay occupied", occupied, occupied, TRUE, counts, REQUIREMENTS, 3)
+    yield Transition("stay disturbed", disturbed, disturbed, TRUE, always, REQUIREMENTS, 3)
+    yield Transition("stay unknown", unknown, unknown, TRUE, always, REQUIREMENTS, 3)
 
 
 def _ways(own: Parts) -> list[tuple[BoolVar, NumVar]]:

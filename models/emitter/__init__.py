@@ -14,8 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import TRUE, Expr, Lit, Num, Var, any_of, as_num, ite
+from safeloc.language.expr import TRUE, Lit, Num, any_of, as_num, ite
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.emitter.judgement import due, late, overdue, verdict
 from safeloc.models.emitter.variables import (
@@ -91,9 +92,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     zero, heard = as_num(0, COUNT), verdict(own)
     counted = ite(late(own), zero, own.passes)
     waiting = _clocks(own)
-    anew: dict[Var, Expr] = {**waiting, own.passes: zero}
-    one_more: dict[Var, Expr] = {**waiting, own.passes: counted + 1}
-    recovering: dict[Var, Expr] = {**waiting, own.passes: counted}
+    anew = together(waiting, {own.passes: 0})
+    one_more = together(waiting, {own.passes: counted + 1})
+    recovering = together(waiting, {own.passes: counted})
     enough = counted + 1 >= own.config.passes_to_recover
     hears, elsewhere = heard.eq(PASSED), heard.eq(ELSEWHERE)
     yield Transition("own pattern from elsewhere", table, failed, elsewhere, anew, REQUIREMENTS, 0)
@@ -108,7 +109,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("wait for a pattern after the failure", failed, failed, TRUE, recovering, REQUIREMENTS, 5)
 
 
-def _clocks(own: Parts) -> dict[Var, Expr]:
+def _clocks(own: Parts) -> Updates:
     """Both clocks begin anew with a pattern that counts, in whatever mode; a request is never forgotten before its time."""
     zero, heard = as_num(0, COUNT), verdict(own)
     waited = ite(late(own), own.since, own.since + 1)

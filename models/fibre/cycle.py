@@ -21,6 +21,7 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
+from safeloc.models.vocabulary.first_of import first_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,10 +228,7 @@ class Cycle:
     @cached_property
     def flaw(self) -> Num:
         """Its reason."""
-        reason: Num = v.LOCATED
-        for flaw, why in reversed(self.flaws):
-            reason = ite(flaw, why, reason)
-        return reason
+        return first_of(*self.flaws, default=v.LOCATED)
 
     # -------------------------------------------------------------- next values of counters and word
 

@@ -9,7 +9,7 @@ from safeloc.models.sections import SectionsConfig
 from safeloc.models.verification import VerificationConfig
 
 NEVER = {
-    "models/area/__init__.py: rejected + ite(strange, as_num(1, COUNT), 0) from _followed(own)": "the first of the sum; with more than one train `sections` proves the others",
+    "models/area/__init__.py: rejected + ite(strange, as_num(1, COUNT), 0) from _rejected(own)": "the first of the sum; with more than one train `sections` proves the others",
 }
 """Case splits that no configuration makes live, and why."""
 CONFIGURATIONS = Configurations(

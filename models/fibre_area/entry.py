@@ -24,12 +24,10 @@ from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
-    Expr,
     Lit,
     Num,
     NumVar,
     Optional,
-    Var,
     as_num,
     between,
     boolean,
@@ -40,6 +38,7 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law, World
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
@@ -199,22 +198,21 @@ def _table(
     table: tuple[Lit, ...], heard: Heard, waited: NumVar, due: BoolVar, source: NumVar, left: BoolVar
 ) -> Iterator[Transition]:
     outside, awaited, told, missing = table
-    none = as_num(0, COUNT)
-    part = ~heard.enters & (heard.in_part | heard.told_out)
-    stays: dict[Var, Expr | bool] = {
-        heard.inside: ite(heard.counted, heard.balance, none),
+    stays: Updates = {
+        heard.inside: ite(heard.counted, heard.balance, as_num(0, COUNT)),
         heard.sure: heard.counted,
         left: FALSE,
-        heard.in_part: part,
+        heard.in_part: ~heard.enters & (heard.in_part | heard.told_out),
     }
-    gone: dict[Var, Expr | bool] = {heard.inside: none, heard.sure: TRUE, left: TRUE, heard.in_part: FALSE}
-    quiet: dict[Var, Expr | bool] = {waited: none, due: False, source: NOBODY}
-    answered: dict[Var, Expr | bool] = {**stays, waited: none, due: True, source: heard.comes}
-    overdue: dict[Var, Expr | bool] = {**stays, waited: none, due: True, source: NOBODY}
-    waits: dict[Var, Expr | bool] = {**quiet, **stays, waited: waited + 1}
-    same = {**quiet, **stays}
+    gone: Updates = {heard.inside: 0, heard.sure: TRUE, left: TRUE, heard.in_part: FALSE}
+    not_due: Updates = {due: False, source: NOBODY}
+    answered = together(stays, {waited: 0, due: True, source: heard.comes})
+    overdue = together(stays, {waited: 0, due: True, source: NOBODY})
+    waits = together(stays, not_due, {waited: waited + 1})
+    same = together(stays, not_due, {waited: 0})
+    left_now = together(gone, not_due, {waited: 0})
     came = heard.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
-    yield Transition("train leaves", table, outside, heard.complete, {**quiet, **gone}, REQUIREMENTS, 0)
+    yield Transition("train leaves", table, outside, heard.complete, left_now, REQUIREMENTS, 0)
     yield Transition("reference comes", table, told, came, answered, REQUIREMENTS, 1)
     yield Transition("train enters", table, awaited, heard.enters, same, REQUIREMENTS, 2)
     yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, REQUIREMENTS, 3)

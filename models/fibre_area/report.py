@@ -24,11 +24,9 @@ from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    Expr,
     Lit,
     Num,
     Var,
-    as_num,
     exact_to,
     floor_to,
     ite,
@@ -37,6 +35,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates
 from safeloc.language.units import MM, NM, NM_PER_MM, UM, UM_PER_MM
 from safeloc.models.fibre_area.parting import PartingConfig, Parts, parts
 from safeloc.models.fibre_area.report_world import world
@@ -168,14 +167,13 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     neither, whole, high, low = table
-    now, zero = Believed(own), as_num(0, MM)
-    run: dict[Var, Expr] = {own.straight: now.straight}
-    untold: dict[Var, Expr] = {**run, own.told: FALSE, own.told_low: zero, own.told_high: zero}
-    told: dict[Var, Expr] = {**run, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
-    charged: dict[Var, Expr] = {**run, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
+    now = Believed(own)
+    untold: Updates = {own.straight: now.straight, own.told: FALSE, own.told_low: 0, own.told_high: 0}
+    told: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
+    charged: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
 
     def row(
-        name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: dict[Var, Expr], rank: int
+        name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: Updates, rank: int
     ) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
         yield Transition(f"{name}, not told", source, target, when & ~good, untold, REQUIREMENTS, rank)

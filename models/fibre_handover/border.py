@@ -19,10 +19,7 @@ from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    Expr,
     Lit,
-    Var,
-    as_num,
     boolean,
     choice,
     enumeration,
@@ -30,6 +27,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.variables import FROM, NEIGHBOUR, NOBODY
 
@@ -73,18 +71,14 @@ class Parts:
         """The giving area trusts the train, and it may have come to the shared stretch."""
         return self.trusted & (self.high >= self.begins)
 
-    def told(self, due: Bool, source: Expr, sound: Bool) -> dict[Var, Expr]:
-        """Updates: what the taking area is told."""
-        return {self.due: due, self.source: source, self.sound: sound}
-
     def table(self, modes_: tuple[Lit, ...]) -> Iterator[Transition]:
         """All rows."""
         before, offered, taken, lost = modes_
-        none = as_num(0, COUNT)
-        quiet = {**self.told(FALSE, NOBODY, FALSE), self.waited: none}
-        over = {**self.told(TRUE, NEIGHBOUR, TRUE), self.waited: none}
-        missing = {**self.told(TRUE, NOBODY, FALSE), self.waited: none}
-        sent = {**quiet, self.waited: ite(self.waited < self.waited.high, self.waited + 1, self.waited)}
+        longer = ite(self.waited < self.waited.high, self.waited + 1, self.waited)
+        quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.waited: 0}
+        over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.waited: 0}
+        missing: Updates = {self.due: TRUE, self.source: NOBODY, self.sound: FALSE, self.waited: 0}
+        sent: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.waited: longer}
         late = self.waited >= self.waited.high
         yield Transition("train is gone", modes_, before, self.gone, quiet, REQUIREMENTS, 0)
         yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, REQUIREMENTS, 1)

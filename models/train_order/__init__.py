@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Expr, Lit, Var, any_of, as_num
+from safeloc.language.expr import Lit, any_of
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
-from safeloc.language.units import COUNT
+from safeloc.language.rows import Updates, together
 from safeloc.models.train_order.cycle import Cycle
 from safeloc.models.train_order.lemmas import lemmas
 from safeloc.models.train_order.variables import Parts, TrainOrderConfig, parts
@@ -62,16 +62,16 @@ def build(own: Parts) -> TrainOrder:
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, ordered = table
-    zero = as_num(0, COUNT)
-    nobody: dict[Var, Expr] = dict.fromkeys((*own.order, *own.belongs), zero)
-    kept: dict[Var, Expr] = dict(zip(own.order, cycle.after, strict=True))
-    nobodys: dict[Var, Expr] = dict.fromkeys(own.belongs, zero)
-    theirs: dict[Var, Expr] = dict(zip(own.belongs, cycle.after, strict=True))
-    yield Transition("order lost", table, unknown, own.fault, nobody, REQUIREMENTS, 0)
-    yield Transition("impossible event", ordered, unknown, ~cycle.possible, nobody, REQUIREMENTS, 1)
+    no_order: Updates = dict.fromkeys(own.order, 0)
+    order: Updates = dict(zip(own.order, cycle.after, strict=True))
+    nobodys: Updates = dict.fromkeys(own.belongs, 0)
+    theirs: Updates = dict(zip(own.belongs, cycle.after, strict=True))
+    nothing = together(no_order, nobodys)
     quiet = own.enters_low.eq(0) & own.enters_high.eq(0) & ~own.leaves_low & ~own.leaves_high
-    yield Transition("area is empty", table, ordered, own.clear & quiet, nobody, REQUIREMENTS, 2)
-    yield Transition("patterns belong to trains", ordered, ordered, cycle.matched, {**kept, **theirs}, REQUIREMENTS, 3)
+    yield Transition("order lost", table, unknown, own.fault, nothing, REQUIREMENTS, 0)
+    yield Transition("impossible event", ordered, unknown, ~cycle.possible, nothing, REQUIREMENTS, 1)
+    yield Transition("area is empty", table, ordered, own.clear & quiet, nothing, REQUIREMENTS, 2)
     yield Transition(
-        "patterns belong to nobody", ordered, ordered, ~cycle.matched, {**kept, **nobodys}, REQUIREMENTS, 3
-    )
+        "patterns belong to trains", ordered, ordered, cycle.matched, together(order, theirs), REQUIREMENTS, 3)  # fmt: skip
+    yield Transition(
+        "patterns belong to nobody", ordered, ordered, ~cycle.matched, together(order, nobodys), REQUIREMENTS, 3)  # fmt: skip

@@ -23,6 +23,7 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, MM_S2, MS, MS_PER_S, UM_PER_MM, UM_S, Unit
 from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
+from safeloc.models.vocabulary.first_of import first_of
 
 
 def judge(own: Parts, known: Bool, refused: Bool) -> Judged:
@@ -269,10 +270,7 @@ class Judged:
     @cached_property
     def flaw(self) -> Num:
         """The first reason; what is latched stays."""
-        reason: Num = v.NOT_VERIFIED
-        for flaw, why in reversed(self.flaws):
-            reason = ite(flaw, why, reason)
-        return ite(self.refused, self.own.reason, reason)
+        return ite(self.refused, self.own.reason, first_of(*self.flaws, default=v.NOT_VERIFIED))
 
     @cached_property
     def lacks(self) -> list[tuple[Bool, Lit]]:
@@ -293,10 +291,7 @@ class Judged:
     @cached_property
     def lack(self) -> Num:
         """The first of what is missing."""
-        reason: Num = v.NOT_VERIFIED
-        for lack, why in reversed(self.lacks):
-            reason = ite(lack, why, reason)
-        return reason
+        return first_of(*self.lacks, default=v.NOT_VERIFIED)
 
     @cached_property
     def age(self) -> Num:
