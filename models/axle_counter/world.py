@@ -7,7 +7,7 @@ be it of another train or of the same one that comes back.
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, abs_, all_of, between, exact_to, ite, maximum, minimum
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, between, exact_to, ite, maximum, minimum
 from safeloc.language.units import MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
@@ -24,13 +24,18 @@ def world(own: Parts) -> World:
     run, length = _run_after(own)
     axles = ite(_first(own), own.true_axles, minimum(own.axles + own.true_axles, own.axles.high))
     passes = own.true_axles > 0
-    moves: dict[Var, Expr] = {own.speed: own.next_speed, own.run: run, own.length: length, own.axles: axles}
-    moves |= {own.away: _away_after(own), own.last_up: ite(passes, own.axle_speed > 0, own.last_up)}
-    moves[own.waited] = ite(passes, 0, minimum(own.waited + 1, own.waited.high))
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
-        moves=moves,
+        moves={
+            own.speed: own.next_speed,
+            own.run: run,
+            own.length: length,
+            own.axles: axles,
+            own.away: _away_after(own),
+            own.last_up: ite(passes, own.axle_speed > 0, own.last_up),
+            own.waited: ite(passes, 0, minimum(own.waited + 1, own.waited.high)),
+        },
         clauses={**_head_laws(own), **_train_laws(own)},
     )
 

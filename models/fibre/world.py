@@ -64,12 +64,12 @@ def world(own: Parts) -> World:
 def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
     """What is kept of a section from its entry on: how the map told the one that is met in this direction."""
     seen, met = own.ghosts, now.met
-    kept: dict[Var, Expr] = {
+    return {
         seen.of_map: ite(now.enters, now.alike & seen.spot.eq(exact_to(met.near, NM)), seen.of_map),
         seen.far: ite(now.enters, met.far, seen.far),
         seen.long: ite(now.enters, met.long, seen.long),
+        seen.ahead_by: ite(now.enters, seen.count - own.count, seen.ahead_by),
     }
-    return {**kept, seen.ahead_by: ite(now.enters, seen.count - own.count, seen.ahead_by)}
 
 
 # ------------------------------------------------------------------ one cycle of the world

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import Bool, BoolVar, Num, NumVar, Var, abs_, boolean, ite, minimum, number, with_unit
+from safeloc.language.declared import Declared
+from safeloc.language.expr import Bool, Num, abs_, boolean, ite, minimum, number, with_unit
+from safeloc.language.machine import ANY
 from safeloc.language.units import MM, MS, UM, UM_PER_MM
 from safeloc.models.area.slot import Reach
 
@@ -45,7 +47,6 @@ class ToldRun:
     floor_mm: int
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
     """The variables of the machine.
 
@@ -72,61 +73,48 @@ class Parts:
     next_rear, next_front  ends of the train now, with every part that it lost
     """
 
-    config: PartingConfig
-    reach: Reach
-    told_run: ToldRun
-    trusted: BoolVar
-    counted: BoolVar
-    gone: BoolVar
-    usable: BoolVar
-    low: NumVar
-    high: NumVar
-    front_low: NumVar
-    rear_high: NumVar
-    longest: NumVar
-    upwards: BoolVar
-    downwards: BoolVar
-    run: NumVar
-    age: NumVar
-    straight: NumVar
-    told: BoolVar
-    told_low: NumVar
-    told_high: NumVar
-    pattern_rear: NumVar
-    pattern_front: NumVar
-    had_all: BoolVar
-    rear_is: BoolVar
-    front_is: BoolVar
-    since: NumVar
-    body_rear: NumVar
-    body_front: NumVar
-    lowest: NumVar
-    highest: NumVar
-    next_rear_is: BoolVar
-    next_front_is: BoolVar
-    next_body_rear: NumVar
-    next_body_front: NumVar
-    step: NumVar
-    next_rear: NumVar
-    next_front: NumVar
-
-    @property
-    def inputs(self) -> list[Var]:
-        """What is heard in a cycle."""
-        told: list[Var] = [self.trusted, self.counted, self.gone, self.usable, self.low, self.high]
-        return [*told, self.front_low, self.rear_high, self.longest, self.upwards, self.downwards, self.run, self.age]
-
-    @property
-    def choices(self) -> list[Var]:
-        """What the world chooses in a cycle."""
-        pattern: list[Var] = [
-            self.pattern_rear,
-            self.pattern_front,
-            self.had_all,
-            self.next_rear_is,
-            self.next_front_is,
-        ]
-        return [*pattern, self.next_body_rear, self.next_body_front, self.step, self.next_rear, self.next_front]
+    def __init__(
+        self, config: PartingConfig, reach: Reach, told_run: ToldRun, pattern_limit_um: int, length_limit_mm: int
+    ) -> None:
+        self.declared = declared = Declared()
+        limit, far, oldest = reach.limit_mm, reach.limit_mm * UM_PER_MM, 2 * reach.report_age_limit_ms
+        most, step, straight = config.since_limit_um, reach.cycle_mm * UM_PER_MM, config.straight_limit_mm
+        pattern, body = pattern_limit_um, pattern_limit_um + most
+        self.config, self.reach, self.told_run = config, reach, told_run
+        self.trusted = declared.sensor(boolean("train_trusted"))
+        self.counted = declared.sensor(boolean("count_matches_now"))
+        self.gone = declared.sensor(boolean("train_gone"))
+        self.usable = declared.sensor(boolean("ends_usable"))
+        self.low = declared.sensor(number("pattern_low_mm", MM, -limit, limit))
+        self.high = declared.sensor(number("pattern_high_mm", MM, -limit, limit))
+        self.front_low = declared.sensor(number("pattern_front_low_mm", MM, -limit, limit))
+        self.rear_high = declared.sensor(number("pattern_rear_high_mm", MM, -limit, limit))
+        self.longest = declared.sensor(number("longest_mm", MM, 0, length_limit_mm))
+        self.upwards = declared.sensor(boolean("runs_upwards"))
+        self.downwards = declared.sensor(boolean("runs_downwards"))
+        self.run = declared.sensor(number("run_mm", MM, -told_run.limit_mm, told_run.limit_mm))
+        self.age = declared.sensor(number("reading_age_ms", MS, 0, oldest))
+        self.straight = declared.state(number("run_one_way_mm", MM, -straight, straight), first=0)
+        self.told = declared.state(boolean("trusted_now"), first=False)
+        self.told_low = declared.state(number("reported_low_mm", MM, -limit, limit), first=0)
+        self.told_high = declared.state(number("reported_high_mm", MM, -limit, limit), first=0)
+        self.rear_is = declared.ghost(boolean("rear_is_the_trains"), first=False)
+        self.front_is = declared.ghost(boolean("front_is_the_trains"), first=False)
+        self.since = declared.ghost(number("run_since_whole_um", UM, 0, most), first=most)
+        self.body_rear = declared.ghost(number("body_rear_um", UM, -body, body), first=ANY)
+        self.body_front = declared.ghost(number("body_front_um", UM, -body, body), first=ANY)
+        self.lowest = declared.ghost(number("lowest_um", UM, -body, body), first=ANY)
+        self.highest = declared.ghost(number("highest_um", UM, -body, body), first=ANY)
+        self.pattern_rear = declared.choice(number("pattern_rear_um", UM, -pattern, pattern))
+        self.pattern_front = declared.choice(number("pattern_front_um", UM, -pattern, pattern))
+        self.had_all = declared.choice(boolean("count_had_all_axles"))
+        self.next_rear_is = declared.choice(boolean("next_rear_is_the_trains"))
+        self.next_front_is = declared.choice(boolean("next_front_is_the_trains"))
+        self.next_body_rear = declared.choice(number("next_body_rear_um", UM, -body, body))
+        self.next_body_front = declared.choice(number("next_body_front_um", UM, -body, body))
+        self.step = declared.choice(number("step_um", UM, -pattern, pattern))
+        self.next_rear = declared.choice(number("next_rear_um", UM, -far - step, far + step))
+        self.next_front = declared.choice(number("next_front_um", UM, -far - step, far + step))
 
     # -------------------------------------------------------------- the world's moves
 
@@ -152,33 +140,5 @@ class Parts:
 
 
 def parts(config: PartingConfig, reach: Reach, told_run: ToldRun, pattern_limit_um: int, length_limit_mm: int) -> Parts:
-    """Fresh variables for one train up to `length_limit_mm` long, whose pattern may be anywhere within `pattern_limit_um`."""
-    limit, far, oldest = reach.limit_mm, reach.limit_mm * UM_PER_MM, 2 * reach.report_age_limit_ms
-    most, step, straight = config.since_limit_um, reach.cycle_mm * UM_PER_MM, config.straight_limit_mm
-    body = pattern_limit_um + most
-
-    def place(name: str) -> NumVar:
-        return number(name, MM, -limit, limit)
-
-    def ghost(name: str, limit_um: int) -> NumVar:
-        return number(name, UM, -limit_um, limit_um)
-
-    return Parts(
-        config, reach, told_run,
-        boolean("train_trusted"), boolean("count_matches_now"), boolean("train_gone"), boolean("ends_usable"),
-        place("pattern_low_mm"), place("pattern_high_mm"), place("pattern_front_low_mm"), place("pattern_rear_high_mm"),
-        number("longest_mm", MM, 0, length_limit_mm),
-        boolean("runs_upwards"), boolean("runs_downwards"),
-        number("run_mm", MM, -told_run.limit_mm, told_run.limit_mm),
-        number("reading_age_ms", MS, 0, oldest),
-        number("run_one_way_mm", MM, -straight, straight),
-        boolean("trusted_now"), place("reported_low_mm"), place("reported_high_mm"),
-        ghost("pattern_rear_um", pattern_limit_um), ghost("pattern_front_um", pattern_limit_um),
-        boolean("count_had_all_axles"), boolean("rear_is_the_trains"), boolean("front_is_the_trains"),
-        number("run_since_whole_um", UM, 0, most),
-        ghost("body_rear_um", body), ghost("body_front_um", body), ghost("lowest_um", body), ghost("highest_um", body),
-        boolean("next_rear_is_the_trains"), boolean("next_front_is_the_trains"),
-        ghost("next_body_rear_um", body), ghost("next_body_front_um", body),
-        ghost("step_um", pattern_limit_um),
-        ghost("next_rear_um", far + step), ghost("next_front_um", far + step),
-    )  # fmt: skip
+    """Return fresh variables for one train up to `length_limit_mm` long; its pattern lies within `pattern_limit_um`."""
+    return Parts(config, reach, told_run, pattern_limit_um, length_limit_mm)

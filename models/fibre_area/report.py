@@ -26,7 +26,6 @@ from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
-    Var,
     exact_to,
     floor_to,
     ite,
@@ -34,7 +33,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates
 from safeloc.language.units import MM, NM, NM_PER_MM, UM, UM_PER_MM
 from safeloc.models.fibre_area.parting import PartingConfig, Parts, parts
@@ -125,12 +124,11 @@ def build(own: Parts) -> Report:
     table = modes("NEITHER", "WHOLE", "HIGH_END", "LOW_END")
     current = current_mode(table)
     neither, whole, _, low = table
-    state: dict[Var, Initial] = {own.straight: 0, own.told: False, own.told_low: 0, own.told_high: 0}
     machine = Machine(
         name="report",
         modes=table,
-        inputs=own.inputs,
-        state=state,
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "told": own.told & current.ne(neither),
             "low_mm": own.told_low,

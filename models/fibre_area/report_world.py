@@ -12,7 +12,6 @@ leads is bounded by the reference's length, for as long as the count told is tha
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite, maximum, minimum, with_unit
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM, NM_PER_MM, UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.fibre_area.parting import Parts
@@ -23,11 +22,8 @@ def world(own: Parts) -> World:
     whole = own.next_whole
     low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
     return World(
-        ghosts={
-            own.rear_is: False, own.front_is: False, own.since: own.config.since_limit_um,
-            own.body_rear: ANY, own.body_front: ANY, own.lowest: ANY, own.highest: ANY,
-        },
-        choices=own.choices,
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             own.rear_is: own.next_rear_is,
             own.front_is: own.next_front_is,
@@ -38,7 +34,7 @@ def world(own: Parts) -> World:
             own.highest: ite(whole, own.next_body_front, high),
         },
         clauses=_clauses(own),
-    )  # fmt: skip
+    )
 
 
 def _clauses(own: Parts) -> dict[str, Law]:
