@@ -24,7 +24,16 @@ LAW = (
 
 def properties(model: AxleCounter) -> list[Property]:
     """A sound record is true; a passage with any flaw gives none."""
-    return [*_truth(model), *_within_bounds(model), *_spoils(model), *_flaws(model), *_records(model)]
+    return [
+        *_truth(model),
+        *_within_bounds(model),
+        *_spoils(model),
+        *_spoilt(model),
+        *_pause(model),
+        *_flaws(model),
+        *_records(model),
+        *_recorded(model),
+    ]
 
 
 def _held(name: str, term: Bool, statement: str) -> Property:
@@ -101,9 +110,10 @@ def _other_way(own: Parts) -> Bool:
 
 
 def _spoils(model: AxleCounter) -> Iterator[Property]:
+    """What spoils a passage."""
     machine, own = model.machine, model.own
-    spoilt, _, passing, done = machine.modes
-    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
+    spoilt, _, passing, _ = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
     yield _held(
         "a fault spoils",
         own.fault.implies(mode.eq(spoilt)),
@@ -120,6 +130,13 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
         (before_.eq(passing) & own.axle.ne(NO_AXLE) & late).implies(mode.eq(spoilt)),
         "an axle that comes so long after the last one that it may be another train's spoils the passage in the same cycle",
     )
+
+
+def _spoilt(model: AxleCounter) -> Iterator[Property]:
+    """How long a passage stays spoilt."""
+    machine, own = model.machine, model.own
+    spoilt, _, _, done = machine.modes
+    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
     yield _held(
         "spoilt until over",
         (before_.eq(spoilt) & mode.ne(spoilt)).implies(own.over & mode.eq(done) & ~sound),
@@ -131,6 +148,12 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
         "the cycle in which a spoilt passage is told to be over, without an axle or a fault in it, is told as a passage without a "
         "record",
     )
+
+
+def _pause(model: AxleCounter) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, _, passing, _ = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
     longer = ite(before(own.pause) >= own.pause.high, before(own.pause), before(own.pause) + 1)
     yield _held(
         "the pause is counted",
@@ -189,9 +212,10 @@ def _far_off(own: Parts) -> Bool:
 
 
 def _records(model: AxleCounter) -> Iterator[Property]:
+    """What a record needs."""
     machine, own = model.machine, model.own
-    _, _, passing, done = machine.modes
-    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
+    _, _, passing, _ = machine.modes
+    before_, sound = before(machine.mode), machine.flag("record_sound")
     nothing = [machine.output(f"record_{name}") for name in ("axles", "length_low_um", "length_high_um")]
     yield _held(
         "a record needs a passage",
@@ -203,6 +227,13 @@ def _records(model: AxleCounter) -> Iterator[Property]:
         (~sound).implies(nothing[0].eq(0) & nothing[1].eq(0) & nothing[2].eq(0)),
         "without a sound record there are no numbers to verify with",
     )
+
+
+def _recorded(model: AxleCounter) -> Iterator[Property]:
+    """When the record comes."""
+    machine, own = model.machine, model.own
+    _, _, passing, done = machine.modes
+    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
     ready = machine.flag("record_ready")
     yield _held(
         "a passage ends with its record",

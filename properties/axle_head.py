@@ -17,7 +17,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(model: AxleHead) -> list[Property]:
     """Every axle is counted once, in its direction; nothing else is."""
-    return [*_wheels(model), *_sequences(model), *_disturbed(model), *_reached(model)]
+    return [*_wheels(model), *_sequences(model), *_disturbs(model), *_disturbed(model), *_reached(model)]
 
 
 def _held(name: str, term: Bool, statement: str) -> Property:
@@ -85,7 +85,8 @@ def _sequences(model: AxleHead) -> Iterator[Property]:
     )
 
 
-def _disturbed(model: AxleHead) -> Iterator[Property]:
+def _disturbs(model: AxleHead) -> Iterator[Property]:
+    """What disturbs the head."""
     machine, own = model.machine, model.own
     free, *_, disturbed = machine.modes
     mode, is_disturbed = machine.mode, machine.flag("disturbed")
@@ -106,6 +107,14 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
         is_disturbed.implies(leap | (was_disturbed & (own.a | own.b))),
         "the head is disturbed only by such a step, and only until both channels are free",
     )
+
+
+def _disturbed(model: AxleHead) -> Iterator[Property]:
+    """What a disturbed head reports."""
+    machine, own = model.machine, model.own
+    *_, disturbed = machine.modes
+    mode, is_disturbed = machine.mode, machine.flag("disturbed")
+    was_disturbed = before(mode).eq(disturbed)
     yield _held(
         "a disturbed head counts nothing",
         (was_disturbed | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),

@@ -31,7 +31,19 @@ LAW = (
 
 def properties(model: AxleSection) -> list[Property]:
     """Clear is clear; a reset never frees; a fault is occupied in the same step."""
-    return [*_truth(model), *_resets(model), *_answers(model), *_occupied(model), *_sweeps(model), *_frees(model)]
+    return [
+        *_healthy(model),
+        *_truth(model),
+        *_resets(model),
+        *_refused(model),
+        *_lead_time(model),
+        *_answers(model),
+        *_occupied(model),
+        *_disturbed(model),
+        *_from_power_up(model),
+        *_sweeps(model),
+        *_frees(model),
+    ]
 
 
 def _held(name: str, term: Bool, statement: str) -> Property:
@@ -74,14 +86,21 @@ def _ran_through(own: Parts) -> Bool:
 # ------------------------------------------------------------------ claims
 
 
-def _truth(model: AxleSection) -> Iterator[Property]:
-    machine, own = model.machine, model.own
-    _, clear, occupied, _, _ = machine.modes
+def _healthy(model: AxleSection) -> Iterator[Property]:
+    """When the count is healthy."""
+    machine = model.machine
+    _, clear, occupied, *_ = machine.modes
     yield _held(
         "a section that counts is healthy",
         machine.flag("healthy").iff(machine.mode.eq(clear) | machine.mode.eq(occupied)),
         "the count is said to be healthy while the section is told to be clear or occupied, and at no other time",
     )
+
+
+def _truth(model: AxleSection) -> Iterator[Property]:
+    """Clear, count and reset against the axles that are really in the section."""
+    machine, own = model.machine, model.own
+    _, clear, occupied, *_ = machine.modes
     is_clear, before_ = machine.flag("clear"), before(machine.mode)
     accepted = own.answer.eq(ACCEPTED)
     yield _lawful("clear is clear", is_clear.implies(own.axles.eq(0)), "a section reported clear has no axle in it")
@@ -106,8 +125,9 @@ def _truth(model: AxleSection) -> Iterator[Property]:
 
 
 def _resets(model: AxleSection) -> Iterator[Property]:
+    """A reset never clears."""
     machine, own = model.machine, model.own
-    unknown, clear, occupied, disturbed, sweeping = machine.modes
+    _, clear, occupied, disturbed, sweeping = machine.modes
     mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
     accepted = own.answer.eq(ACCEPTED)
     yield _held(
@@ -128,6 +148,14 @@ def _resets(model: AxleSection) -> Iterator[Property]:
         "unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and out and "
         "reported it free",
     )
+
+
+def _refused(model: AxleSection) -> Iterator[Property]:
+    """When a reset is refused."""
+    machine, own = model.machine, model.own
+    unknown, clear, _, disturbed, _ = machine.modes
+    before_ = before(machine.mode)
+    accepted = own.answer.eq(ACCEPTED)
     yield _held(
         "refused while occupied",
         (accepted & ~before_.one_of(unknown, clear, disturbed)).implies(before(own.count).eq(0)),
@@ -143,6 +171,10 @@ def _resets(model: AxleSection) -> Iterator[Property]:
         accepted.implies(before(own.quiet) >= own.config.lead_cycles),
         "a reset is refused until no axle passed for the lead time",
     )
+
+
+def _lead_time(model: AxleSection) -> Iterator[Property]:
+    own = model.own
     longer = minimum(before(own.quiet) + 1, own.config.lead_cycles)
     yield _held(
         "the lead time is counted",
@@ -179,11 +211,9 @@ def _always_in_a_step(model: AxleSection, term: Bool) -> Bool:
 
 
 def _occupied(model: AxleSection) -> Iterator[Property]:
+    """What keeps the section from being clear at once."""
     machine, own = model.machine, model.own
-    unknown, clear, occupied, disturbed, sweeping = machine.modes
-    mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
-    impossible = (_came_in(own) < _went_out(own)) | (_came_in(own) > _went_out(own) + own.config.axle_limit)
-    believed = before_.one_of(clear, occupied, sweeping)
+    is_clear = machine.flag("clear")
     yield _held(
         "a fault is occupied",
         own.fault.implies(~is_clear),
@@ -194,6 +224,15 @@ def _occupied(model: AxleSection) -> Iterator[Property]:
         own.damped.implies(~is_clear),
         "while a wheel stands on a counting head the section is not clear, whatever is counted",
     )
+
+
+def _disturbed(model: AxleSection) -> Iterator[Property]:
+    """What disturbs the count, and until when."""
+    machine, own = model.machine, model.own
+    _, clear, occupied, disturbed, sweeping = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
+    impossible = (_came_in(own) < _went_out(own)) | (_came_in(own) > _went_out(own) + own.config.axle_limit)
+    believed = before_.one_of(clear, occupied, sweeping)
     yield _held(
         "an impossible count is disturbed",
         (believed & impossible).implies(mode.eq(disturbed)),
@@ -209,6 +248,12 @@ def _occupied(model: AxleSection) -> Iterator[Property]:
         before_.eq(disturbed).implies(mode.one_of(disturbed, sweeping)),
         "a disturbed section stays so, also when the fault is gone, until it is reset",
     )
+
+
+def _from_power_up(model: AxleSection) -> Iterator[Property]:
+    machine = model.machine
+    unknown, _, _, disturbed, sweeping = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
     yield _held(
         "power-up is occupied",
         before_.eq(unknown).implies(mode.one_of(unknown, sweeping)),

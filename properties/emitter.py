@@ -22,11 +22,21 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(model: Emitter) -> list[Property]:
     """Only the own pattern, at its time, counts; a dead chain is told within the due time and one cycle."""
-    return [*_chain(model), *_tested(model), *_patterns(model), *_times(model), *_failures(model), *_recovery(model)]
+    return [
+        *_chain(model),
+        *_request(model),
+        *_tested(model),
+        *_modes(model),
+        *_patterns(model),
+        *_times(model),
+        *_failures(model),
+        *_in_time(model),
+        *_recovery(model),
+    ]
 
 
 def _chain(model: Emitter) -> Iterator[Property]:
-    """A chain that is silent, dead or does not answer is not said to be tested for long."""
+    """A dead or silent chain is soon no longer tested."""
     own, config, works = model.own, model.own.config, model.machine.flag("chain_tested")
     yield within(
         "dead chain is told",
@@ -49,6 +59,10 @@ def _chain(model: Emitter) -> Iterator[Property]:
         unconditional=True,
         helper=lambda waited: works.implies(waited <= own.since),
     )
+
+
+def _request(model: Emitter) -> Iterator[Property]:
+    own, config, works = model.own, model.own.config, model.machine.flag("chain_tested")
     yield within(
         "request is answered",
         config.answer_cycles,
@@ -64,7 +78,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
 def _tested(model: Emitter) -> Iterator[Property]:
     """What makes a chain tested, and what does not."""
     machine, own = model.machine, model.own
-    untested, tested, failed = machine.modes
+    _, tested, _ = machine.modes
     mode, works, passed = machine.mode, machine.flag("chain_tested"), own.judged.eq(PASSED)
     yield for_all_inputs(
         "only the own pattern passes",
@@ -83,6 +97,12 @@ def _tested(model: Emitter) -> Iterator[Property]:
         ),
         statement="another emitter's pattern, and the own one when it is not due or without its place, renew nothing",
     )
+
+
+def _modes(model: Emitter) -> Iterator[Property]:
+    """The modes after the first one."""
+    untested, tested, failed = model.machine.modes
+    mode = model.machine.mode
     yield for_all_inputs(
         "untested is the start only",
         mode.eq(untested).implies(before(mode).eq(untested)),
@@ -153,19 +173,26 @@ def _times(model: Emitter) -> Iterator[Property]:
 def _failures(model: Emitter) -> Iterator[Property]:
     """When the chain has failed."""
     machine, own = model.machine, model.own
-    _, tested, failed = machine.modes
-    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    *_, failed = machine.modes
+    mode, elsewhere = machine.mode, own.judged.eq(ELSEWHERE)
     yield for_all_inputs(
         "a failed chain is told",
         machine.flag("failed").iff(mode.eq(failed)),
         statement="the chain is said to have failed from the failure until it is tested again",
     )
-    in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
     yield for_all_inputs(
         "own pattern from elsewhere fails",
         elsewhere.implies(mode.eq(failed)),
         statement="the own pattern from another place ends the tested state in the same cycle",
     )
+
+
+def _in_time(model: Emitter) -> Iterator[Property]:
+    """What fails the chain, and what shows that it works."""
+    machine, own = model.machine, model.own
+    _, tested, failed = machine.modes
+    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
     yield under_assumption(
         "a chain fails for a reason",
         ite(before(mode).eq(failed), (~passed).implies(mode.eq(failed)), mode.eq(failed).iff(~in_time | elsewhere)),

@@ -43,7 +43,17 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 def properties(model: FibreArea) -> list[Property]:
     """Containment through all machines, withdrawal in the same step, and sections that nothing unverified frees."""
-    own = [*_truth(model), *_withdrawal(model), *_latch(model), *_sections(model), *_reached(model)]
+    own = [
+        *_truth(model),
+        *_guaranteed(model),
+        *_bounded(model),
+        *_withdrawal(model),
+        *_latched_error(model),
+        *_latch(model),
+        *_narrowed(model),
+        *_grows(model),
+        *_reached(model),
+    ]
     return [*own, *_of_sections(model)]
 
 
@@ -64,11 +74,14 @@ def _error(model: FibreArea, end: str) -> Bool:
 
 
 def _truth(model: FibreArea) -> Iterator[Property]:
+    """The reported position and the reported ends contain the truth."""
     of, verified = model.composition.of, model.verification
     front, rear = (of(one.machine).num(one.own.ghosts.truth) for one in (model.front, model.rear))
     seen, report = of(verified.machine), model.report
-    low, high = (verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
-                 for sign, side in ((-1, "margin_below"), (1, "margin_above")))  # fmt: skip
+    low, high = (
+        verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
+        for sign, side in ((-1, "margin_below"), (1, "margin_above"))
+    )
     yield under_assumption(
         "containment",
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
@@ -82,6 +95,12 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         statement="from min safe rear to max safe front, what is told to the area holds both ends of the pattern",
         requirements=(*CLAIM, *CLEAR),
     )
+
+
+def _guaranteed(model: FibreArea) -> Iterator[Property]:
+    """What later machines assume, earlier ones guarantee."""
+    of, verified = model.composition.of, model.verification
+    seen = of(verified.machine)
     yield under_assumption(
         "the area is told the truth",
         _report_law(model),
@@ -100,6 +119,12 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         seen.bool(place_law(verified.own)),
         statement="what the verification assumes of the front's interval is kept by the fibre machines",
     )
+
+
+def _bounded(model: FibreArea) -> Iterator[Property]:
+    """Ranges of wires and of the interval."""
+    of, verified = model.composition.of, model.verification
+    seen = of(verified.machine)
     yield for_all_inputs(
         "wires are in range",
         _wired_in_range(model),
@@ -159,23 +184,41 @@ def _of_slot(model: FibreArea) -> Substitution:
 
 def _wrong(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
     """Everything that does not agree or does not come, in words."""
-    of, verified, entry = model.composition.of, model.verification.own, model.entry
-    emitter, seen = of(model.emitter.machine), of(model.verification.machine)
-    tested, failed = (emitter.bool(model.emitter.machine.flag(name)) for name in ("chain_tested", "failed"))
-    located = {one: of(one.machine).bool(one.machine.flag("valid")) for one in (model.front, model.rear)}
-    told = verified.associated & verified.seen_count.present
-    wrong = {
+    wrong = {**_wrong_ends(model), **_wrong_train(model)}
+    if model.verification.own.config.needs_emitter:
+        emitter, of = model.emitter.machine, model.composition.of(model.emitter.machine)
+        tested, failed = (of.bool(emitter.flag(name)) for name in ("chain_tested", "failed"))
+        chain = "a test pattern that failed, or has not come yet"
+        wrong["a chain that failed"] = (failed | ~tested, chain, EMITTER)
+    return wrong
+
+
+def _located(model: FibreArea, fibre: Fibre) -> Bool:
+    return model.composition.of(fibre.machine).bool(fibre.machine.flag("valid"))
+
+
+def _wrong_ends(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    front, rear = _located(model, model.front), _located(model, model.rear)
+    return {
         "error F of the front": (_error(model, "front"), "F of the front's machine", ERROR),
         "error F of the rear": (_error(model, "rear"), "F of the rear's machine", ERROR),
-        "a front not located": (~located[model.front], "a front that is not located", CLAIM),
-        "a rear not located": (~located[model.rear], "a rear that is not located", CLAIM),
+        "a front not located": (~front, "a front that is not located", CLAIM),
+        "a rear not located": (~rear, "a rear that is not located", CLAIM),
+    }
+
+
+def _wrong_train(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    of, verified, entry = model.composition.of, model.verification.own, model.entry
+    seen, told = of(model.verification.machine), verified.associated & verified.seen_count.present
+    located = _located(model, model.front) & _located(model, model.rear)
+    return {
         "another count": (
             seen.bool(told & verified.seen_count.value.ne(verified.kept_count)),
             "a count other than the entry record's: a split train, another train, or a miscount",
             COUNTS,
         ),
         "ends apart": (
-            located[model.front] & located[model.rear] & _apart(model),
+            located & _apart(model),
             "a distance between front and rear that the entry record does not allow",
             COUNTS,
         ),
@@ -187,10 +230,6 @@ def _wrong(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
         "a train that left": (of(entry.machine).bool(entry.leaves), "a train that was counted out", STAY),
         "no pattern": (seen.bool(~verified.associated), "a pattern that belongs to no known train", STAY),
     }
-    if verified.config.needs_emitter:
-        chain = "a test pattern that failed, or has not come yet"
-        wrong["a chain that failed"] = (failed | ~tested, chain, EMITTER)
-    return wrong
 
 
 def _apart(model: FibreArea) -> Bool:
@@ -211,12 +250,13 @@ def _bounds(model: FibreArea, fibre: Fibre) -> tuple[Num, Num]:
 # ------------------------------------------------------------------ latched and revoked
 
 
-def _latch(model: FibreArea) -> Iterator[Property]:
+def _latched_error(model: FibreArea) -> Iterator[Property]:
+    """F makes the train untrusted."""
     verified, seen = model.verification, model.composition.of(model.verification.machine)
-    none, withheld, trusted, untrusted = verified.machine.modes
+    _, withheld, trusted, untrusted = verified.machine.modes
     mode = seen.num(verified.machine.mode)
     was_known = earlier_bool(seen.bool(verified.machine.mode.one_of(withheld, trusted)))
-    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
+    leaves = _leaves(model)
     for end in ("front", "rear"):
         yield for_all_inputs(
             f"error F of the {end} is latched",
@@ -224,6 +264,14 @@ def _latch(model: FibreArea) -> Iterator[Property]:
             statement=f"F of the {end}, with a reference stored, makes the train untrusted until another accepted record",
             requirements=ERROR,
         )
+
+
+def _latch(model: FibreArea) -> Iterator[Property]:
+    """When trust may begin again, and what is revoked when it ends."""
+    verified, seen = model.verification, model.composition.of(model.verification.machine)
+    none, _, _, untrusted = verified.machine.modes
+    mode = seen.num(verified.machine.mode)
+    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
     was_untrusted = earlier_bool(seen.bool(verified.machine.mode.eq(untrusted)))
     yield for_all_inputs(
         "a mismatch is latched",
@@ -253,7 +301,8 @@ def _leaves(model: FibreArea) -> Bool:
 # ------------------------------------------------------------------ sections
 
 
-def _sections(model: FibreArea) -> Iterator[Property]:
+def _narrowed(model: FibreArea) -> Iterator[Property]:
+    """What narrows where the train may be."""
     slot, of = model.area.own.slots[0], _of_slot(model)
     judged, integer = of.bool(slot.judged.eq(ACCEPTED)), of.bool(slot.integer)
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
@@ -272,7 +321,14 @@ def _sections(model: FibreArea) -> Iterator[Property]:
         requirements=(*COUNTS, *CLEAR),
     )
     yield from _charged(model)
+    yield from _one_way_only(model)
+    yield from _parted(model)
     yield from _counted_out(model)
+    yield from _uncounted(model)
+
+
+def _grows(model: FibreArea) -> Iterator[Property]:
+    slot, of = model.area.own.slots[0], _of_slot(model)
     low, high = of.num(slot.low), of.num(slot.high)
     present, edge = of.bool(slot.present), model.config.sections.area.limit_mm
     stays = earlier_bool(present) & present & ~of.bool(slot.enters) & ~_trusted(model)
@@ -290,7 +346,6 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
     own, of = model.entry, model.composition.of(model.entry.machine)
     inside = of.num(own.inside)
     missing = (of.num(own.axles_out.value) - of.num(own.axles_in.value)).ne(earlier_num(inside))
-    uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
     empty = area.bool(model.area.own.healthy & model.area.own.clear)
     enters, present = area.bool(slot.enters), area.bool(slot.present)
     yield for_all_inputs(
@@ -300,6 +355,13 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
         "event of leaving frees them, only counters that report the area empty",
         requirements=(*STAY, *CLEAR),
     )
+
+
+def _uncounted(model: FibreArea) -> Iterator[Property]:
+    slot, area = model.area.own.slots[0], _of_slot(model)
+    own, of = model.entry, model.composition.of(model.entry.machine)
+    uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
+    enters = area.bool(slot.enters)
     yield for_all_inputs(
         "a train of which axles were not counted is not counted out",
         (uncounted | (~enters & ~earlier_bool(of.bool(own.sure)))).implies(~of.bool(own.sure) & ~_leaves(model)),
@@ -310,7 +372,7 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
 
 
 def _charged(model: FibreArea) -> Iterator[Property]:
-    """How far out an end of a counted train is believed, in figures of its own; and of a part that was lost."""
+    """How far out the ends of a counted train are believed, in figures of their own."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
     told = _told(model) & of.bool(model.report.machine.flag("integer"))
@@ -329,12 +391,22 @@ def _charged(model: FibreArea) -> Iterator[Property]:
         "count's run, unless that end has led for longer than this run",
         requirements=(*COUNTS, *CLEAR),
     )
+
+
+def _one_way_only(model: FibreArea) -> Iterator[Property]:
+    own, of = model.report.own, model.composition.of(model.report.machine)
+    run = of.num(own.straight)
     yield for_all_inputs(
         "an end leads by run one way only",
         all_of(_one_way(model, run)),
         statement="run one way is counted from zero again by a cycle in which the train stands, turns, is not heard, or is gone",
         requirements=(*COUNTS, *CLEAR),
     )
+
+
+def _parted(model: FibreArea) -> Iterator[Property]:
+    """A part that the train lost."""
+    own, of = model.report.own, model.composition.of(model.report.machine)
     slot, area = model.area.own.slots[0], _of_slot(model)
     parted = area.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
     low_um, high_um = (area.num(exact_to(bound, UM)) for bound in (slot.low, slot.high))

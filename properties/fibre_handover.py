@@ -21,10 +21,21 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 def properties(model: FibreHandover) -> list[Property]:
     """The truth on both sides, never both where the place is not shared, and a lost handover."""
-    return [*_truth(model), *_both(model), *_record(model), *_sent(model), *_reached(model)]
+    return [
+        *_truth(model),
+        *_given(model),
+        *_both(model),
+        *_lost(model),
+        *_arrives(model),
+        *_shared(model),
+        *_other_trains(model),
+        *_sent(model),
+        *_reached(model),
+    ]
 
 
 def _truth(model: FibreHandover) -> Iterator[Property]:
+    """Each area's trusted position contains the front."""
     of = model.composition.of
     truth = of(model.giving.machine).num(model.giving.own.truth)
     for side, verified in (("giving", model.giving), ("taking", model.taking)):
@@ -36,6 +47,12 @@ def _truth(model: FibreHandover) -> Iterator[Property]:
             ),
             statement=f"a position that the {side} area trusts holds the train's front",
         )
+
+
+def _given(model: FibreHandover) -> Iterator[Property]:
+    """The position that is given out."""
+    of = model.composition.of
+    truth = of(model.giving.machine).num(model.giving.own.truth)
     voice = of(model.speaker.machine)
     low, high = voice.num(model.speaker.low), voice.num(model.speaker.high)
     given = voice.bool(model.speaker.machine.flag("given"))
@@ -73,15 +90,14 @@ def _both(model: FibreHandover) -> Iterator[Property]:
     )
 
 
-def _record(model: FibreHandover) -> Iterator[Property]:
-    of, giving, taking = model.composition.of, model.giving, model.taking
-    there, here, border = of(giving.machine), of(taking.machine), model.border.machine
-    none, withheld, trusted, untrusted = taking.machine.modes
+def _lost(model: FibreHandover) -> Iterator[Property]:
+    """A record that does not arrive in time."""
+    of, taking, border = model.composition.of, model.taking, model.border.machine
+    here = of(taking.machine)
+    *_, untrusted = taking.machine.modes
     mode = here.num(taking.machine.mode)
     on_the_way = of(border).num(border.mode)
-    before, offered, _, lost = border.modes
-    gone = of(border).bool(model.border.own.gone)
-    arrives = of(border).bool(border.fired("record arrives"))
+    *_, lost = border.modes
     yield for_all_inputs(
         "a lost handover is untrusted",
         of(border).bool(border.fired("record lost on the way", "trust lost on the way")).implies(mode.eq(untrusted)),
@@ -92,6 +108,17 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         on_the_way.eq(lost).implies(mode.eq(untrusted)),
         statement="after a lost handover the taking area does not trust the train before it is gone",
     )
+
+
+def _arrives(model: FibreHandover) -> Iterator[Property]:
+    """The record arrives only while the giving area trusts the train."""
+    of, giving, taking = model.composition.of, model.giving, model.taking
+    here, border = of(taking.machine), model.border.machine
+    none, *_ = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    on_the_way = of(border).num(border.mode)
+    before, offered, *_ = border.modes
+    arrives = of(border).bool(border.fired("record arrives"))
     yield for_all_inputs(
         "nothing is trusted before the record arrived",
         on_the_way.one_of(before, offered).implies(mode.eq(none)),
@@ -103,6 +130,15 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         arrives.implies(_trusted(model, giving)),
         statement="a record arrives only in a cycle in which the giving area trusts the train",
     )
+
+
+def _shared(model: FibreHandover) -> Iterator[Property]:
+    """Both areas verify against the same record."""
+    of, giving, taking = model.composition.of, model.giving, model.taking
+    there, here, border = of(giving.machine), of(taking.machine), model.border.machine
+    _, withheld, trusted, _ = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    arrives = of(border).bool(border.fired("record arrives"))
     kept = [(one.kept_count, one.kept_low, one.kept_high) for one in (taking.own, giving.own)]
     same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in zip(*kept, strict=True))
     yield for_all_inputs(
@@ -121,6 +157,17 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         statement="where the front can be by the last record and the top speed is no narrower in the taking area than in the giving "
         "one, but for the ends of the line",
     )
+
+
+def _other_trains(model: FibreHandover) -> Iterator[Property]:
+    """Another train is not taken for this one."""
+    of, taking, border = model.composition.of, model.taking, model.border.machine
+    here = of(taking.machine)
+    none, *_ = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    on_the_way = of(border).num(border.mode)
+    before, *_ = border.modes
+    gone = of(border).bool(model.border.own.gone)
     yield for_all_inputs(
         "gone is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),

@@ -27,46 +27,68 @@ def properties(model: Sections) -> list[Property]:
     """Every property of the area and its sections, over the whole composition."""
     found = [*_area(model)]
     for one in model.sections:
-        found += [*_safety(model, one), *_evidence(model, one), *_told(model, one)]
+        found += [
+            *_safety(model, one),
+            *_evidence(model, one),
+            *_rule(model, one),
+            *_told(model, one),
+            *_timed(model, one),
+        ]
     return found
 
 
 def _area(model: Sections) -> Iterator[Property]:
+    for one in model.area.own.slots:
+        yield from _interval(model, one)
+        yield from _narrowed(model, one)
+    yield from _loose(model)
+
+
+def _interval(model: Sections, one: Slot) -> Iterator[Property]:
+    """The interval of a train, and what narrows it."""
+    of = model.composition.of(model.area.machine)
+    inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
+    yield under_assumption(
+        f"train {one.number} containment",
+        of.bool(one.there.implies(one.present & inside)),
+        statement="a train in the area is in its slot's interval, from rear end to front end",
+    )
+    yield for_all_inputs(
+        f"train {one.number} narrows only by an accepted report",
+        _widens(of, one),
+        statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
+        requirements=("FVA-9",),
+    )
+
+
+def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
+    """How far a report narrows the interval."""
+    of, own = model.composition.of(model.area.machine), model.area.own
+    yield for_all_inputs(
+        f"train {one.number} report is charged its age",
+        _aged(of, one),
+        statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
+        requirements=("FVA-9",),
+    )
+    yield for_all_inputs(
+        f"train {one.number} that may be split is believed at its leading end only",
+        _leads(of, one),
+        statement="a report of a train that is not known to be whole, or not to be trusted in that, narrows nothing at the end "
+        "that does not lead",
+        requirements=("FVA-9",),
+    )
+    yield for_all_inputs(
+        f"train {one.number} is whole by a trusted word only",
+        _confirmed(of, one, own.config.integrity_is_trusted),
+        statement="the time without confirmed integrity ends by an accepted report of a train that is whole, where such reports are "
+        "trusted, and never otherwise while the train is in the area",
+        requirements=("FVA-9",),
+    )
+
+
+def _loose(model: Sections) -> Iterator[Property]:
     machine, own = model.area.machine, model.area.own
     of = model.composition.of(machine)
-    for one in own.slots:
-        inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
-        yield under_assumption(
-            f"train {one.number} containment",
-            of.bool(one.there.implies(one.present & inside)),
-            statement="a train in the area is in its slot's interval, from rear end to front end",
-        )
-        yield for_all_inputs(
-            f"train {one.number} narrows only by an accepted report",
-            _widens(of, one),
-            statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
-            requirements=("FVA-9",),
-        )
-        yield for_all_inputs(
-            f"train {one.number} report is charged its age",
-            _aged(of, one),
-            statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
-            requirements=("FVA-9",),
-        )
-        yield for_all_inputs(
-            f"train {one.number} that may be split is believed at its leading end only",
-            _leads(of, one),
-            statement="a report of a train that is not known to be whole, or not to be trusted in that, narrows nothing at the end "
-            "that does not lead",
-            requirements=("FVA-9",),
-        )
-        yield for_all_inputs(
-            f"train {one.number} is whole by a trusted word only",
-            _confirmed(of, one, own.config.integrity_is_trusted),
-            statement="the time without confirmed integrity ends by an accepted report of a train that is whole, where such reports are "
-            "trusted, and never otherwise while the train is in the area",
-            requirements=("FVA-9",),
-        )
     loose = own.loose.implies(
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
@@ -115,25 +137,32 @@ def _confirmed(of: Substitution, one: Slot, trusted: bool) -> Bool:
     return stays.implies(longer | (word & waited.eq(0)) if trusted else longer)
 
 
-def _told(model: Sections, one: Section) -> Iterator[Property]:
-    """Every report says which rule led to it, what it rests on, how old that is, and how far to trust it."""
-    machine, name, config = one.machine, one.machine.name, one.config
+def _rule(model: Sections, one: Section) -> Iterator[Property]:
+    """The rule that led to the state."""
+    machine, name = one.machine, one.machine.name
     of = model.composition.of(machine)
     mode, rule = of.num(machine.mode), of.num(machine.output("rule"))
-    evidence, trust = of.num(machine.output("evidence")), of.num(machine.output("trust"))
-    age = of.num(machine.output("evidence_age_cycles"))
-    _, free, occupied, _ = machine.modes
     by_label = {member.label: member for member in machine.modes}
-    led = [
+    changed = [
         (earlier_num(mode).eq(by_label[source]) & mode.eq(by_label[target])).implies(rule.eq(number))
         for (source, target), number in RULES.items()
     ]
-    led.append(earlier_num(mode).eq(mode).implies(rule.eq(earlier_num(rule))))
+    stays = earlier_num(mode).eq(mode).implies(rule.eq(earlier_num(rule)))
     yield for_all_inputs(
         f"{name} names the rule",
-        all_of(led),
+        all_of([*changed, stays]),
         statement="the rule told is that of the change of state that happened, and stays while the state does",
     )
+
+
+def _told(model: Sections, one: Section) -> Iterator[Property]:
+    """The evidence of the state, and how far to trust it."""
+    machine, name, config = one.machine, one.machine.name, one.config
+    of = model.composition.of(machine)
+    mode = of.num(machine.mode)
+    evidence, trust = of.num(machine.output("evidence")), of.num(machine.output("trust"))
+    age = of.num(machine.output("evidence_age_cycles"))
+    _, free, occupied, _ = machine.modes
     yield for_all_inputs(
         f"{name} says what it rests on",
         mode.eq(free).iff(evidence.one_of(NO_TRAIN, TRAINS_ELSEWHERE))
@@ -147,6 +176,13 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         & mode.eq(occupied).implies(trust.eq(VERIFIED)),
         statement="a state told as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
     )
+
+
+def _timed(model: Sections, one: Section) -> Iterator[Property]:
+    machine, name = one.machine, one.machine.name
+    of = model.composition.of(machine)
+    mode = of.num(machine.mode)
+    _, _, occupied, _ = machine.modes
     yield for_all_inputs(
         f"{name} keeps to its timers",
         mode.eq(occupied).implies(all_of(_in_time(model, one))),

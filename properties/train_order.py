@@ -21,7 +21,7 @@ def properties(model: TrainOrder) -> list[Property]:
     """A pattern that belongs to a train holds it; any doubt, and no pattern belongs to anyone."""
     associated = model.machine.flag("associated")
     seen = reachable("associated", associated, statement="patterns can be told apart", requirements=REQUIREMENTS)
-    return [*_true(model), *_patterns(model), *_order(model), seen]
+    return [*_true(model), *_patterns(model), *_faults(model), *_begins(model), *_ends(model), *_follows(model), seen]
 
 
 def _true(model: TrainOrder) -> Iterator[Property]:
@@ -62,7 +62,7 @@ def _from_the_low_end(own: Parts) -> Bool:
 
 
 def _patterns(model: TrainOrder) -> Iterator[Property]:
-    """Whose the patterns are, as they compare with the order that is known."""
+    """The trains that patterns belong to, against the known order."""
     machine, own = model.machine, model.own
     associated, is_ordered = machine.flag("associated"), machine.flag("ordered")
     trains = _how_many(one.ne(0) for one in own.order)
@@ -83,6 +83,11 @@ def _patterns(model: TrainOrder) -> Iterator[Property]:
         associated.iff(any_of(one.ne(0) for one in own.belongs)),
         statement="patterns are told to be associated exactly where one of them is said to be a train",
     )
+
+
+def _faults(model: TrainOrder) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    associated, is_ordered = machine.flag("associated"), machine.flag("ordered")
     yield for_all_inputs(
         "a fault ends the order",
         own.fault.implies(~associated & ~is_ordered),
@@ -111,17 +116,25 @@ def _events(own: Parts) -> Num:
     return _how_many([own.leaves_low, own.leaves_high, own.enters_low > 0, own.enters_high > 0])
 
 
-def _order(model: TrainOrder) -> Iterator[Property]:
-    """The order is that of the counters' events since the area was empty; what cannot be ends it."""
+def _begins(model: TrainOrder) -> Iterator[Property]:
+    """An order begins with an empty area."""
     machine, own = model.machine, model.own
     unknown, ordered = machine.modes
-    was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
+    is_ordered = machine.mode.eq(ordered)
     nobody = all_of(one.eq(0) for one in own.order)
     yield for_all_inputs(
         "an order begins with an empty area",
         (before(machine.mode).eq(unknown) & is_ordered).implies(all_of([own.clear, nobody, _events(own).eq(0)])),
         statement="an order is known again only in a cycle in which the counters tell that the area is empty, and no event",
     )
+
+
+def _ends(model: TrainOrder) -> Iterator[Property]:
+    """What ends an order."""
+    machine, own = model.machine, model.own
+    _, ordered = machine.modes
+    was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
+    nobody = all_of(one.eq(0) for one in own.order)
     none = before(own.order[0]).eq(0)
     impossible = {
         "two events at once": (_events(own) >= 2, "two events in one cycle"),
@@ -145,6 +158,14 @@ def _order(model: TrainOrder) -> Iterator[Property]:
         (was_ordered & ~is_ordered).implies(any_of([own.fault, *(event for event, _ in impossible.values())])),
         statement="an order that is known is given up for a disturbed counter, or an event that cannot be, and for nothing else",
     )
+
+
+def _follows(model: TrainOrder) -> Iterator[Property]:
+    """How the order changes with each event."""
+    machine, own = model.machine, model.own
+    _, ordered = machine.modes
+    was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
+    nobody = all_of(one.eq(0) for one in own.order)
     for name, moved in _moved(model).items():
         yield for_all_inputs(
             f"the order follows: {name}",

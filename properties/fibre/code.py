@@ -21,7 +21,10 @@ def properties(model: Fibre) -> Iterator[Property]:
     """Words and counts."""
     yield from _against_the_truth(model)
     yield from _lengths(model)
+    yield from _turned_back(model)
     yield from _words(model)
+    yield from _read(model)
+    yield from _unread(model)
 
 
 def _against_the_truth(model: Fibre) -> Iterator[Property]:
@@ -46,7 +49,7 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
 
 
 def _lengths(model: Fibre) -> Iterator[Property]:
-    """What is taken for the length of a section that lies there."""
+    """The length that the machine reads is that of the section."""
     machine, own = model.machine, model.own
     _, counting, located, _ = machine.modes
     mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
@@ -68,6 +71,13 @@ def _lengths(model: Fibre) -> Iterator[Property]:
         statement="where the end stays located past a section, that is as long as the map has it",
         requirements=CODE,
     )
+
+
+def _turned_back(model: Fibre) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, _, located, _ = machine.modes
+    mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
+    stays = before(mode).eq(located) & mode.eq(located)
     yield under_assumption(
         "a section left again was not passed",
         (stays & own.signal.eq(v.TURNED_BACK) & ~own.reference).implies(ran.eq(0)),
@@ -77,7 +87,8 @@ def _lengths(model: Fibre) -> Iterator[Property]:
 
 
 def _words(model: Fibre) -> Iterator[Property]:
-    machine, own, seen = model.machine, model.own, Seen(model.own)
+    """A whole word gives the place."""
+    machine, own = model.machine, model.own
     _, counting, located, _ = machine.modes
     mode, was_counting = machine.mode, before(machine.mode).eq(counting)
     window = own.config.window
@@ -88,6 +99,14 @@ def _words(model: Fibre) -> Iterator[Property]:
         statement="the code tells the place only when as many symbols were read as make a window of the line unique, and it "
         "is the place that the map answers",
     )
+
+
+def _read(model: Fibre) -> Iterator[Property]:
+    """How the word grows."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    _, counting, *_ = machine.modes
+    mode, was_counting = machine.mode, before(machine.mode).eq(counting)
+    window = own.config.window
     counts = was_counting & mode.eq(counting)
     read = counts & seen.returns & (seen.long | seen.short)
     longer = own.read.eq(minimum(before(own.read) + 1, window))
@@ -96,6 +115,14 @@ def _words(model: Fibre) -> Iterator[Property]:
         read.implies(_joined(model, _symbol(model)) & longer),
         statement="the kind and the length of the section passed join the word; the oldest symbol leaves a whole one",
     )
+
+
+def _unread(model: Fibre) -> Iterator[Property]:
+    """What breaks the word, and what leaves it."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    _, counting, *_ = machine.modes
+    mode, was_counting = machine.mode, before(machine.mode).eq(counting)
+    counts = was_counting & mode.eq(counting)
     unread = counts & seen.returns & ~(seen.long | seen.short)
     turned = counts & seen.changes & was(own.counted) & seen.forwards.iff(~was(own.upwards))
     yield for_all_inputs(

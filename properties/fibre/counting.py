@@ -17,9 +17,13 @@ for_all_inputs = partial(always, requirements=SEEN, unconditional=True)
 
 def properties(model: Fibre) -> Iterator[Property]:
     """Signals, and how they count."""
-    yield from _amplitude(model)
+    yield from _band(model)
+    yield from _changes(model)
+    yield from _direction(model)
     yield from _signals(model)
-    yield from _numbers(model)
+    yield from _known(model)
+    yield from _counted(model)
+    yield from _uncounted(model)
 
 
 def _signals(model: Fibre) -> Iterator[Property]:
@@ -41,13 +45,11 @@ def _signals(model: Fibre) -> Iterator[Property]:
     )
 
 
-def _numbers(model: Fibre) -> Iterator[Property]:
-    machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, located, _ = machine.modes
+def _known(model: Fibre) -> Iterator[Property]:
+    """When there is a count."""
+    machine, own = model.machine, model.own
+    waiting, _, located, _ = machine.modes
     mode = machine.mode
-    counts = followed(machine) & ~own.reference
-    change = own.count - before(own.count)
-    back = own.run.present & (own.run.value < 0)
     yield for_all_inputs(
         "count begins with the first signal",
         (machine.flag("count_known") & ~was(own.counted)).implies(own.signal.eq(v.POSITION_SIGNAL)),
@@ -69,6 +71,14 @@ def _numbers(model: Fibre) -> Iterator[Property]:
         "otherwise none is",
         requirements=COUNTS,
     )
+
+
+def _counted(model: Fibre) -> Iterator[Property]:
+    """How position signals count."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    counts = followed(machine) & ~own.reference
+    change = own.count - before(own.count)
+    back = own.run.present & (own.run.value < 0)
     yield for_all_inputs(
         "every signal counts by direction",
         (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),
@@ -81,6 +91,15 @@ def _numbers(model: Fibre) -> Iterator[Property]:
         statement="a section entered while running back decreases the count",
         requirements=COUNTS,
     )
+
+
+def _uncounted(model: Fibre) -> Iterator[Property]:
+    """What else changes the count."""
+    machine, own = model.machine, model.own
+    _, counting, located, _ = machine.modes
+    mode = machine.mode
+    counts = followed(machine) & ~own.reference
+    change = own.count - before(own.count)
     yield for_all_inputs(
         "a section left again is uncounted",
         (counts & own.signal.eq(v.TURNED_BACK)).implies(
@@ -99,10 +118,9 @@ def _numbers(model: Fibre) -> Iterator[Property]:
     )
 
 
-def _amplitude(model: Fibre) -> Iterator[Property]:
+def _band(model: Fibre) -> Iterator[Property]:
     """The amplitude's band from the amplitude itself: a rise is a rise, and a fall is a fall."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, _, faulted = machine.modes
     was_told, after = before(own.band), own.band
     raised = seen.rises | (was_told.eq(v.RAISED) & ~seen.returns)
     lowered = seen.falls | (was_told.eq(v.LOWERED) & ~seen.returns)
@@ -112,6 +130,12 @@ def _amplitude(model: Fibre) -> Iterator[Property]:
         step.implies(after.eq(v.RAISED).iff(raised) & after.eq(v.LOWERED).iff(lowered)),
         statement="the band is raised from a rise, and lowered from a fall, until the amplitude is normal again",
     )
+
+
+def _changes(model: Fibre) -> Iterator[Property]:
+    """Which change of the band is a position signal."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    waiting, counting, _, faulted = machine.modes
     kept = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
     hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
     yield for_all_inputs(
@@ -126,6 +150,11 @@ def _amplitude(model: Fibre) -> Iterator[Property]:
         statement="what is found changed when the amplitude is told again after too long a run, or for the first time, is not "
         "taken for a section entered in that cycle",
     )
+
+
+def _direction(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    step = machine.stayed() | ~machine.stayed()
     silent = minimum(before(own.gap) + 1, own.gap.high)
     ran = [own.forwards.iff(seen.forwards), own.gap.eq(ite(own.run.present, as_num(0, COUNT), silent))]
     yield for_all_inputs(

@@ -19,12 +19,16 @@ for_all_inputs = partial(always, requirements=("FWG-1", "FWG-11"), unconditional
 def properties(model: Fibre) -> Iterator[Property]:
     """What is reported, and what it is made of."""
     yield from _interval(model)
+    yield from _narrower(model)
     yield from _charged(model)
     yield from _tied(model)
+    yield from _entered(model)
+    yield from _referred(model)
     yield from _kept(model)
 
 
 def _interval(model: Fibre) -> Iterator[Property]:
+    """The reported interval."""
     machine, own = model.machine, model.own
     valid, position, above = machine.flag("valid"), machine.output("position_mm"), machine.output("margin_above_mm")
     off = own.ghosts.truth - exact_to(position, NM)
@@ -40,6 +44,12 @@ def _interval(model: Fibre) -> Iterator[Property]:
         valid.implies(above <= own.config.tolerance_mm + own.config.max_step_mm * 4),
         statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
     )
+
+
+def _narrower(model: Fibre) -> Iterator[Property]:
+    """What makes the interval narrower, or known again."""
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
     no_event = own.signal.one_of(v.NO_SIGNAL) & was(model.own.counted)
     stays = before(machine.mode).eq(machine.modes[2]) & valid & no_event & ~own.reference
     yield for_all_inputs(
@@ -90,7 +100,7 @@ def _charged(model: Fibre) -> Iterator[Property]:
 
 
 def _tied(model: Fibre) -> Iterator[Property]:
-    """To which place of the map the interval is tied."""
+    """The place of the map that the interval is tied to."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
     stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
@@ -103,6 +113,12 @@ def _tied(model: Fibre) -> Iterator[Property]:
         statement="with a section the place is its near edge by the map, with its end the far edge; nothing else moves it",
         requirements=(*SEEN, *COUNTS),
     )
+
+
+def _entered(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    located = machine.modes[2]
+    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
     far, long = ite(seen.forwards, own.ahead.far, own.behind.far), ite(seen.forwards, own.ahead.long, own.behind.long)
     entered = own.far.eq(far) & own.long.iff(long) & own.upwards.iff(seen.forwards)
     yield for_all_inputs(
@@ -111,6 +127,10 @@ def _tied(model: Fibre) -> Iterator[Property]:
         statement="far edge, length and direction of entry of the section are kept until it is left",
         requirements=(*SEEN, *CODE),
     )
+
+
+def _referred(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
     at_place = own.base.eq(own.reference_place) & own.since.eq(0) & own.drift.eq(0) & own.count.eq(own.reference_count)
     yield for_all_inputs(
         "a reference is taken",

@@ -38,11 +38,17 @@ def properties(model: Verification) -> list[Property]:
         return doubted_properties(model, model.train)
     return [
         *_truth(model),
+        *_identity(model),
         *_age(model),
         *_latch(model),
+        *_withheld(model),
         *_revoked(model),
+        *_given_out(model),
         *_inputs(model),
-        *_entry(model),
+        *_control(model),
+        *_record(model),
+        *_missing(model),
+        *_at_entry(model),
         *mismatch_properties(model),
         *ability_properties(model),
         *reach_properties(model),
@@ -52,17 +58,24 @@ def properties(model: Verification) -> list[Property]:
 
 
 def _truth(model: Verification) -> Iterator[Property]:
+    """A trusted position contains the front."""
     machine, own = model.machine, model.own
     trusted = machine.flag("trusted")
     position = machine.output("position_mm")
     low, high = position - machine.output("margin_below_mm"), position + machine.output("margin_above_mm")
-    tolerance = own.config.length_tolerance_mm * 2_000
     yield under_assumption(
         "containment",
         trusted.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         statement="a position that is given out as trusted holds the front of the train",
         requirements=CLAIM,
     )
+
+
+def _identity(model: Verification) -> Iterator[Property]:
+    """Count and length of the train that is followed are those of the record."""
+    machine, own = model.machine, model.own
+    trusted = machine.flag("trusted")
+    tolerance = own.config.length_tolerance_mm * 2_000
     now = trusted & machine.output("verified_cycles_ago").eq(0)
     yield under_assumption(
         "verified count is the train's",
@@ -113,10 +126,10 @@ def _age(model: Verification) -> Iterator[Property]:
 
 
 def _latch(model: Verification) -> Iterator[Property]:
-    """How trust ends, and until when."""
+    """Until when a mismatch is latched."""
     machine, own = model.machine, model.own
-    none, withheld, _, untrusted = machine.modes
-    mode, trusted = machine.mode, machine.flag("trusted")
+    _, _, _, untrusted = machine.modes
+    mode = machine.mode
     was_untrusted = before(mode).eq(untrusted)
     yield for_all_inputs(
         "mismatch is latched",
@@ -131,6 +144,13 @@ def _latch(model: Verification) -> Iterator[Property]:
         statement="the first reason stays until the train is trusted again or gone",
         requirements=COURSE,
     )
+
+
+def _withheld(model: Verification) -> Iterator[Property]:
+    """What is not trusted is not given out, and has a reason."""
+    machine, own = model.machine, model.own
+    none, withheld, _, untrusted = machine.modes
+    mode, trusted = machine.mode, machine.flag("trusted")
     yield for_all_inputs(
         "withheld is nothing",
         (~trusted).implies(no_interval(machine) & ~machine.flag("handover_trusted")),
@@ -146,18 +166,25 @@ def _latch(model: Verification) -> Iterator[Property]:
 
 
 def _revoked(model: Verification) -> Iterator[Property]:
-    """What was given out before a mismatch, with or without a pause, is revoked by it."""
-    machine, own = model.machine, model.own
-    _, withheld, trusted_mode, untrusted = machine.modes
-    mode, trusted = machine.mode, machine.flag("trusted")
-    was_untrusted, believed = before(mode).eq(untrusted), mode.one_of(withheld, trusted_mode)
-    given_out = since(believed & ~own.due, trusted)
+    """A mismatch revokes what was given out."""
+    machine = model.machine
+    _, _, trusted_mode, untrusted = machine.modes
+    mode = machine.mode
     yield for_all_inputs(
         "what was given out is revoked",
         (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
         statement="a mismatch revokes in the same cycle what was given out before",
         requirements=(*CLAIM, *COURSE),
     )
+
+
+def _given_out(model: Verification) -> Iterator[Property]:
+    """That something was given out is kept through a pause."""
+    machine, own = model.machine, model.own
+    _, withheld, trusted_mode, untrusted = machine.modes
+    mode, trusted = machine.mode, machine.flag("trusted")
+    was_untrusted, believed = before(mode).eq(untrusted), mode.one_of(withheld, trusted_mode)
+    given_out = since(believed & ~own.due, trusted)
     yield for_all_inputs(
         "whether something was given out is kept",
         believed.implies(own.given.iff(given_out))
@@ -175,8 +202,18 @@ def _revoked(model: Verification) -> Iterator[Property]:
 
 
 def _inputs(model: Verification) -> Iterator[Property]:
-    machine, own = model.machine, model.own
-    trusted = machine.flag("trusted")
+    trusted = model.machine.flag("trusted")
+    for name, (fault, what, trace) in _unusable(model.own).items():
+        yield for_all_inputs(
+            f"{name} withholds",
+            fault.implies(~trusted),
+            statement=f"{what} withholds the position in the same cycle",
+            requirements=trace,
+        )
+
+
+def _unusable(own: Parts) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    """What is missing or faulty among the inputs of a cycle, in words."""
     unusable = {
         "not associated": (~own.associated, "a pattern that belongs to no known train", CLAIM),
         "not located": (~own.located | ~own.place.present, "a missing interval", CLAIM),
@@ -187,13 +224,12 @@ def _inputs(model: Verification) -> Iterator[Property]:
     if own.config.needs_control_data:
         silent = ~own.control_count.present & ~own.control_length.present
         unusable["control data missing"] = (silent, "train control data that do not come", CONTROL)
-    for name, (fault, what, trace) in unusable.items():
-        yield for_all_inputs(
-            f"{name} withholds",
-            fault.implies(~trusted),
-            statement=f"{what} withholds the position in the same cycle",
-            requirements=trace,
-        )
+    return unusable
+
+
+def _control(model: Verification) -> Iterator[Property]:
+    """When train control data count as verified."""
+    machine, own = model.machine, model.own
     silent = ~own.control_count.present & ~own.control_length.present
     yield for_all_inputs(
         "silence is no success",
@@ -212,9 +248,9 @@ def _inputs(model: Verification) -> Iterator[Property]:
     )
 
 
-def _entry(model: Verification) -> Iterator[Property]:
+def _record(model: Verification) -> Iterator[Property]:
+    """Which records are accepted."""
     machine, own = model.machine, model.own
-    none, *_ = machine.modes
     mode = machine.mode
     kept = (own.kept_count, own.kept_low, own.kept_high)
     record = (own.record_count, own.record_low, own.record_high)
@@ -234,6 +270,13 @@ def _entry(model: Verification) -> Iterator[Property]:
         statement="a record that is disturbed, old, empty or did not come is not accepted",
         requirements=(*SAFE, *STAY),
     )
+
+
+def _missing(model: Verification) -> Iterator[Property]:
+    """A train without a reference."""
+    machine, own = model.machine, model.own
+    none, *_ = machine.modes
+    mode = machine.mode
     yield for_all_inputs(
         "a lost hand-over is untrusted",
         (own.due & own.source.eq(v.NOBODY) & ~own.leaves).implies(mode.eq(machine.modes[3])),
@@ -246,6 +289,11 @@ def _entry(model: Verification) -> Iterator[Property]:
         statement="without a reference nothing is ever verified",
         requirements=CLAIM,
     )
+
+
+def _at_entry(model: Verification) -> Iterator[Property]:
+    """What is compared in the cycle of the record only."""
+    own = model.own
     at_entry = own.reason.one_of(v.SPEED_AT_ENTRY, v.PLACE_AT_ENTRY)
     yield for_all_inputs(
         "place and speed at entry only",

@@ -76,6 +76,12 @@ class Abilities:
 
 def properties(model: Verification) -> Iterator[Property]:
     """What is stored of the course: it grows by what a train can do, and begins anew with a reading."""
+    yield from _speed_bounds(model)
+    yield from _reach(model)
+    yield from _last_readings(model)
+
+
+def _speed_bounds(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
     follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
@@ -88,6 +94,12 @@ def properties(model: Verification) -> Iterator[Property]:
         statement="without a speed its bounds grow by brake and traction, by the brakes that train control tells where it does; "
         "with one they begin anew",
     )
+
+
+def _reach(model: Verification) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, withheld, trusted, _ = machine.modes
+    follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
     placed = own.associated & own.located & own.place.present
     grown = exact_to(own.reach - before(own.reach), NM) - Abilities(own).run_nm
     charged = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
@@ -97,6 +109,14 @@ def properties(model: Verification) -> Iterator[Property]:
         statement="without a place the front may have come farther by the run of the cycle at its greatest speed, rounded up to "
         "a millimetre",
     )
+
+
+def _last_readings(model: Verification) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, withheld, trusted, _ = machine.modes
+    follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
+    seen = own.associated & own.seen_speed.present
+    placed = own.associated & own.located & own.place.present
     last = [
         (own.associated & own.seen_length.present, own.last_length, own.seen_length, own.length_known),
         (seen, own.last_speed, own.seen_speed, own.speed_known),

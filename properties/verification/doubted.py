@@ -88,8 +88,11 @@ def properties(model: Verification, train: Doubted) -> list[Property]:
     figures = Figures(model, train)
     return [
         *_place(figures),
+        *_place_at_any_time(figures),
         *_course(figures),
         *_values(figures),
+        *_control(figures),
+        *_speed(figures),
         *_cycles(figures),
         *_kept(figures),
         *_reached(figures),
@@ -100,6 +103,7 @@ def properties(model: Verification, train: Doubted) -> list[Property]:
 
 
 def _place(figures: Figures) -> Iterator[Property]:
+    """How far a trusted interval can be from the front."""
     own, trusted = figures.own, figures.trusted
     wide = own.record_place_high - own.record_place_low + own.config.place_tolerance_mm
     yield whatever_the_fibre_tells(
@@ -116,6 +120,11 @@ def _place(figures: Figures) -> Iterator[Property]:
         trusted.implies(figures.within(figures.train.width + figures.tolerance_nm)),
         statement="later a trusted interval is no farther from the front than that and two runs at top speed for each cycle since",
     )
+
+
+def _place_at_any_time(figures: Figures) -> Iterator[Property]:
+    """The same with no regard to the record's age."""
+    own, trusted = figures.own, figures.trusted
     limit = Lit(own.config.place_doubt_limit_mm * 1_000_000 + figures.tolerance_nm, NM)
     yield whatever_the_fibre_tells(
         "a place at any time",
@@ -156,6 +165,7 @@ def _course(figures: Figures) -> Iterator[Property]:
 
 
 def _values(figures: Figures) -> Iterator[Property]:
+    """Count, length and ends that the fibre tells."""
     own, trusted = figures.own, figures.trusted
     counted = own.associated & own.seen_count.present
     yield whatever_the_fibre_tells(
@@ -179,6 +189,11 @@ def _values(figures: Figures) -> Iterator[Property]:
         ),
         statement="two ends between which the train's length does not fit, with tolerance and spread, withhold in the same cycle",
     )
+
+
+def _control(figures: Figures) -> Iterator[Property]:
+    """Count and length that train control tells."""
+    own, trusted = figures.own, figures.trusted
     said = own.control_count.present.implies(own.axles.eq(own.control_count.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
     yield whatever_the_fibre_tells(
@@ -188,6 +203,10 @@ def _values(figures: Figures) -> Iterator[Property]:
         "same cycle",
         requirements=CONTROL,
     )
+
+
+def _speed(figures: Figures) -> Iterator[Property]:
+    own, trusted = figures.own, figures.trusted
     yield whatever_the_fibre_tells(
         "a speed at the counter",
         all_of([figures.at_counter, trusted, own.seen_speed.present]).implies(_fast(figures)),

@@ -46,6 +46,12 @@ def beyond_reach(own: Parts) -> Bool:
 
 def properties(model: Verification) -> Iterator[Property]:
     """The bounds come from the record, widen by the fastest run, and serve up to their limit."""
+    yield from _bounds(model)
+    yield from _reported(model)
+
+
+def _bounds(model: Verification) -> Iterator[Property]:
+    """The bounds of the front, and when they serve no more."""
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
     known, (low, high) = machine.mode.one_of(withheld, trusted), reached_um(own)
@@ -60,6 +66,11 @@ def properties(model: Verification) -> Iterator[Property]:
         in_doubt(own).implies(~machine.flag("trusted")),
         statement="where the record and the top speed leave more open than permitted, nothing is trusted",
     )
+
+
+def _reported(model: Verification) -> Iterator[Property]:
+    """What the machine reports of the bounds."""
+    machine, own = model.machine, model.own
     said = machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm")
     limit = own.config.position_limit_mm
     yield for_all_inputs(
