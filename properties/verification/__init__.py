@@ -214,7 +214,7 @@ def _inputs(model: Verification) -> Iterator[Property]:
 
 def _unusable(own: Parts) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
     """What is missing or faulty among the inputs of a cycle, in words."""
-    unusable = {
+    unusable: dict[str, tuple[Bool, str, tuple[str, ...]]] = {
         "not associated": (~own.associated, "a pattern that belongs to no known train", CLAIM),
         "not located": (~own.located | ~own.place.present, "a missing interval", CLAIM),
         "fibre error": (own.fibre_error, "an error signal F of the fibre machine", CLAIM),
