@@ -1,9 +1,9 @@
-"""A line area between axle counters: which trains are in it, where each may be, and where uncounted vehicles may be.
+"""A line area between axle counters: its trains, the interval of each, and the stretch in which uncounted vehicles may be.
 
-Trains are counted in and out by axle counters at both ends of the area (ES fibre source, l. 479-546; FVA-2). Between,
-each is followed by reports of the fibre system that were verified. What is in the area without having been counted
-(at the start, or while a counter was disturbed) is called loose. It may be anywhere, until it was pushed out: no
-vehicle passes another, so a train that came in at the low end has every loose vehicle above it.
+Axle counters at both ends of the area count trains in and out (ES fibre source, l. 479-546; FVA-2). In between, verified
+reports of the fibre system follow each train. Vehicles that are in the area without having been counted (at the start, or
+after a disturbance of a counter) are called loose. They may be anywhere until they are pushed out: no vehicle passes
+another, so a train that came in at the low end has every loose vehicle above it.
 
     UNSWEPT   loose vehicles may be in [loose_low, loose_high]
     SWEPT     every vehicle in the area was counted in
@@ -57,22 +57,22 @@ REQUIREMENTS = ("FVA-9",)
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """The machine together with the terms it was built from."""
+    """The machine together with the terms from which it was built."""
 
     machine: Machine
     own: Parts
 
 
 def machine(config: AreaConfig | None = None) -> Machine:
-    """The area machine (FVA-2, FVA-9)."""
+    """Return the area machine (FVA-2, FVA-9)."""
     return build(parts(config or AreaConfig())).machine
 
 
 def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] = ()) -> Area:
-    """The machine over the given variables.
+    """Return the machine over the given variables.
 
-    kept         slots whose reports an earlier machine vouches for, not assumed
-    counted_out  slots of which an earlier machine counts the axles: that all of the train left is its to tell, not assumed
+    kept         slots whose reports an earlier machine guarantees, so they are not assumed
+    counted_out  slots whose axles an earlier machine counts: it guarantees that all of the train left, so that is not assumed
     """
     table = modes("UNSWEPT", "SWEPT")
     current = current_mode(table)
@@ -87,10 +87,11 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
         lemmas=lemmas(own, current, table),
         initially=ends_in_order(own),
         doc=(
-            "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
-            "undisturbed every vehicle that comes in is counted and given a free slot, a train that is counted out has "
-            "left completely, and a clear area is empty; a trusted report holds the end of the train that leads, and both "
-            "if it is known to be whole, where that is trusted; nothing exceeds the top speed; no vehicle passes another."
+            "Trains between two axle counters, and vehicles that were never counted. Assumed: undisturbed "
+            "counters count every vehicle that comes in and give it a free slot; a train that they count out has "
+            "left completely, and an area that they report clear is empty; a trusted report contains the leading "
+            "end of the train, and both ends if the train is known to be whole and reports of that are trusted; "
+            "nothing exceeds the top speed; no vehicle passes another."
         ),
     )
     return Area(made, own)
@@ -100,7 +101,7 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
 
 
 def _leaves(own: Parts, one: Slot) -> Bool:
-    """The train has left completely: counted out while undisturbed, and possible by its interval."""
+    """Return the condition that the train has left completely: undisturbed counters counted it out, and its interval allows it."""
     low, high = one.run_on
     at_low = one.event.eq(LEAVES_LOW) & (low <= own.low_end)
     at_high = one.event.eq(LEAVES_HIGH) & (high >= own.high_end)
@@ -108,18 +109,18 @@ def _leaves(own: Parts, one: Slot) -> Bool:
 
 
 def _empty(own: Parts) -> Bool:
-    """Positive evidence of an empty area: clear counters, no train coming in, none seen inside."""
+    """Return the positive evidence of an empty area: clear counters, no train coming in, no report accepted."""
     seen = any_of(one.enters | one.accepted for one in own.slots)
     return own.healthy & own.clear & ~seen
 
 
 def _uncounted(own: Parts) -> Bool:
-    """Something may have come in without being counted: counters disturbed, or a train counted into a taken slot."""
+    """Return the condition that vehicles may have come in uncounted: counters disturbed, or a train counted into a taken slot."""
     return ~own.healthy | any_of(one.enters & one.present for one in own.slots)
 
 
 def _swept(own: Parts) -> tuple[Num, Num]:
-    """Where loose vehicles may be after the cycle: they run, but past no train that has them on one side."""
+    """Return the bounds of loose vehicles after the cycle: they run, but pass no train that has them on one side."""
     cycle, limit = own.config.reach.cycle_mm, own.config.limit_mm
     low, high = maximum(own.loose_low - cycle, -limit), minimum(own.loose_high + cycle, limit)
     for one in own.slots:
@@ -167,7 +168,7 @@ def _verdicts(own: Parts) -> Updates:
 
 
 def _trains(own: Parts) -> Updates:
-    """Presence, interval and waiting times of every train after the cycle."""
+    """Set presence, interval and waiting times of every train."""
     return together(*(_train(own, one) for one in own.slots))
 
 
@@ -187,13 +188,13 @@ def _train(own: Parts, one: Slot) -> Updates:
 
 
 def _no_trains(own: Parts) -> Updates:
-    """No train is in any slot."""
+    """Clear every slot."""
     numbers = [var for one in own.slots for var in (one.low, one.high, one.silent, one.unconfirmed)]
     return together({one.present: FALSE for one in own.slots}, dict.fromkeys(numbers, 0))
 
 
 def _order(own: Parts) -> Updates:
-    """Trains that have all loose vehicles on one side of them: those that came in at that end."""
+    """Set which trains have all loose vehicles on one side: those that came in at that end."""
     updates: dict[Var, Expr | Value] = {}
     for one in own.slots:
         present = _present_after(own, one)
@@ -203,12 +204,12 @@ def _order(own: Parts) -> Updates:
 
 
 def _no_order(own: Parts) -> Updates:
-    """Loose vehicles may be on either side of any train."""
+    """Allow loose vehicles on either side of any train."""
     return {var: FALSE for one in own.slots for var in (one.below, one.above)}
 
 
 def _rejected(own: Parts) -> Updates:
-    """Events of this cycle that cannot be: a train leaves where it is not, or enters a slot that is taken."""
+    """Count the impossible events of this cycle: a train leaves where it is not, or enters a taken slot."""
     rejected = as_num(0, COUNT)
     for one in own.slots:
         strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)

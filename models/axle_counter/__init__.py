@@ -1,16 +1,16 @@
-"""The entry record of a train, from the axles that a counting head tells: count, speed, length, place (FVA-3, FVA-5).
+"""The entry record of a train, from the axles that a counting head reports: count, speed, length, place (FVA-3, FVA-5).
 
-    SPOILT   after power-up, or something is wrong with this passage: no record until it is told that it is over
+    SPOILT   after power-up, or after a flaw in this passage: no record until an input reports that the passage is over
     IDLE     no train is passing
     PASSING  axles of one train are counted; its run since the first axle is bounded
-    DONE     in this cycle the train has passed; the record, or why there is none, is out
+    DONE     the train has passed in this cycle: the outputs hold the record, or the reason why there is none
 
 The length from first to last axle is the integral of the speed over the occupation, not the speed times the time
 (figures, 003 item 6): between axles the speed is bounded by traction and braking ability, and the bounds are summed. A
-train has passed when it has surely run farther than two of its axles are ever apart. Where it runs too slowly for that, an axle
-that comes after a pause as long as the headway may be another train's, and spoils the passage.
+train has passed when it has certainly run farther than its longest distance between two axles. If it runs too slowly for that,
+an axle that comes after a pause as long as the headway may be another train's, and spoils the passage.
 
-The run is reckoned from the first axle in whole um, positive in the direction in which the train came.
+The run is counted from the first axle in whole um, positive in the direction in which the train came.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ AxleCounter = Model[Parts]
 
 
 def machine(config: AxleCounterConfig | None = None) -> Machine:
-    """The machine that makes entry records (FVA-5)."""
+    """Return the machine that makes entry records (FVA-5)."""
     return build(parts(config or AxleCounterConfig())).machine
 
 
 def build(own: Parts) -> AxleCounter:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("SPOILT", "IDLE", "PASSING", "DONE")
     current = current_mode(table)
     *_, done = table
@@ -75,17 +75,17 @@ def build(own: Parts) -> AxleCounter:
             "run at least": cycle.runs[0], "run at most": cycle.runs[1], "train has passed": cycle.passed,
         },
         doc=(
-            "Entry record of a train from the axles a counting head tells. Assumed: without a fault every axle is told in "
-            "its cycle and in its direction, with true bounds of its speed; no train changes its speed faster, or has two "
-            "axles farther apart, than configured; trains follow each other at the headway; a passage is told to be over "
-            "only when it is."
+            "Entry record of a train from the axles that a counting head reports. Assumed: without a fault the "
+            "head reports every axle in its cycle and in its direction, with true bounds of its speed; no train "
+            "changes its speed faster, or has two axles farther apart, than configured; trains follow each other "
+            "at the headway; the input that a passage is over is true."
         ),
     )  # fmt: skip
     return Model(made, own)
 
 
 def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
-    """The record, in the cycle in which it is ready; zero otherwise."""
+    """Return the outputs: the record in the cycle in which it is ready, otherwise zeros."""
     sound = done & own.flaw.eq(SOUND)
 
     def told(term: Num) -> Num:
@@ -137,7 +137,7 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
 
 
 def _flaws(own: Parts, cycle: Cycle, counted: Bool, speeds_told: Bool) -> list[tuple[Bool, Lit]]:
-    """Each reason to give no record of this passage; the first that holds is reported."""
+    """Return each reason to give no record of this passage; the first that holds is reported."""
     onward = counted & cycle.onward
     long = (own.length_high > own.config.length_limit_mm * UM_PER_MM) | cycle.lost
     agrees = speeds_told & (cycle.measured[0] <= cycle.measured[1])
@@ -156,7 +156,7 @@ def _flaws(own: Parts, cycle: Cycle, counted: Bool, speeds_told: Bool) -> list[t
 
 
 def _nothing(own: Parts) -> Updates:
-    """No train is on the counter."""
+    """Clear the passage: no train is on the counter."""
     return {
         own.low_speed: 0, own.high_speed: 0, own.run_low: 0, own.run_high: 0, own.length_low: 0, own.length_high: 0,
         own.past_low: 0, own.came: NO_AXLE, own.count: 0, own.pause: 0,
@@ -164,7 +164,7 @@ def _nothing(own: Parts) -> Updates:
 
 
 def _first(own: Parts) -> Updates:
-    """The run begins with this axle, at some time of this cycle."""
+    """Begin the run at this axle, which passed at some time of this cycle."""
     change, period, most = own.config.change_mm_s, own.config.period_ms, own.config.max_speed_mm_s
     low, high = maximum(own.slow.value - change, -most), minimum(own.fast.value + change, most)
     return {
@@ -182,7 +182,7 @@ def _first(own: Parts) -> Updates:
 
 
 def _next(own: Parts, cycle: Cycle) -> Updates:
-    """Another axle of the train, at some time of this cycle: the length ends here so far."""
+    """Count another axle of the train, which passed at some time of this cycle: the length ends here so far."""
     low, high = cycle.runs
     return {
         own.low_speed: cycle.measured[0],
@@ -198,7 +198,7 @@ def _next(own: Parts, cycle: Cycle) -> Updates:
 
 
 def _ran(own: Parts, cycle: Cycle) -> Updates:
-    """A cycle without an axle."""
+    """Continue the run: a cycle without an axle."""
     return {
         own.low_speed: cycle.speeds[0],
         own.high_speed: cycle.speeds[1],

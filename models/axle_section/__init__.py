@@ -3,11 +3,11 @@
     UNKNOWN    after power-up: occupied until reset and swept
     CLEAR      every axle that was counted in was counted out
     OCCUPIED   axles are counted in, or a wheel stands on a head
-    DISTURBED  a count cannot be right, or a counting head is at fault: occupied until reset and swept
+    DISTURBED  a count is impossible, or a counting head is at fault: occupied until reset and swept
     SWEEPING   reset: occupied until a train ran through on sight, was counted in and out, and found the section free
 
 Only CLEAR is clear. A reset is refused while a head is damped or at fault, while axles are counted in, and for a while
-after the last axle (Frauscher FAdC manual p. 33); what it leads to is never CLEAR.
+after the last axle (Frauscher FAdC manual p. 33); a reset never leads to CLEAR directly.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ AxleSection = Model[Parts]
 
 
 def machine(config: AxleSectionConfig | None = None) -> Machine:
-    """The machine of a section between axle counters (FVA-4, FVA-5)."""
+    """Return the machine of a section between axle counters (FVA-4, FVA-5)."""
     return build(parts(config or AxleSectionConfig())).machine
 
 
 def build(own: Parts) -> AxleSection:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNKNOWN", "CLEAR", "OCCUPIED", "DISTURBED", "SWEEPING")
     current = current_mode(table)
     _, clear, occupied, _, _ = table
@@ -71,38 +71,38 @@ def build(own: Parts) -> AxleSection:
             "answer": _answer(own, current, table),
         },
         doc=(
-            "Clear or occupied by counting axles at both ends. Assumed: heads without a fault count every axle once and "
-            "in its direction; whoever reports a sweep ran it after the reset was asked for, on sight, has left the section, "
-            "and met nothing where he ran through. A miscount that no head tells and that never makes the count negative is "
-            "outside of this."
+            "Clear or occupied by counting axles at both ends. Assumed: heads without a fault count every axle "
+            "once and in its direction; the driver who reports a sweep ran it on sight after the reset was "
+            "requested, has left the section, and met nothing where he ran through. Not covered: a miscount that "
+            "no head reports and that never makes the count negative."
         ),
     )
     return Model(made, own)
 
 
 def _counted(own: Parts) -> Num:
-    """The count after the cycle."""
+    """Return the count after the cycle."""
     return own.count + own.into[0] + own.into[1] - own.out[0] - own.out[1]
 
 
 def _moved(own: Parts) -> Bool:
-    """An axle passed a head."""
+    """Return the condition that an axle passed a head in this cycle."""
     return any_of(var > 0 for var in (*own.into, *own.out))
 
 
 def _possible(own: Parts) -> Bool:
-    """The count can be right."""
+    """Return the condition that the count after the cycle is possible."""
     return between(0, _counted(own), own.config.axle_limit)
 
 
 def _through(own: Parts) -> Bool:
-    """Since the reset a train came in at one end and went out at the other, and nothing else moved."""
+    """Return the condition that since the reset a train came in at one end and went out at the other, and nothing else moved."""
     ways = [own.swept_from[a] & ~own.swept_to[a] & ~own.swept_from[b] & own.swept_to[b] for a, b in ((0, 1), (1, 0))]
     return any_of(ways)
 
 
 def _answer(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Num:
-    """What is said to a request for reset. A count is believed only while it is undisturbed, or swept."""
+    """Return the answer to a request for reset. A count of axles refuses it only while the count is undisturbed, or swept."""
     counted = current.one_of(table[2], table[4]) & (own.count > 0)
     answer = ite(_moved(own) | (own.quiet < own.config.lead_cycles), AXLE_PASSED, ACCEPTED)
     answer = ite(counted, AXLES_COUNTED, answer)

@@ -1,13 +1,13 @@
 """Function check of the fibre chain by an acoustic emitter beside the track (FVA-8, FVA-17).
 
-The emitter sends its own bit pattern, from a known place, every so often and whenever it is asked to. As long as the
-pattern comes back through pulse, fibre, detector and evaluation when it is due, the chain works.
+The emitter sends its own bit pattern from a known place, at regular times and on request. As long as the pattern comes back
+through pulse, fibre, detector and evaluation when it is due, the chain works.
 
-    UNTESTED  no own pattern was heard yet, or not often enough after a failure
+    UNTESTED  the own pattern has not come yet
     TESTED    the last pattern came when it was due, and the next one is not overdue
     FAILED    a pattern that was due did not come, or the own pattern came from another place
 
-Only the own pattern, from its own place, when it is due, counts. A foreign pattern changes nothing and is told.
+Only the own pattern counts, from its own place, when it is due. A foreign pattern is reported and changes nothing.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ Emitter = Model[Parts]
 
 
 def machine(config: EmitterConfig | None = None) -> Machine:
-    """The machine of one test emitter (FVA-8)."""
+    """Return the machine of one test emitter (FVA-8)."""
     return build(parts(config or EmitterConfig())).machine
 
 
 def build(own: Parts) -> Emitter:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNTESTED", "TESTED", "FAILED")
     current = current_mode(table)
     tested = current.eq(table[1])
@@ -80,8 +80,9 @@ def build(own: Parts) -> Emitter:
         lemmas=lemmas(own),
         definitions={"pattern judged": verdict(own), "a pattern may come": due(own), "overdue": overdue(own)},
         doc=(
-            "Function check of the fibre chain by an emitter with a bit pattern of its own. Assumed: nothing else makes "
-            "this pattern at this place while the emitter is to send, so that hearing it then shows that the chain works."
+            "Function check of the fibre chain by an emitter with its own bit pattern. Assumed: nothing else "
+            "makes this pattern at this place while the emitter is to send, so a pattern received then shows "
+            "that the chain works."
         ),
     )
     return Model(made, own)
@@ -110,7 +111,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _clocks(own: Parts) -> Updates:
-    """Both clocks begin anew with a pattern that counts, in whatever mode; a request is never forgotten before its time."""
+    """Advance both clocks. A pattern that counts restarts them in any mode; no request is forgotten before its time."""
     zero, heard = as_num(0, COUNT), verdict(own)
     waited = ite(late(own), own.since, own.since + 1)
     open_request = any_of([own.asked > 0, own.requested])

@@ -1,19 +1,19 @@
-"""Where one end of a train is, from localization sections in a fibre beside the track (FWG-1 to FWG-15).
+"""Position of one end of a train from localization sections in a fibre beside the track (FWG-1 to FWG-15).
 
 In a localization section the backscatter's amplitude is higher or lower than beside it. When the amplitude leaves
-normal, a position signal So arises; when it is normal again, the section was passed, or left where it was entered. The
-place follows from which section it was, not from any time (l. 22-32 of the source).
+normal, a position signal So arises; when it returns to normal, the end has passed the section, or has left it where it
+entered. The place follows from the section's number, not from a time (l. 22-32 of the source).
 
     WAITING   no signal yet: the count is undefined
-    COUNTING  signals are counted from the first one on, down where the train runs back; which sections they are is not known
-    LOCATED   the count tells the section: from a reference, or from a word of the position code
-    FAULTED   error signal F: what was seen and what the map has do not agree; nothing is located until a reference
+    COUNTING  signals are counted from the first one on, down where the train runs back; the sections are not identified yet
+    LOCATED   the count identifies the section: from a reference, or from a word of the position code
+    FAULTED   error signal F: detector and map disagree; the end is not located until a reference is accepted
 
-While located, every section is expected where the map has it, of its kind (raised or lowered) and of its length (short
-or long). A section that does not come, one that should not be there, one of another kind or length, and an additional
-localization (time of flight, reflecting points) that tells another place all raise F in the same cycle.
+While the end is located, the machine expects each section where the map has it, of its kind (raised or lowered) and of its
+length (short or long). F is raised in the same cycle by a section that is missing, by one that the map does not have, by one
+of another kind or length, and by an additional localization (time of flight, reflecting points) that gives another place.
 
-The two ends of a train are two such machines; the sections between them are all active at once.
+The two ends of a train are two such machines; all sections between them are active at once.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ CHECKED = ("FWG-4", "FWG-5", "FWG-6", "FWG-7")
 
 @dataclass(frozen=True, eq=False)
 class Fibre:
-    """The machine together with the terms it was built from, for properties to speak about."""
+    """The machine together with the terms from which it was built; properties refer to these terms."""
 
     machine: Machine
     own: Parts
@@ -63,12 +63,12 @@ class Fibre:
 
 
 def machine(config: FibreConfig | None = None) -> Machine:
-    """The machine of one end of a train (FWG-1)."""
+    """Return the machine of one end of a train (FWG-1)."""
     return build(parts(config or FibreConfig())).machine
 
 
 def build(own: Parts, name: str = "fibre") -> Fibre:
-    """The machine over the given variables, for one end of a train."""
+    """Return the machine over the given variables, for one end of a train."""
     table = modes("WAITING", "COUNTING", "LOCATED", "FAULTED")
     current = current_mode(table)
     cycle = Cycle(own)
@@ -87,11 +87,13 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
             "interval without an edge": cycle.place,
         },
         doc=(
-            "Place of one end of a train from localization sections in a fibre. Assumed of the detector: the run of a "
-            "cycle is true within rate and floor; where the amplitude changes an edge was passed, within the edge's "
-            "tolerance, since an amplitude was last told. Of the sections: those near each other in number differ, each is as "
-            "long as its kind says, and what looks like the one expected, and is not, lies farther away than a window "
-            "bridges. References and the map's answers are true. Any section may be missed, and false ones may come."
+            "Position of one end of a train from localization sections in a fibre. Assumed of the detector: the "
+            "measured run of a cycle is within rate and floor of the true run; when the amplitude changes, the "
+            "end has passed an edge since the last amplitude, within the edge's tolerance. Assumed of the "
+            "sections: sections near each other in number differ; each is as long as its kind says; any other "
+            "change that looks like the expected section lies farther away than the expectation window can "
+            "bridge. References and the map's answers are true. Any section may be missed, and false ones may "
+            "come."
         ),
     )  # fmt: skip
     return Fibre(made, own, cycle)
@@ -123,7 +125,7 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
 
 
 def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[Transition]:
-    """Rows of LOCATED: the count tells which section it is."""
+    """Yield the rows of LOCATED: the count identifies the section."""
     heard, edge = _heard(own, cycle), _from_edge(own, cycle)
     _, near, far, _, long = own.next_to(cycle.forwards)
     error: Updates = {own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL), own.why: cycle.flaw}
@@ -147,7 +149,7 @@ def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[T
 
 
 def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Lit) -> Iterator[Transition]:
-    """Rows of COUNTING: it is not known which section it is."""
+    """Yield the rows of COUNTING: the section is not identified yet."""
     heard, edge, on = _heard(own, cycle), _from_edge(own, cycle), _run_on(own, cycle)
     no_signal, passed = _signal(own, v.NO_SIGNAL), _signal(own, v.PASSED)
     turns = own.counted & cycle.forwards.iff(~own.upwards)
@@ -180,7 +182,7 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
 
 
 def _heard(own: Parts, cycle: Cycle) -> Updates:
-    """Set in every row: amplitude band, direction, and how long run and amplitude have been absent."""
+    """Set amplitude band, direction, and how long run and amplitude have been absent: in every row."""
     return {own.band: cycle.band, own.forwards: cycle.forwards, own.gap: cycle.gap, own.unheard: cycle.unheard}
 
 
@@ -189,17 +191,17 @@ def _signal(own: Parts, signal: Lit) -> Updates:
 
 
 def _run_on(own: Parts, cycle: Cycle) -> Updates:
-    """No edge in this cycle: the run goes on, with its error."""
+    """Continue the run and its error bound: no edge in this cycle."""
     return {own.since: cycle.since, own.drift: cycle.drift}
 
 
 def _from_edge(own: Parts, cycle: Cycle) -> Updates:
-    """An edge was passed: the run begins anew."""
+    """Begin the run anew: the end passed an edge."""
     return {own.since: 0, own.drift: cycle.fresh}
 
 
 def _entered(own: Parts, cycle: Cycle, count: Num) -> Updates:
-    """A section was entered: a position signal is counted, and the run begins anew at the section's edge."""
+    """Count a position signal, and begin the run anew at the edge of the section entered."""
     counted: Updates = {own.count: count, own.counted: TRUE, own.upwards: cycle.forwards}
     return together(_from_edge(own, cycle), _signal(own, v.POSITION_SIGNAL), counted)
 
@@ -270,6 +272,6 @@ def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
 
 
 def _within(own: Parts, ran: Num) -> Bool:
-    """The run since the last edge is that, within the edge's tolerance and what the run may be wrong by."""
+    """Return the condition that `ran` is the run since the last edge, within the edge's tolerance and the error bound of the run."""
     most = own.drift + own.config.edge_tolerance_mm * NM_PER_MM
     return between(-most, ran - exact_to(own.since, NM), most)

@@ -1,4 +1,4 @@
-"""What one cycle means to the fibre machine: section edges, the run, and everything that does not agree."""
+"""Terms of one cycle of the fibre machine: section edges, the run, and every disagreement."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Cycle:
 
     @cached_property
     def band(self) -> Num:
-        """The amplitude's band after the cycle: with hysteresis, and back to normal before the other band."""
+        """Amplitude band after the cycle: with hysteresis, and through normal from one changed band to the other."""
         own, config, value = self.own, self.own.config, self.own.amplitude.value
         from_normal = ite(value >= config.change_cdb, v.RAISED, ite(value <= -config.change_cdb, v.LOWERED, v.NORMAL))
         still = own.band.eq(v.RAISED) & (value > config.return_cdb) | own.band.eq(v.LOWERED) & (
@@ -55,7 +55,7 @@ class Cycle:
 
     @cached_property
     def forwards(self) -> Bool:
-        """Direction of running; the last one where the run tells none."""
+        """Direction of running; the last known one if the end stands or no run is measured."""
         run = self.own.run
         return ite(run.present & run.value.ne(0), run.value > 0, self.own.forwards)
 
@@ -63,7 +63,7 @@ class Cycle:
 
     @cached_property
     def charge(self) -> Num:
-        """What the run of this cycle may be wrong by, nm; all of the highest speed where it did not come."""
+        """Greatest error of this cycle's run, nm; without a measured run, the run at the highest speed."""
         own, config = self.own, self.own.config
         rate = abs_(own.run.value) * Lit(config.rate_ppm, PPM)
         moved = ite(own.run.value.eq(0), as_num(0, NM), rate + config.floor_mm * NM_PER_MM)
@@ -76,28 +76,28 @@ class Cycle:
 
     @cached_property
     def drift(self) -> Num:
-        """What that run may be wrong by."""
+        """Greatest error of that run, nm."""
         return self.own.drift + self.charge
 
     @cached_property
     def slack(self) -> Num:
-        """The same in mm, rounded up."""
+        """Greatest error of that run, mm rounded up."""
         return ceil_to(self.drift, MM)
 
     @cached_property
     def fresh(self) -> Num:
-        """An edge was passed anywhere since the amplitude was last told: all of the run since then is charged."""
+        """Greatest run since the last amplitude, nm: the end may have passed an edge anywhere in it."""
         own = self.own
         return own.unheard + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
 
     @cached_property
     def edge_slack(self) -> Num:
-        """What the run between the last edge and one that is seen in this cycle may be wrong by, mm rounded up."""
+        """Greatest error of the run between the last edge and an edge seen in this cycle, mm rounded up."""
         return ceil_to(self.drift + self.fresh, MM)
 
     @cached_property
     def late(self) -> Bool:
-        """The amplitude was not told for so long that an edge seen in this cycle has no place within the tolerance."""
+        """The amplitude was absent for so much run that an edge seen in this cycle cannot be placed within the tolerance."""
         return self.own.unheard > self._room
 
     @cached_property
@@ -107,18 +107,18 @@ class Cycle:
 
     @cached_property
     def silent(self) -> Bool:
-        """The pattern was not followed for too long."""
+        """The detector has not followed the pattern for too long."""
         return ~self.own.run.present & (self.own.gap >= self.own.config.gap_limit_cycles)
 
     @cached_property
     def too_wide(self) -> Bool:
-        """The interval would pass the tolerance, or leave the world."""
+        """The interval would exceed the tolerance, or leave the range of positions."""
         edge = (self.enters | self.leaves) & self.late
         return (self.drift > self._room) | edge | (abs_(self.since) > self.own.config.position_limit_mm)
 
     @property
     def _room(self) -> int:
-        """What a run may be wrong by."""
+        """Greatest permitted error of a run, nm."""
         return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * NM_PER_MM
 
     # -------------------------------------------------------------- the section being passed
@@ -134,28 +134,28 @@ class Cycle:
 
     @cached_property
     def reads_long(self) -> Bool:
-        """The section left in this cycle was a long one, and can have been nothing else."""
+        """The section left in this cycle can only be a long one."""
         return self._reads(self.own.config.long_mm) & ~self._reads(self.own.config.short_mm)
 
     @cached_property
     def reads_short(self) -> Bool:
-        """The section left in this cycle was a short one, and can have been nothing else."""
+        """The section left in this cycle can only be a short one."""
         others = self._reads(self.own.config.long_mm) | self._reads(0)
         return self._reads(self.own.config.short_mm) & ~others
 
     @cached_property
     def turned_back(self) -> Bool:
-        """The section was left on the side it was entered, and in no other way."""
+        """The end left the section on the side where it had entered; nothing else fits the run."""
         return self._reads(0) & ~self._reads(self.own.config.short_mm)
 
     @cached_property
     def read(self) -> Bool:
-        """The section was passed, and its length read."""
+        """The end passed a section whose length was read."""
         return self.leaves & (self.reads_long | self.reads_short)
 
     @cached_property
     def endless(self) -> Bool:
-        """Changed for longer than any section."""
+        """The amplitude has been changed for longer than any section."""
         longest = self.own.config.long_mm + self.own.config.read_tolerance_mm
         slack = ite(self.leaves, self.edge_slack, self.slack)
         return self.own.band.ne(v.NORMAL) & (abs_(self.since) - slack > longest)
@@ -164,14 +164,14 @@ class Cycle:
 
     @cached_property
     def fits(self) -> Bool:
-        """The signal is that of the section that the map has next, of its kind and where it can be."""
+        """The signal is that of the map's next section: of its kind, and where that can be."""
         known, near, _, rises, _ = self.own.next_to(self.forwards)
         window = self.own.config.read_tolerance_mm + self.edge_slack
         return known & rises.iff(self.band.eq(v.RAISED)) & (abs_(self.place - near) <= window) & ~self.full
 
     @cached_property
     def full(self) -> Bool:
-        """There are no more numbers."""
+        """The range of section numbers is exhausted."""
         return abs_(self.own.count + self.one) > self.own.config.section_limit
 
     @cached_property
@@ -184,33 +184,33 @@ class Cycle:
 
     @cached_property
     def wrong_length(self) -> Bool:
-        """The section left is not the one that the map has there, or cannot be read."""
+        """The section left is not the one that the map has there, or its length cannot be read."""
         passed = self.read & self.reads_long.iff(self.own.long)
         return self.leaves & ~self.turned_back & ~passed
 
     @cached_property
     def compared(self) -> tuple[Num, Num]:
-        """The place that an additional localization is compared with, and what it may be off by besides."""
+        """The place with which an additional localization is compared, and its error besides the threshold, mm."""
         _, near, _, _, _ = self.own.next_to(self.forwards)
         return ite(self.enters, near, self.place), ite(self.enters, 0, self.slack)
 
     @cached_property
     def flight_differs(self) -> Bool:
-        """The time of flight tells another place."""
+        """The time of flight gives another place."""
         place, slack = self.compared
         seen = self.own.flight
         return seen.present & (abs_(seen.value - place) > self.own.config.flight_threshold_mm + slack)
 
     @cached_property
     def reflection_differs(self) -> Bool:
-        """The pattern coincides with a reflecting point of another place."""
+        """The pattern coincides with a reflecting point at another place."""
         place, slack = self.compared
         seen = self.own.reflection
         return seen.present & (abs_(seen.value - place) > self.own.config.reflection_threshold_mm + slack)
 
     @cached_property
     def flaws(self) -> list[tuple[Bool, Lit]]:
-        """Every disagreement with its reason; the first one counts."""
+        """Every disagreement with its reason; the first that holds is reported."""
         return [
             (self.enters & ~self.fits, v.FALSE_SECTION),
             (self.overdue, v.MISSED_SECTION),
@@ -227,7 +227,7 @@ class Cycle:
 
     @cached_property
     def flaw(self) -> Num:
-        """Its reason."""
+        """The reason for F."""
         return first_of(*self.flaws, default=v.LOCATED)
 
     # -------------------------------------------------------------- next values of counters and word
@@ -239,7 +239,7 @@ class Cycle:
 
     @cached_property
     def uncounted(self) -> Num:
-        """The count without the section that was left where it was entered."""
+        """The count without the section that the end left where it had entered."""
         return self.own.count + ite(self.own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
 
     @cached_property
@@ -250,7 +250,7 @@ class Cycle:
 
     @cached_property
     def unheard(self) -> Num:
-        """Farthest run since the last amplitude, nm."""
+        """Greatest run since the last amplitude, nm, up to the limit that is still told apart."""
         return ite(self.own.amplitude.present, as_num(0, NM), minimum(self.fresh, self.own.unheard.high))
 
     @cached_property
@@ -266,5 +266,5 @@ class Cycle:
 
     @cached_property
     def word_length(self) -> Num:
-        """Symbols of that word."""
+        """Number of symbols in that word."""
         return ite(self.own.read >= self.own.config.window, self.own.read, self.own.read + 1)

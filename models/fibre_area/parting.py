@@ -1,4 +1,4 @@
-"""Variables of a train that may part: what is told of its pattern, and what really became of its vehicles (FVA-9)."""
+"""Variables of a train that may part: readings of its pattern, and the true ends of its vehicles (FVA-9)."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from safeloc.models.area.slot import Reach
 
 
 class PartingConfig(Config):
-    """What a count tells of a train that may lose vehicles, and what becomes of those."""
+    """Figures of the count of a train that may lose vehicles, and of the lost vehicles."""
 
     count_run_mm: int = quantity(
         800_000,
         "mm",
         0,
         10_000_000,
-        "[D] the detector tells no count whose profile began more than 750 m of run ago (safeloc.sensing.fibre, "
-        "Counting.told_run_mm), and 50 m that its places are off",
+        "[D] the detector reports no count whose profile began more than 750 m of run ago "
+        "(safeloc.sensing.fibre, Counting.told_run_mm), plus 50 m of error of its places",
     )
     roll_back_mm: int = quantity(
         20_000, "mm", 0, 10_000_000, "[M] the brake pipe parts with the coupling; run back until the part's brakes hold"
@@ -29,18 +29,18 @@ class PartingConfig(Config):
 
     @property
     def straight_limit_mm(self) -> int:
-        """Run one way that is more than the count's run; farther is not counted."""
+        """Run in one direction that is just longer than the count's run, mm; a longer one is not counted."""
         return self.count_run_mm + 1
 
     @property
     def since_limit_um(self) -> int:
-        """Run since the train was whole that is more than a count allows; farther is not told apart."""
+        """Run since the train was whole that is just longer than a count allows, um; a longer one is not counted."""
         return self.straight_limit_mm * UM_PER_MM
 
 
 @dataclass(frozen=True)
 class ToldRun:
-    """The run of a pattern that is told in a cycle: the farthest (mm), and what it may be wrong by (ppm of it, and mm)."""
+    """The measured run of a pattern: its limit in a cycle (mm), and its error law (ppm of the run, and mm)."""
 
     limit_mm: int
     rate_ppm: int
@@ -53,22 +53,22 @@ class Parts:
     trusted, counted  the verification trusts the train; its count matched in this cycle
     gone              the train was counted out
     low, high         bounds of the pattern, from its low end to its high end; usable: within the line's range
-    front_low, rear_high  the same ends from inside: where the high end is at least, the low end at most
+    front_low, rear_high  the same ends from inside: lower bound of the high end, upper bound of the low end
     longest           the greatest length that the reference allows, from end to end
     upwards, downwards  the pattern ran towards the high (low) end in this cycle
-    run               how far it ran in this cycle, as told; `told_run`: what that is good for
-    age               how old the pattern's reading is
-    straight          how far it ran one way, at least, without a cycle in which it did not: above 0 upwards
-    told, told_low, told_high  what the area is told
+    run               its measured run in this cycle; `told_run`: limit and error law of that
+    age               age of the pattern's reading
+    straight          its run in one direction so far, at least, without a pause: above 0 upwards
+    told, told_low, told_high  the report to the area
 
-    Ghosts; places in um as they were when the pattern was read:
+    Ghosts; places in um at the time of the pattern's reading:
 
     pattern_rear, pattern_front  the pattern's ends, rounded outward
-    had_all           the count that this cycle's verification rests on is that of a train with all axles of the reference
-    rear_is, front_is   nothing was lost at the pattern's low (high) end
-    since             run since the train was last whole, either way added up
-    body_rear, body_front  where its ends would be had it lost nothing
-    lowest, highest   how far these have come down (up) since the train was last whole
+    had_all           the count in this cycle's verification is that of a train with all axles of the reference
+    rear_is, front_is   no vehicle was lost at the pattern's low (high) end
+    since             run since the train was last whole, both directions added up
+    body_rear, body_front  ends of the train as if it had lost no vehicle
+    lowest, highest   lowest and highest place of these ends since the train was last whole
     step              run of the train in this cycle
     next_rear, next_front  ends of the train now, with every part that it lost
     """
@@ -125,17 +125,17 @@ class Parts:
 
     @property
     def next_since(self) -> Num:
-        """Run since it was last whole, after the cycle."""
+        """Run since the train was last whole, after the cycle, um."""
         return ite(self.next_whole, 0, minimum(self.since + abs_(self.step), self.config.since_limit_um))
 
     @property
     def next_counts(self) -> Bool:
-        """It was whole so lately that a count may still tell all its axles."""
+        """The train was whole so recently that a count may still contain all its axles."""
         return self.next_since <= self.config.count_run_mm * UM_PER_MM
 
     @property
     def ran(self) -> Num:
-        """What can have been run in the age of the reading, um."""
+        """Greatest run in the age of the reading, um."""
         return with_unit(self.age * self.reach.max_speed_mm_s, UM)
 
 

@@ -1,15 +1,15 @@
-"""A virtual section: clear or not, from where the trains of its line area may be (FVA-9, FVA-18).
+"""A virtual section: clear or not, from the intervals of the trains of its line area (FVA-9, FVA-18).
 
 Sections are cut freely along the line. A section is FREE only on positive evidence: no train's interval reaches it,
-and nothing that was never counted can be in it. Everything that is not FREE is occupied for the interlocking.
+and no vehicle that was never counted can be in it. Every other state means occupied for the interlocking.
 
-    UNKNOWN     something may be here, and nothing tells what (also the start)
-    FREE        nothing is here
-    OCCUPIED    trains that are followed and known to be whole, and nothing else
-    AMBIGUOUS   a train that is followed, and perhaps something else, or a part that it lost
+    UNKNOWN     vehicles may be here, and no recent report tells which (also the start)
+    FREE        no vehicle is here
+    OCCUPIED    only trains with recent reports that are known to be whole
+    AMBIGUOUS   a train with recent reports, and perhaps other vehicles, or a part that it lost
 
-With every state go the rule that led to it, what it rests on, the age of the oldest report among that, and how far it is
-to be trusted. The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
+Beside the state a section reports the rule that led to it, its evidence, the age of the oldest report in the evidence, and
+its trust. The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ RULES = {
 
 
 class SectionsConfig(Config):
-    """Line area, and how long a train without news still counts as followed."""
+    """Line area, timers, and the figures of the achieved separation."""
 
     area: AreaConfig = AreaConfig()
     sections: int = quantity(1, "count", 1, 64, "[D] sections of one composition; each is independent of the others")
@@ -99,7 +99,7 @@ class SectionsConfig(Config):
 
     @derived("mm", "[D] the same with sections of no length: moving block with this area and these trains")
     def moving_block_separation_mm(self) -> int:
-        """What smaller sections can come down to, mm."""
+        """Separation in the limit of small sections, mm."""
         return separation_mm(self.area, self.following.model_copy(update={"section_mm": 0}))
 
     @derived("ms", "[D] from one train's front to the next one's at one place")
@@ -110,7 +110,7 @@ class SectionsConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """One section's machine and variables: bounds (any two places in the area), and what it is told of the area."""
+    """One section's machine and variables: bounds (any two places in the area), and inputs from the area."""
 
     config: SectionsConfig
     machine: Machine
@@ -132,14 +132,14 @@ class Sections:
 
 
 def compose_machines(config: SectionsConfig | None = None) -> Sections:
-    """Area and sections: each section sees the trains as they are after the area's step (FVA-9)."""
+    """Return area and sections: each section reads the trains as they are after the area's step (FVA-9)."""
     config = config or SectionsConfig()
     area = build_area(area_parts(config.area))
     return joined(area, tuple(section(config, f"section_{n}") for n in range(1, config.sections + 1)))
 
 
 def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
-    """The given machines, wired."""
+    """Return the given machines, wired."""
     wires: dict[Var, Expr] = {}
     for one in sections:
         wires |= section_wires(area, one)
@@ -148,7 +148,7 @@ def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
 
 
 def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
-    """What a section is told of the area in a step."""
+    """Return the wires from the area to a section."""
     own = area.own
     wires: dict[Var, Expr] = {
         one.unswept: area.machine.mode.eq(area.machine.modes[0]),
@@ -163,7 +163,7 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
 
 @dataclass(frozen=True, eq=False)
 class _Told:
-    """State that a section reports beside its mode: the rule that led to it and since when, and the evidence for it."""
+    """State that a section reports beside its mode: the rule that led to it, its duration, and the evidence for it."""
 
     rule: NumVar
     since: NumVar
@@ -210,7 +210,8 @@ def section(config: SectionsConfig, name: str) -> Section:
         transitions=list(_table(judged, table, told)),
         initially=start < end,
         lemmas={"bounds in order": start < end},
-        doc="One virtual section: clear only where no train of the area may be, and nothing that was never counted.",
+        doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
+        "in it.",
     )
     return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
 

@@ -1,11 +1,11 @@
-"""Which pattern is which train: by their order on the track, never by the nearest (FVA-2; figures, 003 item 21).
+"""Association of patterns with trains by their order on the track, never by the nearest (FVA-2; figures, 003 item 21).
 
-    UNKNOWN  it is not known which trains are in the area: no pattern belongs to anyone
+    UNKNOWN  the trains in the area are not known: no pattern belongs to any train
     ORDERED  the trains in the area are known, in their order from the low end
 
-On one track no train passes another. Axle counters tell which train enters or leaves, and at which end; so the order is
-known without any position. The fibre's patterns lie apart, in order. Only when there are just as many as trains, the
-first belongs to the first, and so on; otherwise none belongs to anyone.
+On one track no train passes another. Axle counters report which train enters or leaves, and at which end; so the order is
+known without any position. The fibre's patterns lie apart, in order. If there are exactly as many patterns as trains, the
+first belongs to the first, and so on; otherwise none belongs to any train.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ TrainOrder = Model[Parts]
 
 
 def machine(config: TrainOrderConfig | None = None) -> Machine:
-    """The machine that tells whose a pattern is (FVA-2)."""
+    """Return the machine that associates patterns with trains (FVA-2)."""
     return build(parts(config or TrainOrderConfig())).machine
 
 
 def build(own: Parts) -> TrainOrder:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNKNOWN", "ORDERED")
     current, cycle = current_mode(table), Cycle(own)
     made = Machine(
@@ -52,9 +52,9 @@ def build(own: Parts) -> TrainOrder:
         lemmas=lemmas(own, current.eq(table[1])),
         definitions={"patterns match trains": cycle.matched, "events possible": cycle.possible},
         doc=(
-            "Whose a pattern is, by the order of trains on the track. Assumed: undisturbed counters tell every train that "
-            "enters or leaves, unless what they tell cannot be; no train passes another; where there are as many patterns as "
-            "trains and they lie apart, each pattern holds a train."
+            "Associates patterns with trains by the order of trains on the track. Assumed: undisturbed counters "
+            "report every train that enters or leaves, unless their reports are impossible; no train passes "
+            "another; if there are as many patterns as trains and they lie apart, each pattern contains a train."
         ),
     )
     return Model(made, own)
