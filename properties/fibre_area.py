@@ -1,8 +1,8 @@
-"""What must hold of a train and its line area together, from backscatter to virtual sections (FVA-1 to FVA-18, FWG-7).
+"""Properties of a train and its line area together, from backscatter to virtual sections (FVA-1 to FVA-18, FWG-7).
 
-What is proved of a machine alone for all inputs in range holds in the step as well, since `wires are in range` is proved
-here. What is proved of it alone under an assumption on an earlier machine (an interval that holds the truth, a report
-that is true) is proved here again, without that assumption: the earlier machine keeps it.
+A property proved of a machine alone for all inputs in range holds in the step as well, since `wires are in range` is proved
+here. A property proved of it alone under an assumption on an earlier machine (an interval that contains the truth, a report
+that is true) is proved here again, without that assumption: the earlier machine guarantees it.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
 
 LAW = (
-    "the fibre's bounds and code law at both ends; count and length told of a pattern are that pattern's, the count at some "
-    "moment within its run; a train with all axles counted is whole and no longer than its reference, loses vehicles at the "
-    "end that trails at any moment, and these stay there; undisturbed counters count every vehicle; top speed; no vehicle "
-    "passes another; reports of other trains are true"
+    "the fibre's bounds and code law at both ends; count and length reported for a pattern are that pattern's, "
+    "the count at some moment within its run; a train with all axles counted is whole and no longer than its "
+    "reference, may lose vehicles at the trailing end at any moment, and these stay there; undisturbed counters "
+    "count every vehicle; top speed; no vehicle passes another; reports of other trains are true"
 )
 CLAIM = ("FVA-1", "FVA-10", "FWG-1", "FWG-11")
 STAY = ("FVA-2", "FVA-11")
@@ -42,7 +42,7 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 
 def properties(model: FibreArea) -> list[Property]:
-    """Containment through all machines, withdrawal in the same step, and sections that nothing unverified frees."""
+    """Return the properties: containment through all machines, withdrawal in the same step, and no section cleared without verification."""
     own = [
         *_truth(model),
         *_guaranteed(model),
@@ -74,7 +74,7 @@ def _error(model: FibreArea, end: str) -> Bool:
 
 
 def _truth(model: FibreArea) -> Iterator[Property]:
-    """The reported position and the reported ends contain the truth."""
+    """Claim that the reported position and the reported ends contain the truth."""
     of, verified = model.composition.of, model.verification
     front, rear = (of(one.machine).num(one.own.ghosts.truth) for one in (model.front, model.rear))
     seen, report = of(verified.machine), model.report
@@ -85,62 +85,62 @@ def _truth(model: FibreArea) -> Iterator[Property]:
     yield under_assumption(
         "containment",
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
-        statement="the position that is given out holds the front of the train that the fibre follows",
+        statement="the reported position contains the front of the train that the fibre follows",
     )
     told = of(report.machine)
     low, high = told.num(report.own.told_low), told.num(report.own.told_high)
     yield under_assumption(
         "the pattern lies between its ends",
         _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
-        statement="from min safe rear to max safe front, what is told to the area holds both ends of the pattern",
+        statement="from min safe rear to max safe front, the report to the area contains both ends of the pattern",
         requirements=(*CLAIM, *CLEAR),
     )
 
 
 def _guaranteed(model: FibreArea) -> Iterator[Property]:
-    """What later machines assume, earlier ones guarantee."""
+    """Claim that earlier machines guarantee the assumptions of later ones."""
     of, verified = model.composition.of, model.verification
     seen = of(verified.machine)
     yield under_assumption(
         "the area is told the truth",
         _report_law(model),
-        statement="what the area assumes of a train's report is kept by the machines before it",
+        statement="the machines before the area guarantee its assumption on a train's report",
         requirements=CLEAR,
     )
     yield under_assumption(
         "a train that is counted out has left with all its axles",
         _left_law(model),
-        statement="what the area assumes of a train that is counted out is kept: nothing of it, and no part that it lost, is in "
-        "the area",
+        statement="the machines before the area guarantee its assumption on a train that is counted out: neither the train "
+        "nor a part that it lost is in the area",
         requirements=(*STAY, *CLEAR),
     )
     yield under_assumption(
         "the verification is told the truth",
         seen.bool(place_law(verified.own)),
-        statement="what the verification assumes of the front's interval is kept by the fibre machines",
+        statement="the fibre machines guarantee the verification's assumption on the front's interval",
     )
 
 
 def _bounded(model: FibreArea) -> Iterator[Property]:
-    """Ranges of wires and of the interval."""
+    """Claim the ranges of wires and of the interval."""
     of, verified = model.composition.of, model.verification
     seen = of(verified.machine)
     yield for_all_inputs(
         "wires are in range",
         _wired_in_range(model),
-        statement="whatever a machine is told by an earlier one lies in its input's range: nothing is clipped",
+        statement="every value on a wire lies in the range of the input: nothing is clipped",
     )
     tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
     above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
     yield for_all_inputs(
         "tolerance",
         _trusted(model).implies((above <= tolerance) & (below <= tolerance)),
-        statement="a position that is given out is never wider than the tolerable error and the run of an edge's cycle",
+        statement="a reported position is never wider than the tolerable error and the run of an edge's cycle",
     )
 
 
 def _report_law(model: FibreArea) -> Bool:
-    """The law of a report, for a train that was in the area before the step."""
+    """Return the law of a report, for a train that was in the area before the step."""
     slot, of = model.area.own.slots[0], model.composition.of(model.area.machine)
     there = of(slot.there)
     assert isinstance(there, BoolVar)
@@ -148,7 +148,7 @@ def _report_law(model: FibreArea) -> Bool:
 
 
 def _left_law(model: FibreArea) -> Bool:
-    """The law of leaving, for a train that was in the area before the step."""
+    """Return the law of leaving, for a train that was in the area before the step."""
     slot, of = model.area.own.slots[0], model.composition.of(model.area.machine)
     there = of(slot.there)
     assert isinstance(there, BoolVar)
@@ -156,7 +156,7 @@ def _left_law(model: FibreArea) -> Bool:
 
 
 def _wired_in_range(model: FibreArea) -> Bool:
-    """Inputs on board that are wired."""
+    """Return the condition that all wired inputs on board are in range."""
     free, terms = set(model.composition.system.inputs), []
     for machine in model.composition.system.machines:
         of = model.composition.of(machine)
@@ -173,7 +173,7 @@ def _withdrawal(model: FibreArea) -> Iterator[Property]:
         yield for_all_inputs(
             f"{name} withholds",
             wrong.implies(nothing),
-            statement=f"{what} withholds the position, and tells the sections nothing, in the same cycle",
+            statement=f"{what} withholds the position, and keeps the train's report from the sections, in the same cycle",
             requirements=trace,
         )
 
@@ -183,7 +183,7 @@ def _of_slot(model: FibreArea) -> Substitution:
 
 
 def _wrong(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
-    """Everything that does not agree or does not come, in words."""
+    """Return every mismatch and every lack of data, in words."""
     wrong = {**_wrong_ends(model), **_wrong_train(model)}
     if model.verification.own.config.needs_emitter:
         emitter, of = model.emitter.machine, model.composition.of(model.emitter.machine)
@@ -233,7 +233,7 @@ def _wrong_train(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]
 
 
 def _apart(model: FibreArea) -> Bool:
-    """The ends' bounds and the record's length have nothing in common."""
+    """Return the condition that the distance of the ends' bounds fits no length of the record."""
     own, seen = model.verification.own, model.composition.of(model.verification.machine)
     (front_low, front_high), (rear_low, rear_high) = _bounds(model, model.front), _bounds(model, model.rear)
     low, high = seen.num(own.kept_low), seen.num(own.kept_high)
@@ -251,7 +251,7 @@ def _bounds(model: FibreArea, fibre: Fibre) -> tuple[Num, Num]:
 
 
 def _latched_error(model: FibreArea) -> Iterator[Property]:
-    """F makes the train untrusted."""
+    """Claim that F makes the train untrusted."""
     verified, seen = model.verification, model.composition.of(model.verification.machine)
     _, withheld, trusted, untrusted = verified.machine.modes
     mode = seen.num(verified.machine.mode)
@@ -267,7 +267,7 @@ def _latched_error(model: FibreArea) -> Iterator[Property]:
 
 
 def _latch(model: FibreArea) -> Iterator[Property]:
-    """When trust may begin again, and what is revoked when it ends."""
+    """Claim the end of distrust, and the revocation of a reported position."""
     verified, seen = model.verification, model.composition.of(model.verification.machine)
     none, _, _, untrusted = verified.machine.modes
     mode = seen.num(verified.machine.mode)
@@ -276,20 +276,20 @@ def _latch(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "a mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(leaves | (due & seen.bool(verified.own.sound))),
-        statement="an untrusted train becomes anything else only by a sound record in its own cycle, or by leaving",
+        statement="an untrusted train changes its state only by a sound record in its own cycle, or by leaving",
         requirements=(*CLAIM, *STAY),
     )
     given = earlier_bool(_trusted(model))
     yield for_all_inputs(
         "what was given out is revoked",
         (given & mode.eq(untrusted)).implies(seen.bool(verified.machine.flag("revoked"))),
-        statement="a position that was given out is revoked in the cycle in which the train becomes untrusted",
+        statement="a position that was reported is revoked in the cycle in which the train becomes untrusted",
         requirements=(*CLAIM, *ERROR),
     )
     yield for_all_inputs(
         "no train without a reference",
         (earlier_bool(seen.bool(verified.machine.mode.eq(none))) & mode.ne(none)).implies(due),
-        statement="nothing is verified before a reference came for this train",
+        statement="no verification begins before a reference came for this train",
         requirements=(*CLAIM, *STAY),
     )
 
@@ -302,7 +302,7 @@ def _leaves(model: FibreArea) -> Bool:
 
 
 def _narrowed(model: FibreArea) -> Iterator[Property]:
-    """What narrows where the train may be."""
+    """Claim the conditions under which the train's interval becomes narrower."""
     slot, of = model.area.own.slots[0], _of_slot(model)
     judged, integer = of.bool(slot.judged.eq(ACCEPTED)), of.bool(slot.integer)
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
@@ -311,7 +311,7 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "only a trusted train narrows",
         judged.implies(_trusted(model) & _told(model) & (age <= limit)),
-        statement="the area narrows where a train may be only on a report that is trusted and fresh in that very cycle",
+        statement="the area narrows the train's interval only on a report that is trusted and fresh in that very cycle",
         requirements=CLEAR,
     )
     yield for_all_inputs(
@@ -335,13 +335,13 @@ def _grows(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "an untrusted train only grows",
         stays.implies(((low <= earlier_num(low)) | low.eq(-edge)) & ((high >= earlier_num(high)) | high.eq(edge))),
-        statement="while the train is not trusted, neither end of where it may be comes nearer to the other",
+        statement="while the train is not trusted, neither end of its interval comes nearer to the other",
         requirements=CLEAR,
     )
 
 
 def _counted_out(model: FibreArea) -> Iterator[Property]:
-    """A train that leaves with fewer axles than it came in with frees nothing."""
+    """Claim that a train that leaves with fewer axles than it came in with clears no section."""
     slot, area = model.area.own.slots[0], _of_slot(model)
     own, of = model.entry, model.composition.of(model.entry.machine)
     inside = of.num(own.inside)
@@ -351,8 +351,8 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "a train that leaves a part behind has not left",
         (earlier_bool(present) & missing & ~enters & ~empty).implies(present & ~_leaves(model)),
-        statement="while other axles of a train were counted out than in, it stays in the area and sections may be its own: no "
-        "event of leaving frees them, only counters that report the area empty",
+        statement="while the axles counted out of a train differ from those counted in, it stays in the area and keeps its "
+        "sections: no event of leaving clears them, only counters that report an empty area",
         requirements=(*STAY, *CLEAR),
     )
 
@@ -365,14 +365,14 @@ def _uncounted(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "a train of which axles were not counted is not counted out",
         (uncounted | (~enters & ~earlier_bool(of.bool(own.sure)))).implies(~of.bool(own.sure) & ~_leaves(model)),
-        statement="from a cycle on in which a counter was disturbed, a train does not leave, until another one enters in its place: "
-        "its balance of axles is not sure any more",
+        statement="from a cycle on in which a counter was disturbed, a train does not leave until another one enters in "
+        "its place: its balance of axles is no longer sure",
         requirements=(*STAY, *CLEAR),
     )
 
 
 def _charged(model: FibreArea) -> Iterator[Property]:
-    """How far out the ends of a counted train are believed, in figures of their own."""
+    """Claim, in figures of its own, the distance of the reported ends of a counted train."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
     told = _told(model) & of.bool(model.report.machine.flag("integer"))
@@ -387,8 +387,8 @@ def _charged(model: FibreArea) -> Iterator[Property]:
             ((low + most <= front - long) | (run < -figures.count_run_mm))
             & ((high - most >= rear + long) | (run > figures.count_run_mm))
         ),
-        statement="in a cycle in which a train counts as whole, each end is told as far out as that of a whole train within the "
-        "count's run, unless that end has led for longer than this run",
+        statement="in a cycle in which a train counts as whole, each end is reported as far out as that of a whole train "
+        "within the count's run, unless that end has led for longer than this run",
         requirements=(*COUNTS, *CLEAR),
     )
 
@@ -399,13 +399,14 @@ def _one_way_only(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "an end leads by run one way only",
         all_of(_one_way(model, run)),
-        statement="run one way is counted from zero again by a cycle in which the train stands, turns, is not heard, or is gone",
+        statement="the run in one direction is counted from zero again in a cycle in which the train stands, turns, is not "
+        "measured, or is gone",
         requirements=(*COUNTS, *CLEAR),
     )
 
 
 def _parted(model: FibreArea) -> Iterator[Property]:
-    """A part that the train lost."""
+    """Claim that a part that the train lost lies in the train's interval."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     slot, area = model.area.own.slots[0], _of_slot(model)
     parted = area.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
@@ -413,14 +414,14 @@ def _parted(model: FibreArea) -> Iterator[Property]:
     yield under_assumption(
         "what a train lost is where the area says that the train may be",
         parted.implies((low_um <= area.num(slot.true_rear)) & (area.num(slot.true_front) <= high_um)),
-        statement="from the rear end of what a train lost last to its front end, whenever it parted, all lies in the train's interval: a "
-        "section there is not clear, for it is clear on evidence only",
+        statement="whenever the train parted, its last lost part lies in the train's interval from rear end to front end: "
+        "a section there is not clear, for it is clear on evidence only",
         requirements=(*COUNTS, *CLEAR),
     )
 
 
 def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
-    """Run one way grows while it goes on, and is none from the cycle on in which it does not."""
+    """Yield the conditions that the run in one direction grows while it goes on, and is zero from the cycle on in which it does not."""
     told = model.composition.of(model.front.machine)
     seen = model.composition.of(model.verification.machine)
     heard = told.bool(model.front.own.run.present), told.num(model.front.own.run.value)
@@ -434,7 +435,7 @@ def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
 
 
 def _of_sections(model: FibreArea) -> Iterator[Property]:
-    """The properties of area and sections, now resting on the fibre instead of on a report that is assumed true."""
+    """Yield the properties of area and sections; here they rest on the fibre instead of on a report that is assumed true."""
     whole = Sections(model.area, model.sections, model.composition)
     for prop in sections_properties.properties(whole):
         yield prop if prop.unconditional else replace(prop, assumption=LAW)
@@ -450,7 +451,7 @@ def _reached(model: FibreArea) -> Iterator[Property]:
     yield reachable(
         "revoked",
         seen.bool(verified.machine.flag("revoked")),
-        statement="what was given out can be revoked",
+        statement="a reported position can be revoked",
         requirements=ERROR,
     )
     first = model.sections[0].machine

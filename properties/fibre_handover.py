@@ -1,4 +1,4 @@
-"""What must hold of a train between two neighbouring areas (FVA-D1, FVA-1, FVA-2)."""
+"""Properties of a train between two neighbouring areas (FVA-D1, FVA-1, FVA-2)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 
 def properties(model: FibreHandover) -> list[Property]:
-    """The truth on both sides, never both where the place is not shared, and a lost handover."""
+    """Return the properties: containment on both sides, both areas only where the place is shared, and a lost handover."""
     return [
         *_truth(model),
         *_given(model),
@@ -35,7 +35,7 @@ def properties(model: FibreHandover) -> list[Property]:
 
 
 def _truth(model: FibreHandover) -> Iterator[Property]:
-    """Each area's trusted position contains the front."""
+    """Claim that each area's trusted position contains the front."""
     of = model.composition.of
     truth = of(model.giving.machine).num(model.giving.own.truth)
     for side, verified in (("giving", model.giving), ("taking", model.taking)):
@@ -45,12 +45,12 @@ def _truth(model: FibreHandover) -> Iterator[Property]:
             here.bool(verified.machine.flag("trusted")).implies(
                 between(here.num(exact_to(low, NM)), truth, here.num(exact_to(high, NM)))
             ),
-            statement=f"a position that the {side} area trusts holds the train's front",
+            statement=f"a position that the {side} area trusts contains the train's front",
         )
 
 
 def _given(model: FibreHandover) -> Iterator[Property]:
-    """The position that is given out."""
+    """Claim that the reported position contains the front, and is reported only of a trusted train."""
     of = model.composition.of
     truth = of(model.giving.machine).num(model.giving.own.truth)
     voice = of(model.speaker.machine)
@@ -59,12 +59,12 @@ def _given(model: FibreHandover) -> Iterator[Property]:
     yield under_assumption(
         "containment",
         given.implies(between(exact_to(low, NM), truth, exact_to(high, NM))),
-        statement="the position that is given out holds the train's front, whichever area it comes from",
+        statement="the reported position contains the train's front, whichever area it comes from",
     )
     yield for_all_inputs(
         "nobody trusts, nothing is given out",
         (~_trusted(model, model.giving) & ~_trusted(model, model.taking)).implies(~given & low.eq(0) & high.eq(0)),
-        statement="where neither area trusts the train, no position is given out",
+        statement="if neither area trusts the train, no position is reported",
         requirements=CLAIM,
     )
 
@@ -78,20 +78,20 @@ def _both(model: FibreHandover) -> Iterator[Property]:
     yield under_assumption(
         "both only where the place is shared",
         mode.eq(both).implies(between(exact_to(begins, NM), truth, exact_to(ends, NM))),
-        statement="both areas give the position of a train out only while it is in the stretch that they share",
+        statement="both areas report the position of a train only while it is in the stretch that they share",
         requirements=BORDER,
     )
     yield under_assumption(
         "each speaks of its own stretch",
         (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
         & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
-        statement="the giving area never speaks of a train beyond the shared stretch, nor the taking one of one before it",
+        statement="the giving area never reports a train beyond the shared stretch, nor the taking one a train before it",
         requirements=BORDER,
     )
 
 
 def _lost(model: FibreHandover) -> Iterator[Property]:
-    """A record that does not arrive in time."""
+    """Claim that a record that does not arrive in time makes the train untrusted."""
     of, taking, border = model.composition.of, model.taking, model.border.machine
     here = of(taking.machine)
     *_, untrusted = taking.machine.modes
@@ -111,7 +111,7 @@ def _lost(model: FibreHandover) -> Iterator[Property]:
 
 
 def _arrives(model: FibreHandover) -> Iterator[Property]:
-    """The record arrives only while the giving area trusts the train."""
+    """Claim that the record arrives only while the giving area trusts the train."""
     of, giving, taking = model.composition.of, model.giving, model.taking
     here, border = of(taking.machine), model.border.machine
     none, *_ = taking.machine.modes
@@ -133,7 +133,7 @@ def _arrives(model: FibreHandover) -> Iterator[Property]:
 
 
 def _shared(model: FibreHandover) -> Iterator[Property]:
-    """Both areas verify against the same record."""
+    """Claim that both areas verify against the same record."""
     of, giving, taking = model.composition.of, model.giving, model.taking
     there, here, border = of(giving.machine), of(taking.machine), model.border.machine
     _, withheld, trusted, _ = taking.machine.modes
@@ -144,7 +144,7 @@ def _shared(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "the same record on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(same),
-        statement="the taking area verifies against the very record that the giving area verified against",
+        statement="the taking area verifies against the very record against which the giving area verified",
     )
     low, high = (there.num(one) for one in (giving.own.possible_low, giving.own.possible_high))
     limit = giving.own.config.position_limit_mm
@@ -154,13 +154,13 @@ def _shared(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "the same bounds of the front on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(wider),
-        statement="where the front can be by the last record and the top speed is no narrower in the taking area than in the giving "
-        "one, but for the ends of the line",
+        statement="the bounds of the front by the last record and the top speed are no narrower in the taking area than in "
+        "the giving one, except at the ends of the line",
     )
 
 
 def _other_trains(model: FibreHandover) -> Iterator[Property]:
-    """Another train is not taken for this one."""
+    """Claim that no other train is taken for this one."""
     of, taking, border = model.composition.of, model.taking, model.border.machine
     here = of(taking.machine)
     none, *_ = taking.machine.modes
@@ -171,7 +171,7 @@ def _other_trains(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "gone is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
-        statement="of a train that is gone nothing is kept for the next one",
+        statement="after a train is gone, none of its data are kept for the next one",
     )
     counted = taking.own.associated & taking.own.seen_count.present
     yield for_all_inputs(
@@ -183,7 +183,7 @@ def _other_trains(model: FibreHandover) -> Iterator[Property]:
 
 
 def _sent(model: FibreHandover) -> Iterator[Property]:
-    """From when on a record goes over."""
+    """Claim the moment from which a record is sent."""
     of, giving, border = model.composition.of, model.giving, model.border.machine
     on_the_way, (before, *_) = of(border).num(border.mode), border.modes
     gone = of(border).bool(model.border.own.gone)
@@ -193,8 +193,8 @@ def _sent(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "a record goes over from the shared stretch on",
         sent.implies(may_be_here) & (may_be_here & ~gone).implies(on_the_way.ne(before)),
-        statement="a record is sent first, or arrives, only while the giving area trusts the train and its front may have come "
-        "to the shared stretch; and from then on it is sent",
+        statement="a record is first sent, or arrives, only while the giving area trusts the train and its front may have "
+        "come to the shared stretch; and from then on it is sent",
     )
 
 
@@ -209,6 +209,6 @@ def _reached(model: FibreHandover) -> Iterator[Property]:
     _, _, taking, both = voice.modes
     yield reachable("taken over", mode.eq(taking), statement="a train can be taken over", requirements=BORDER)
     yield reachable(
-        "both", mode.eq(both), statement="both areas can give the same train's position", requirements=BORDER
+        "both", mode.eq(both), statement="both areas can report the same train's position", requirements=BORDER
     )
     yield reachable("lost", way.eq(border.modes[3]), statement="a handover can be lost", requirements=BORDER)

@@ -1,4 +1,4 @@
-"""What must hold of virtual sections and of the line area they lie in (FVA-2, FVA-9, FVA-18)."""
+"""Properties of virtual sections and of their line area (FVA-2, FVA-9, FVA-18)."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
 
 LAW = (
-    "undisturbed counters count every vehicle; trusted reports hold the train, its rear end only if it is whole; top speed; "
-    "no vehicle passes another"
+    "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
+    "whole; top speed; no vehicle passes another"
 )
 REQUIREMENTS = ("FVA-9", "FVA-18")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -24,7 +24,7 @@ under_assumption = partial(always, requirements=("FVA-9",), assumption=LAW)
 
 
 def properties(model: Sections) -> list[Property]:
-    """Every property of the area and its sections, over the whole composition."""
+    """Return every property of the area and its sections, over the whole composition."""
     found = [*_area(model)]
     for one in model.sections:
         found += [
@@ -45,7 +45,7 @@ def _area(model: Sections) -> Iterator[Property]:
 
 
 def _interval(model: Sections, one: Slot) -> Iterator[Property]:
-    """The interval of a train, and what narrows it."""
+    """Claim that the interval of a train contains it, and becomes narrower only by an accepted report."""
     of = model.composition.of(model.area.machine)
     inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
     yield under_assumption(
@@ -62,26 +62,27 @@ def _interval(model: Sections, one: Slot) -> Iterator[Property]:
 
 
 def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
-    """How far a report narrows the interval."""
+    """Claim the limits within which a report narrows the interval."""
     of, own = model.composition.of(model.area.machine), model.area.own
     yield for_all_inputs(
         f"train {one.number} report is charged its age",
         _aged(of, one),
-        statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
+        statement="a report narrows a train's interval no further than to the stretch that the train can have reached "
+        "since, at top speed",
         requirements=("FVA-9",),
     )
     yield for_all_inputs(
         f"train {one.number} that may be split is believed at its leading end only",
         _leads(of, one),
-        statement="a report of a train that is not known to be whole, or not to be trusted in that, narrows nothing at the end "
-        "that does not lead",
+        statement="a report of a train that is not known to be whole, or whose report of integrity is not trusted, narrows "
+        "nothing at the trailing end",
         requirements=("FVA-9",),
     )
     yield for_all_inputs(
         f"train {one.number} is whole by a trusted word only",
         _confirmed(of, one, own.config.integrity_is_trusted),
-        statement="the time without confirmed integrity ends by an accepted report of a train that is whole, where such reports are "
-        "trusted, and never otherwise while the train is in the area",
+        statement="the time without confirmed integrity ends by an accepted report of a train that is whole, if such "
+        "reports are trusted, and never otherwise while the train is in the area",
         requirements=("FVA-9",),
     )
 
@@ -97,12 +98,12 @@ def _loose(model: Sections) -> Iterator[Property]:
     yield under_assumption(
         "loose vehicles are accounted for",
         of.bool(loose),
-        statement="a vehicle that was never counted is only where the area says that one may be",
+        statement="a vehicle that was never counted is only within the area's bounds for such vehicles",
     )
 
 
 def _widens(of: Substitution, one: Slot) -> Bool:
-    """Without an accepted report or an event, both bounds move outward (the ends of the world apart)."""
+    """Return the condition that both bounds move outward without an accepted report or an event (except at the ends of the world)."""
     limit, present = one.reach.limit_mm, of.bool(one.present)
     low, high = of.num(one.low), of.num(one.high)
     quiet = of.bool(one.judged.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
@@ -112,7 +113,7 @@ def _widens(of: Substitution, one: Slot) -> Bool:
 
 
 def _aged(of: Substitution, one: Slot) -> Bool:
-    """Bounds after an accepted report, in figures of their own: the law speaks of what the machine charges."""
+    """Return bounds after an accepted report, in figures of their own, since the law uses the run that the machine adds."""
     low, high = of.num(um(one.low)), of.num(um(one.high))
     run = with_unit(one.age * one.reach.max_speed_mm_s, UM)
     lowest = maximum(earlier_num(low), of.num(um(one.rear.value) - run))
@@ -138,7 +139,7 @@ def _confirmed(of: Substitution, one: Slot, trusted: bool) -> Bool:
 
 
 def _rule(model: Sections, one: Section) -> Iterator[Property]:
-    """The rule that led to the state."""
+    """Claim the rule that led to the state."""
     machine, name = one.machine, one.machine.name
     of = model.composition.of(machine)
     mode, rule = of.num(machine.mode), of.num(machine.output("rule"))
@@ -151,12 +152,12 @@ def _rule(model: Sections, one: Section) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name} names the rule",
         all_of([*changed, stays]),
-        statement="the rule told is that of the change of state that happened, and stays while the state does",
+        statement="the reported rule is that of the change of state that happened, and stays while the state does",
     )
 
 
 def _told(model: Sections, one: Section) -> Iterator[Property]:
-    """The evidence of the state, and how far to trust it."""
+    """Claim the evidence of the state, and its trust."""
     machine, name, config = one.machine, one.machine.name, one.config
     of = model.composition.of(machine)
     mode = of.num(machine.mode)
@@ -167,14 +168,14 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         f"{name} says what it rests on",
         mode.eq(free).iff(evidence.one_of(NO_TRAIN, TRAINS_ELSEWHERE))
         & mode.eq(occupied).iff(evidence.eq(TRAIN_FOLLOWED)),
-        statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train that is followed and whole, "
-        "and neither on anything else",
+        statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train with recent reports "
+        "that is whole, and neither on anything else",
     )
     yield for_all_inputs(
         f"{name} is trusted as far as its reports are fresh",
         trust.eq(VERIFIED).implies((age <= config.mute_limit_cycles) & evidence.ne(UNCOUNTED))
         & mode.eq(occupied).implies(trust.eq(VERIFIED)),
-        statement="a state told as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
+        statement="a state reported as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
     )
 
 
@@ -186,13 +187,13 @@ def _timed(model: Sections, one: Section) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name} keeps to its timers",
         mode.eq(occupied).implies(all_of(_in_time(model, one))),
-        statement="OCCUPIED by a train that was not heard of beyond the mute timer, or whose integrity was not confirmed beyond its "
-        "timer, is told no longer, from the cycle on in which the timer ends",
+        statement="the state is no longer OCCUPIED from the cycle on in which the mute timer or the integrity timer of a "
+        "train in the section ends",
     )
 
 
 def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
-    """Of every train that may be in the section: within both timers."""
+    """Yield the condition that a train is within both timers, for every train that may be in the section."""
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     for train in model.area.own.slots:
         low, high = there.num(train.low), there.num(train.high)
@@ -214,8 +215,8 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
     yield under_assumption(
         f"{name} is never clear with a train in it",
         free.implies(~any_of(trains)),
-        statement="a section in which any part of any train is, from min safe rear to max safe front, is never FREE: with "
-        "several trains, entering, leaving, reversing, lost and coming back",
+        statement="a section that contains any part of any train, from min safe rear to max safe front, is never FREE: "
+        "with several trains, entering, leaving, reversing, lost and coming back",
         requirements=REQUIREMENTS,
     )
     yield under_assumption(
@@ -242,7 +243,7 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name} is clear only on evidence",
         free.implies(all_of(apart)),
-        statement="FREE is stated only where every counted train is known to be elsewhere",
+        statement="a section is FREE only if every counted train is known to be elsewhere",
     )
     silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine

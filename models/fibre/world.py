@@ -62,7 +62,7 @@ def world(own: Parts) -> World:
 
 
 def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
-    """Return how the ghosts of the section being passed move: at its entry they take the map's section in this direction."""
+    """Return the moves of the ghosts of a section: at its entry they take the map's section in this direction."""
     seen, met = own.ghosts, now.met
     return {
         seen.of_map: ite(now.enters, now.alike & seen.spot.eq(exact_to(met.near, NM)), seen.of_map),

@@ -103,7 +103,7 @@ def _came(own: Parts) -> Bool:
 
 
 def _since_record(train: Doubted) -> dict[Var, Num]:
-    """Return how the ghosts of the last record move: its age, and the width that it still leaves open."""
+    """Return the moves of the ghosts of the last record: its age, and the width that it still leaves open."""
     own, came = train.own, _came(train.own)
     told = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
     grown = minimum(train.width + 2 * _run_nm(own), train.width.high)

@@ -112,7 +112,7 @@ class Moment:
 
 
 def listen(scene: Scene) -> list[Moment]:
-    """Yield the scene block by block, through the detector."""
+    """Return the scene block by block, seen through the detector."""
     config, rng = scene.config, np.random.default_rng(scene.seed)
     world = _world(scene, config, rng)
     front, analyser = FrontEnd(config, MAX_AGE_MS), Analyser(config)
