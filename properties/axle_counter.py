@@ -102,7 +102,7 @@ def _within_bounds(model: AxleCounter) -> Iterator[Property]:
     )
 
 
-# ------------------------------------------------------------------ what spoils a passage
+# ------------------------------------------------------------------ spoilt passages
 
 
 def _other_way(own: Parts) -> Bool:
@@ -209,7 +209,7 @@ def _far_off(own: Parts) -> Bool:
     return any_of(abs_(before(bound)) > farthest for bound in (own.run_low, own.run_high, own.past_low))
 
 
-# ------------------------------------------------------------------ when there is a record
+# ------------------------------------------------------------------ conditions of a record
 
 
 def _records(model: AxleCounter) -> Iterator[Property]:

@@ -56,7 +56,7 @@ def _lawful(name: str, term: Bool, statement: str) -> Property:
     return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
 
 
-# ------------------------------------------------------------------ terms from what is told
+# ------------------------------------------------------------------ terms from the inputs
 
 
 def _passed(own: Parts) -> Bool:

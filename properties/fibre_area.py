@@ -164,7 +164,7 @@ def _wired_in_range(model: FibreArea) -> Bool:
     return all_of(terms)
 
 
-# ------------------------------------------------------------------ whatever does not agree, in the same step
+# ------------------------------------------------------------------ withdrawal in the same step
 
 
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
@@ -441,7 +441,7 @@ def _of_sections(model: FibreArea) -> Iterator[Property]:
         yield prop if prop.unconditional else replace(prop, assumption=LAW)
 
 
-# ------------------------------------------------------------------ what can be reached
+# ------------------------------------------------------------------ reachability
 
 
 def _reached(model: FibreArea) -> Iterator[Property]:

@@ -97,7 +97,7 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
     return Area(made, own)
 
 
-# ------------------------------------------------------------------ judging a cycle
+# ------------------------------------------------------------------ conditions of a cycle
 
 
 def _leaves(own: Parts, one: Slot) -> Bool:

@@ -89,7 +89,7 @@ class Judged:
             case _:
                 return ~self.free & ~self.any_followed
 
-    # -------------------------------------------------------------- what it rests on
+    # -------------------------------------------------------------- evidence
 
     @property
     def count(self) -> Num:

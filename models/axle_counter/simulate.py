@@ -15,9 +15,9 @@ from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell
 
-SPREAD_MM_S = 200  # how far the told bounds of an axle's speed lie from it
+SPREAD_MM_S = 200  # distance of the reported bounds of an axle's speed from it
 BETWEEN_CYCLES = 300  # the headway
-SLOWEST_MM_S = 12_000  # slower trains need not be surely past before another one comes
+SLOWEST_MM_S = 12_000  # slower trains may not certainly have passed before another one comes
 
 
 @dataclass(frozen=True)

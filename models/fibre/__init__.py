@@ -247,7 +247,7 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     }
 
 
-# ------------------------------------------------------------------ what helps to prove
+# ------------------------------------------------------------------ lemmas
 
 
 def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:

@@ -160,7 +160,7 @@ class Cycle:
         slack = ite(self.leaves, self.edge_slack, self.slack)
         return self.own.band.ne(v.NORMAL) & (abs_(self.since) - slack > longest)
 
-    # -------------------------------------------------------------- what does not agree
+    # -------------------------------------------------------------- disagreements
 
     @cached_property
     def fits(self) -> Bool:

@@ -201,7 +201,7 @@ def _forgotten(own: Parts) -> Updates:
     return together(dict.fromkeys((*own.numbers, own.age), 0), dict.fromkeys((*own.flags, *own.known), FALSE))
 
 
-# ------------------------------------------------------------------ what is given out
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:

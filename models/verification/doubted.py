@@ -95,7 +95,7 @@ def world(train: Doubted) -> World:
     )
 
 
-# ------------------------------------------------------------------ what is kept of the last record
+# ------------------------------------------------------------------ ghosts of the last record
 
 
 def _came(own: Parts) -> Bool:

@@ -138,7 +138,7 @@ class Judged:
         low, high = own.place.value - own.place_below, own.place.value + own.place_above
         return (low <= own.record_place_high + slack) & (high >= own.record_place_low - slack)
 
-    # -------------------------------------------------------------- where the front can be, without the fibre
+    # -------------------------------------------------------------- possible places of the front, without the fibre
 
     @cached_property
     def possible(self) -> tuple[Num, Num]:
@@ -175,7 +175,7 @@ class Judged:
 
     @cached_property
     def abilities(self) -> tuple[Num, Num]:
-        """How much slower and faster than the last reading the train can be, um/s."""
+        """Greatest decrease and increase of the speed since the last reading, um/s."""
         own, period = self.own, Lit(self.own.config.period_ms, MS)
         braking = _braking(own) * period
         traction = Lit(own.config.traction_mm_s2, MM_S2) * period

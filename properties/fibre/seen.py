@@ -179,7 +179,7 @@ class Seen:
         count = before(self.own.count)
         return (self.forwards & (count >= limit)) | (~self.forwards & (count <= -limit))
 
-    # -------------------------------------------------------------- what does not agree
+    # -------------------------------------------------------------- disagreements
 
     @cached_property
     def flaws(self) -> dict[Lit, Bool]:

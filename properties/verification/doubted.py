@@ -234,7 +234,7 @@ def _fast(figures: Figures) -> Bool:
     return between(-slack, exact_to(own.seen_speed.value, UM_S) - figures.train.speed, slack)
 
 
-# ------------------------------------------------------------------ within how many cycles
+# ------------------------------------------------------------------ time to withdrawal
 
 
 def _cycles(figures: Figures) -> Iterator[Property]:
@@ -254,7 +254,7 @@ def _cycles(figures: Figures) -> Iterator[Property]:
     )
 
 
-# ------------------------------------------------------------------ what is kept and handed over
+# ------------------------------------------------------------------ stored and handed-over data
 
 
 def _kept(figures: Figures) -> Iterator[Property]:

@@ -157,7 +157,7 @@ def _against(own: Parts, differs: Callable[[Num, Num, Num], Bool]) -> Bool:
     return (own.due & told) | (~own.due & kept)
 
 
-# ------------------------------------------------------------------ what does not change during a stay
+# ------------------------------------------------------------------ parameters that do not change during a stay
 
 
 def _of_parameters(own: Parts) -> dict[Lit, Bool]:
