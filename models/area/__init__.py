@@ -145,14 +145,14 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     limit, verdicts = own.config.limit_mm, _verdicts(own)
     anywhere: Updates = {own.loose_low: -limit, own.loose_high: limit}
     apart: Updates = {own.loose_low: low, own.loose_high: high}
-    followed = together(verdicts, _trains(own), _rejected(own))
+    trains = together(verdicts, _trains(own), _rejected(own))
+    followed = together(trains, _order(own))
     yield Transition(
         "something came in uncounted", table, unswept, _uncounted(own),
-        together(followed, _no_order(own), anywhere), REQUIREMENTS, 0)  # fmt: skip
+        together(trains, _no_order(own), anywhere), REQUIREMENTS, 0)  # fmt: skip
     yield Transition(
         "counters are clear", table, swept, _empty(own),
         together(verdicts, _no_trains(own), _no_order(own), {own.rejected: 0}, anywhere), REQUIREMENTS, 1)  # fmt: skip
-    followed = together(followed, _order(own))
     yield Transition(
         "everything loose is pushed out", unswept, swept, none_left, together(followed, anywhere), REQUIREMENTS, 2)  # fmt: skip
     yield Transition(
