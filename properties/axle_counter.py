@@ -27,6 +27,7 @@ def properties(model: AxleCounter) -> list[Property]:
     return [
         *_truth(model),
         *_within_bounds(model),
+        *_exact(model),
         *_spoils(model),
         *_spoilt(model),
         *_pause(model),
@@ -94,6 +95,10 @@ def _within_bounds(model: AxleCounter) -> Iterator[Property]:
             ),
             f"a sound record's bounds contain {meant[name]}",
         )
+
+
+def _exact(model: AxleCounter) -> Iterator[Property]:
+    machine, own = model.machine, model.own
     wide = machine.output("record_length_high_um") - machine.output("record_length_low_um")
     yield _held(
         "length is exact enough",

@@ -321,10 +321,8 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
         requirements=(*COUNTS, *CLEAR),
     )
     yield from _charged(model)
-    yield from _one_way_only(model)
     yield from _parted(model)
     yield from _counted_out(model)
-    yield from _uncounted(model)
 
 
 def _grows(model: FibreArea) -> Iterator[Property]:
@@ -355,13 +353,7 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
         "sections: no event of leaving clears them, only counters that report an empty area",
         requirements=(*STAY, *CLEAR),
     )
-
-
-def _uncounted(model: FibreArea) -> Iterator[Property]:
-    slot, area = model.area.own.slots[0], _of_slot(model)
-    own, of = model.entry, model.composition.of(model.entry.machine)
     uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
-    enters = area.bool(slot.enters)
     yield for_all_inputs(
         "a train of which axles were not counted is not counted out",
         (uncounted | (~enters & ~earlier_bool(of.bool(own.sure)))).implies(~of.bool(own.sure) & ~_leaves(model)),
@@ -391,11 +383,6 @@ def _charged(model: FibreArea) -> Iterator[Property]:
         "within the count's run, unless that end has led for longer than this run",
         requirements=(*COUNTS, *CLEAR),
     )
-
-
-def _one_way_only(model: FibreArea) -> Iterator[Property]:
-    own, of = model.report.own, model.composition.of(model.report.machine)
-    run = of.num(own.straight)
     yield for_all_inputs(
         "an end leads by run one way only",
         all_of(_one_way(model, run)),

@@ -30,6 +30,7 @@ def properties(model: Sections) -> list[Property]:
         found += [
             *_safety(model, one),
             *_evidence(model, one),
+            *_silence(model, one),
             *_rule(model, one),
             *_told(model, one),
             *_timed(model, one),
@@ -232,6 +233,7 @@ def _overlaps(rear: Num, front: Num, start: Num, end: Num) -> Bool:
 
 
 def _evidence(model: Sections, one: Section) -> Iterator[Property]:
+    """Claim that a section is clear only on evidence."""
     name = one.machine.name
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     free = of.bool(one.machine.flag("clear"))
@@ -245,6 +247,14 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
         free.implies(all_of(apart)),
         statement="a section is FREE only if every counted train is known to be elsewhere",
     )
+
+
+def _silence(model: Sections, one: Section) -> Iterator[Property]:
+    """Claim that missing reports clear no section."""
+    name = one.machine.name
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    free = of.bool(one.machine.flag("clear"))
+    slots = model.area.own.slots
     silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine
     quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))

@@ -95,7 +95,8 @@ def properties(model: Verification, train: Doubted) -> list[Property]:
         *_control(figures),
         *_speed(figures),
         *_cycles(figures),
-        *_kept(figures),
+        *_handed_over(figures),
+        *_of_this_train(figures),
         *_reached(figures),
     ]
 
@@ -257,7 +258,8 @@ def _cycles(figures: Figures) -> Iterator[Property]:
 # ------------------------------------------------------------------ stored and handed-over data
 
 
-def _kept(figures: Figures) -> Iterator[Property]:
+def _handed_over(figures: Figures) -> Iterator[Property]:
+    """Claim that the record that is handed over is true."""
     machine, own = figures.model.machine, figures.own
     long = (machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm"))
     place = (machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm"))
@@ -276,6 +278,11 @@ def _kept(figures: Figures) -> Iterator[Property]:
         "of its front",
         requirements=("FVA-D1", *STAY, *SAFE),
     )
+
+
+def _of_this_train(figures: Figures) -> Iterator[Property]:
+    """Claim that the reported place is that of a pattern of this train."""
+    machine, own = figures.model.machine, figures.own
     yield whatever_the_fibre_tells(
         "a pattern of nobody",
         figures.trusted.implies(
