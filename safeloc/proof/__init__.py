@@ -1,1 +1,1 @@
-"""Verification of a declaration: provers, random runs, the proof checker, and the cache of earlier results."""
+"""Verification of a declaration: provers, random runs, property tests, replays, and the cache of earlier results."""

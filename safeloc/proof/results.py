@@ -1,4 +1,4 @@
-"""One checked statement, whatever checked it: what command line, report and tests exchange."""
+"""Findings: statements with verdicts, in the form that command line, report and tests share."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Kind = Literal["property", "obligation", "lemma", "test", "replay"]
 class Replayed:
     """A whole recorded run through a machine; findings of one replay share it.
 
-    name      of the recording, without the ending of its file
+    name      of the recording, without the extension of its file
     truth_mm  the recorded truth after each step, None where it is not known
     """
 
@@ -27,17 +27,17 @@ class Replayed:
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """A statement about a machine and what was found.
+    """A statement about a machine, with its verdict.
 
     id            unique within a report: "machine/kind/name"
     method        engine and what it relied on, for the reader
     seconds       time it took
-    requirements  requirement ids it answers for
-    assumption    the assumption it was shown under, in words ("" for none)
-    truth_mm      of a recording that holds it: the truth after each step of the violated run, None where it is not known
-    replayed      the recorded run that it was found on
-    notes         what a reader of it has to know besides, such as what was not checked
-    kept_since    of what was found by an earlier run of the same: when that was (UTC); "" for what was found now
+    requirements  ids of the requirements that it verifies
+    assumption    the assumption that the verdict relies on, in words ("" for none)
+    truth_mm      the truth after each step of the violated run, from a recording that holds it; None where it is not known
+    replayed      the recorded run that the verdict is about
+    notes         further information for the reader, such as the properties that were not checked
+    kept_since    the date (UTC) of the earlier run whose cached result this is; "" for a new result
     """
 
     id: str

@@ -1,8 +1,8 @@
-"""The value of an absent optional input is never read.
+"""Check that the value of an absent optional input is never read.
 
-Where the input is absent, most terms do not hold its value any more once its presence is folded to false; for each of the
-others two copies of a step that differ in the value alone have to end alike, in every state that a run comes to. Of a composition: of each machine by itself,
-and of what goes through the wires.
+In most terms the value disappears once the presence flag is set to false. For each of the others a solver proves that
+two copies of a step that differ only in the value end alike, in every reachable state. In a composition the check
+covers each machine alone, and the terms of the wires.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from safeloc.proof.provers.reachability import happens, without_assumption
 from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.provers.settle import UNCONFIRMED, settled
 
-TOLD = 3  # readings that stay open are told so many at the most, the others counted
+NAMED = 3  # undecided readings that the verdict names; it only counts the others
 Reading = tuple[str, str]
-"""An input and what reads it, by name."""
+"""The names of an input and of the term that reads it."""
 
 
 @dataclass
@@ -45,7 +45,7 @@ class _Found:
 
 
 def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """Return one obligation for all optional inputs; none where there are no optional inputs."""
+    """Yield one obligation for all optional inputs; none if there are no optional inputs."""
     if not system.optionals and not any(part.alone.optionals for part in system.parts):
         return
     found = _Found()
@@ -54,9 +54,9 @@ def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
     if system.parts:
         _look(system, dict(_through_wires(system)), limits, found)
     settled_by_folding = (
-        f"{found.held - found.asked} of {found.held} readings are gone where presence is folded to false"
+        f"{found.held - found.asked} of {found.held} readings disappear when the presence flag is set to false"
     )
-    method = f"{settled_by_folding}; {found.asked} by two copies of a step"
+    method = f"{settled_by_folding}; {found.asked} checked by two copies of a step"
     yield Obligation(
         "absence", "the value of an absent input is never read", _verdict(found, settled_by_folding), method
     )
@@ -84,7 +84,7 @@ def _ask(
     query = Query(
         f"{system.name} absence of {option.value.name}", given, {option.value.name: all_of(alike.values())}, head
     )
-    answer = settled(query, ends, list(known.certificates))  # together: the terms share most of what is hard in them
+    answer = settled(query, ends, list(known.certificates))  # one query for all: they share the hard terms
     found.texts |= {**known.certificates, **answer.texts}
     if not answer.failed:
         return
@@ -118,37 +118,37 @@ def _look_for_runs(
             found.texts |= verdict.certificates
         else:
             found.failed[goals[goal]] = Undecided(
-                "the copies differ in some state, and it is not known whether a run comes there"
+                "the copies differ in some state, but it is not known if a run reaches that state"
             )
 
 
 def _on_board(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
-    """List the on-board terms of a step: next states and fired transitions."""
+    """Yield the on-board terms of a step: next states and fired transitions."""
     yield from ((var.name, term) for var, term in system.next.items() if var not in system.ghosts)
     yield from ((var.name, term) for var, term in system.fired.items())
 
 
 def _through_wires(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
-    """List the term of each wire; a wire to an optional input counts only while that input is present."""
+    """Yield the term of each wire; a wire to an optional input counts only while that input is present."""
     for part in system.parts:
         present: dict[Var, BoolVar] = {option.value: option.present for option in part.alone.optionals}
         for var in part.alone.inputs:
-            told = part.into(var)
-            if not isinstance(told, Var):
-                heard = _where(part.into.bool(present[var]), told) if var in present else told
-                yield f"{part.name}.{var.name}", heard
+            wired = part.into(var)
+            if not isinstance(wired, Var):
+                term = _where(part.into.bool(present[var]), wired) if var in present else wired
+                yield f"{part.name}.{var.name}", term
 
 
-def _where(present: Bool, told: Expr) -> Expr:
-    """The term while it is present, and a constant otherwise."""
-    if isinstance(told, Num):
-        return ite(present, told, as_num(0, told.unit))
-    assert isinstance(told, Bool)
-    return present & told
+def _where(present: Bool, term: Expr) -> Expr:
+    """Return the term while the input is present, and a constant otherwise."""
+    if isinstance(term, Num):
+        return ite(present, term, as_num(0, term.unit))
+    assert isinstance(term, Bool)
+    return present & term
 
 
 def _still_held(terms: Mapping[str, Expr], option: Optional) -> Iterator[tuple[str, Expr]]:
-    """The terms that hold the input's value also where its presence is folded to false."""
+    """Yield the terms that hold the input's value even after its presence flag is set to false."""
     absent = Folding({option.present: FALSE})
     for name, term in terms.items():
         if option.value in set(variables([absent(term)])):
@@ -157,19 +157,19 @@ def _still_held(terms: Mapping[str, Expr], option: Optional) -> Iterator[tuple[s
 
 def _verdict(found: _Found, by_folding: str) -> Verdict:
     if found.read:
-        told = [f"{value} by {name}{_shown(verdict.trace)}" for (value, name), verdict in found.read.items()]
-        return Violated(None, "bmc", f"read although absent: {'; '.join(told)}")
+        readings = [f"{value} by {name}{_shown(verdict.trace)}" for (value, name), verdict in found.read.items()]
+        return Violated(None, "bmc", f"read although absent: {'; '.join(readings)}")
     if found.failed:
         open_ = [f"{value} by {name}: {why}" for (value, name), why in found.failed.items()]
-        more = f"; and {len(open_) - TOLD} more" if len(open_) > TOLD else ""
-        return Unknown("; ".join(open_[:TOLD]) + more)
+        more = f"; and {len(open_) - NAMED} more" if len(open_) > NAMED else ""
+        return Unknown("; ".join(open_[:NAMED]) + more)
     if not found.asked:
         return Proved(None, "folding", by_construction=by_folding)
     return Proved(None, "z3", 1, (ENGINE,), found.texts, by_construction=by_folding)
 
 
 def _shown(run: Trace | None) -> str:
-    """The last step of the run, and how long it is."""
+    """Describe the length of the run and its last step."""
     if run is None or not run.steps:
         return ""
     values = ", ".join(f"{name} = {value}" for name, value in run.steps[-1].inputs.items())

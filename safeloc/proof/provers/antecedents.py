@@ -1,4 +1,4 @@
-"""Vacuity check: do the cases of properties occur at all? A property whose case never occurs is true but worthless.
+"""Vacuity check: find out if the cases of a property ever occur. A property without them is true but worthless.
 
 All cases of a system are searched together: in recordings, by one bounded search, and, for an inherited property, in runs
 of its machine. A case that is not found is excluded by induction if possible; otherwise it stays open.
@@ -38,12 +38,12 @@ REMEDY = (
     "so the property requires nothing. Remove it or mend it; if you meant it the other way round, write the "
     "condition first, with implies."
 )
-PATIENCE = 3  # how often the time limit of one property, for all cases of a system together
+PATIENCE = 3  # time limits of one property that all cases of a system get together
 
 
 @dataclass(frozen=True)
 class Seen:
-    """It occurs: where, and the run if a search found it."""
+    """The case occurs. `where` says how that is known; `run` is the witness if a search found one."""
 
     where: str
     run: PackedTrace | None = None
@@ -51,14 +51,14 @@ class Seen:
 
 @dataclass(frozen=True)
 class Never:
-    """Proved never to occur."""
+    """The case is proved never to occur."""
 
     engine: str
 
 
 @dataclass(frozen=True)
 class Open:
-    """Neither found nor excluded."""
+    """The case is neither found nor excluded."""
 
     reason: str
 
@@ -68,7 +68,7 @@ Outcome: TypeAlias = Seen | Never | Open
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A case, and what was found of it."""
+    """A case and the outcome of its search."""
 
     antecedent: Antecedent
     outcome: Outcome
@@ -82,33 +82,38 @@ class Found:
     cases: tuple[Case, ...]
 
     def judged(self, prop: Property, verdict: Verdict) -> Verdict:
-        """Return the verdict on a property; Vacuous in the place of Proved where a case of it never occurs."""
+        """Return the verdict on a property: Vacuous instead of Proved if one of its cases never occurs."""
         never = [case for case in self.cases if case.antecedent.prop is prop and isinstance(case.outcome, Never)]
         if not isinstance(verdict, Proved) or not never:
             return verdict
-        told = "; ".join(f"{_words(case)}" for case in never)
-        return Vacuous(f"{told}: {REMEDY}")
+        names = "; ".join(f"{_words(case)}" for case in never)
+        return Vacuous(f"{names}: {REMEDY}")
 
     def runs(self) -> list[Trace]:
-        """Return the runs of the system that a search found, as the interpreter makes them; recorded ones are known already.
+        """Return the runs that a search found, made again by the interpreter; recorded runs are known already.
 
-        A case of an unconditional property may have been found from a first state that the environment excludes.
+        The run of a case of an unconditional property may begin in a first state that the environment excludes.
         """
         packed = {id(run_): run_ for run_ in map(_run, self.cases) if run_ is not None and not run_.part}
         return [run(self._anyhow, one.stream, first=one.initial) for one in packed.values()]
 
     def obligation(self) -> Iterator[Obligation]:
-        """Make one obligation of the system: all cases occur. None if no property has a case."""
+        """Yield the obligation that all cases occur, and one for each run that a search found; nothing if there are no
+        cases.
+        """
         if self.cases:
             seen = [case.outcome.where for case in self.cases if isinstance(case.outcome, Seen)]
             counts = ", ".join(f"{seen.count(where)} {where}" for where in dict.fromkeys(seen))
-            statement = "every case that a property speaks of occurs: triggers, and what stands before `implies`"
+            statement = "every case of every property occurs: each trigger, and each condition before `implies`"
             method = f"{len(seen)} of {len(self.cases)} cases occur" + (f": {counts}" if counts else "")
             yield Obligation("antecedents", statement, self._verdict(), method)
             yield from self._each()
 
     def _each(self) -> Iterator[Obligation]:
-        """Each case that a search found, with the run; what recordings show they show again whenever they are replayed."""
+        """Yield one obligation for each case that a search found, with its run.
+
+        Cases seen in recordings need none: every replay of the recording shows them again.
+        """
         for prop in dict.fromkeys(case.antecedent.prop for case in self.cases):
             own = (case for case in self.cases if case.antecedent.prop is prop)
             for place, case in enumerate(own, 1):
@@ -151,12 +156,12 @@ def _run(case: Case) -> PackedTrace | None:
     return case.outcome.run if isinstance(case.outcome, Seen) else None
 
 
-# ------------------------------------------------------------------ what is known already
+# ------------------------------------------------------------------ earlier results
 
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """Outcomes of a property's cases, the time that was allowed, and how many recordings were looked at."""
+    """Outcomes of a property's cases, with the time limit and the number of recordings of that search."""
 
     outcomes: tuple[Outcome, ...]
     seconds: float
@@ -174,12 +179,12 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, dict[Property, _Known]] = we
 def search_task(
     system: TransitionSystem, properties: Sequence[Property], limits: Limits, recordings: Sequence[Recording]
 ) -> Task | None:
-    """Return the search for whatever is not known yet, as a task whose data go to `remember`; None where all is known."""
+    """Return a task that searches the cases not known yet, for `remember` to store; None if all are known."""
     known = _KNOWN.get(system, {})
     if all(prop in known and known[prop].serves(limits, len(recordings)) for prop in properties if antecedents(prop)):
         return None
     most = CLOCK * 2 * (PATIENCE + 1) * limits.seconds
-    name = f"{system.name}: cases that properties speak of"
+    name = f"{system.name}: cases of its properties"
     return Task(name, lambda: search(system, _asked(properties), limits, recordings), most)
 
 
@@ -190,7 +195,10 @@ def remember(
     recordings: int,
     outcomes: Sequence[Outcome] | Lost,
 ) -> None:
-    """Store the results of `search` in another process, in the order of the cases; after a lost process all stay open."""
+    """Store the outcomes that `search` returned in another process, in the order of the cases.
+
+    All cases stay open if that process was lost.
+    """
     mine = _KNOWN.setdefault(system, {})
     asked = _asked(properties)
     if isinstance(outcomes, Lost):
@@ -201,7 +209,7 @@ def remember(
 
 
 def found(system: TransitionSystem, properties: Sequence[Property]) -> Found:
-    """Return the known results for the cases of these properties; open if they were not searched."""
+    """Return the known outcomes of the cases of these properties; a case that was never searched is open."""
     known = _KNOWN.get(system, {})
     made: list[Case] = []
     for prop in properties:
@@ -221,7 +229,7 @@ def _asked(properties: Sequence[Property]) -> list[Antecedent]:
 def search(
     system: TransitionSystem, asked: Sequence[Antecedent], limits: Limits, recordings: Sequence[Recording] = ()
 ) -> list[Outcome]:
-    """Return the outcome of each case, in order. Cases that rely on the same are looked for together."""
+    """Return the outcome of each case, in order. Cases that rely on the same assumption are searched together."""
     ends = deadline(PATIENCE * limits.seconds)
     goals = {number: occurs(system, one, f"case {number}") for number, one in enumerate(asked)}
     outcomes: dict[int, Outcome] = dict.fromkeys(come_to(system, goals, recordings, ends), Seen("in recordings"))
@@ -234,7 +242,7 @@ def search(
 
 
 class _Together:
-    """Cases by number, that rely on the same."""
+    """The search for cases, by number, that rely on the same assumption."""
 
     def __init__(
         self,
@@ -249,7 +257,11 @@ class _Together:
         self._found: dict[int, Outcome] = {}
 
     def outcomes(self, recordings: Sequence[Recording]) -> dict[int, Outcome]:
-        """Excluded in one step; found by search, beside a recording, or of a machine by itself; excluded by induction; else open."""
+        """Return the outcome of each case.
+
+        Tried in turn: exclusion in one step, bounded search, search from states of recordings, runs of one machine
+        alone, exclusion by k-induction and by Spacer. The rest stays open.
+        """
         self._exclude(self._unlikely(), self._ends.left / 3)
         self._search()
         self._beside(recordings)
@@ -277,7 +289,7 @@ class _Together:
             self._found[number] = Seen("a few steps beside a recording", pack_trace(trace))
 
     def _unlikely(self) -> list[int]:
-        """Cases that the first state is not and that no step comes to from a state with the proved facts."""
+        """Return the cases that hold in no first state and after no step from a state with the proved facts."""
         left = self._left
         if not left:
             return []
@@ -300,7 +312,7 @@ class _Together:
     def _exclude(
         self, numbers: Sequence[int], seconds: float, engine: Callable[[Goal, Limits], Verdict] = kinduction
     ) -> None:
-        """By an engine that proves, each with its share of the time."""
+        """Mark the cases that the engine proves never to occur; each gets an equal share of the time left."""
         ends = deadline(seconds)
         for left, number in zip(range(len(numbers), 0, -1), numbers, strict=True):
             verdict = engine(self._goals[number], self._within(ends.left / left))

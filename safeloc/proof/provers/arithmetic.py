@@ -27,7 +27,7 @@ from safeloc.proof.provers.settle import settled, settled_but
 
 
 def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """Return all ranges that are inductive, as one obligation; each of the others on its own."""
+    """Yield one obligation for all ranges that are inductive together, and one for each of the others."""
     known = base(system, seconds=limits.seconds)
     numeric = [var for var in system.state if isinstance(var, NumVar)]
     kept = [var for var in numeric if range_of(var) not in known.refuted]
@@ -49,7 +49,11 @@ def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
 
 @dataclass(frozen=True, eq=False)
 class _Computed:
-    """Terms that some back end computes in 64 bits, and what is known where it does."""
+    """Terms that a back end computes in 64 bits, and the facts that hold there.
+
+    unsure  variables whose ranges the result needs, but which are not proved
+    lawful  true if the facts hold under the assumption only
+    """
 
     name: str
     terms: Sequence[Expr]
@@ -59,7 +63,9 @@ class _Computed:
 
 
 def overflow(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """On board for all inputs; ghosts, which only simulation computes, under the assumption; first values by themselves."""
+    """Check 64 bits: on-board terms for all inputs, ghosts (only simulation computes them) under the assumption, first
+    values.
+    """
     known = base(system, seconds=limits.seconds)
     free = [environment(system, assume=False), *known.always.values()]
     board = _Computed("overflow", computed(system), free, _not_proved(system, known, ghosts=False), lawful=False)
@@ -73,13 +79,13 @@ def overflow(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
 
 
 def computed(system: TransitionSystem) -> list[Expr]:
-    """List the on-board terms: next states, fired transitions and outputs, without ghosts."""
+    """Return the on-board terms: next states, fired transitions and outputs, without ghosts."""
     own = [term for var, term in system.next.items() if var not in system.ghosts]
     return [*own, *system.fired.values(), *system.outputs.values()]
 
 
 def _not_proved(system: TransitionSystem, known: Base, *, ghosts: bool) -> list[NumVar]:
-    """The variables whose declared range is not known to hold where it is wanted: nothing may rest on it."""
+    """Return the variables whose declared range is not proved for this case, so that no proof may use it."""
     numeric = [var for var in system.state if isinstance(var, NumVar) and (ghosts or var not in system.ghosts)]
     proved = {*known.always, *known.facts} if ghosts else set(known.always)
     return [var for var in numeric if range_of(var) not in proved]
@@ -107,7 +113,7 @@ def _overflow(system: TransitionSystem, what: _Computed, known: Base, limits: Li
         rechecked = (ENGINE,) if wide else ()
         yield Obligation(
             what.name,
-            f"{FITS}, some apart" if asked.failed else FITS,
+            f"{FITS}, except in terms with an obligation of their own" if asked.failed else FITS,
             Proved(None, engine, len(texts) and 1, rechecked, texts, by_construction=by_bounds),
             method,
         )
@@ -123,7 +129,7 @@ def _within(wide: Mapping[int, Num]) -> dict[int, Bool]:
 
 
 def _overflow_at_first(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """Check `initially` for overflow: it is evaluated on any chosen first values, of which only the ranges are known."""
+    """Check `initially` for overflow: it is evaluated on any first values that are in range."""
     wide = dict(enumerate(beyond_int64([system.init]), 1))
     if not wide:
         return
@@ -143,7 +149,7 @@ def _overflow_at_first(system: TransitionSystem, limits: Limits) -> Iterator[Obl
 
 
 def division(system: TransitionSystem, _: Limits) -> Iterator[Obligation]:
-    """Check that divisors are positive constants by construction; products of two variables are counted for the reader."""
+    """Check that divisors are positive constants by construction; count products of two variables for the reader."""
     nodes = in_order(computed(system))
     divisors = [node.divisor for node in nodes if isinstance(node, FloorDiv)]
     products = [node for node in nodes if isinstance(node, Mul) and not node.by_constant]

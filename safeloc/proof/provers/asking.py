@@ -1,4 +1,4 @@
-"""z3, asked within a limit that z3 itself counts: the same answers on a busy machine as on an idle one."""
+"""Questions to z3 with limits that z3 itself counts: the answers are the same on a busy machine as on an idle one."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ import z3
 from safeloc.proof.provers.limits import CLOCK, milliseconds, spend
 
 UNITS_PER_SECOND = 5_000_000
-"""Of z3's resource count, in a second of effort: half of our queries make 5 to 10 million in one of an idle processor."""
-WRAPS = 2**32  # z3 tells its count in 32 bits
+"""Units of z3's resource count in one second of effort: half of our queries use 5 to 10 million a second on an idle processor."""
+WRAPS = 2**32  # z3 reports its count in 32 bits
 MOST_UNITS = WRAPS - 1
 
 
 def new_solver(seed: int = 0) -> z3.Solver:
-    """Make a solver for questions that follow each other."""
+    """Make a solver for a series of related questions."""
     return _seeded(z3.Solver(), seed)
 
 
 def plain_solver(seed: int = 0) -> z3.Solver:
-    """Make a solver without tactics before it: for one question, or many targets at a time, on which those are lost."""
+    """Make a solver without preprocessing tactics.
+
+    It suits a single question, and questions about many targets at once, for which tactics take time without any gain.
+    """
     return _seeded(z3.SimpleSolver(), seed)
 
 
@@ -30,7 +33,7 @@ def _seeded(solver: z3.Solver, seed: int) -> z3.Solver:
 
 
 def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResult:
-    """Ask the solver within the given seconds of effort, and count them; `unknown` if none are left."""
+    """Ask the solver within the given seconds of effort, and count the effort used; `unknown` if no effort is left."""
     if seconds <= 0:
         return z3.unknown
     solver.set("rlimit", units(seconds))
@@ -42,12 +45,12 @@ def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResu
 
 
 def units(seconds: float) -> int:
-    """Return the same as a limit for z3, to which 0 means `no limit`."""
+    """Return seconds of effort as a limit in z3's units: at least 1, since 0 means `no limit` to z3."""
     return min(MOST_UNITS, max(1, int(seconds * UNITS_PER_SECOND)))
 
 
 def why_unknown(solver: z3.Solver) -> str:
-    """Return the reason in words; z3 calls it `canceled` where the limit was reached."""
+    """Return z3's reason for `unknown`; z3's word `canceled` becomes `limit reached`."""
     return str(solver.reason_unknown()).replace("canceled", "limit reached")
 
 

@@ -1,9 +1,9 @@
 """Check that the assumption can be satisfied: by a moving run, for ever, and from every reachable state.
 
-assumption        a run in which as many inputs and ghosts as possible take different values
-assumption lasts  it can be satisfied for ever: no dead end at all, or at least one run that returns to an earlier state; it
-                  cannot where no run has so many steps. One run into a dead end says neither
-dead ends         every state that a run comes to has a lawful next step (safeloc.proof.provers.dead_ends)
+assumption        some run exists, and in it as many inputs and ghosts as possible change
+assumption lasts  it can be satisfied for ever: there is no dead end, or some run returns to an earlier state. It is
+                  violated if no run has a certain length. A single run into a dead end decides nothing
+dead ends         every reachable state has a lawful next step (safeloc.proof.provers.dead_ends)
 """
 
 from __future__ import annotations
@@ -27,18 +27,19 @@ from safeloc.proof.provers.recorded_witnesses import Recording, lasting
 from safeloc.proof.provers.replayed_evidence import admissible_run
 
 ASSUMPTION_STEPS = 5
-RECORDED_STEPS = 65  # of a recorded run that is to show how inputs move
+RECORDED_STEPS = 65  # length of the recorded run that shows inputs changing
 ROUND_STEPS = 250
-PATIENCE = 2  # how often the time limit of one search, for all groups of inputs together
-TOGETHER_SHARE = 0.25  # of the time that is left, to have all inputs and ghosts change in one question
-NO_DEAD_END = "every state that a run comes to has a lawful next step"
+PATIENCE = 2  # time limits of one search that all groups of inputs get together
+TOGETHER_SHARE = 0.25  # of the time left, for the question in which all inputs and ghosts change
+NO_DEAD_END = "every reachable state has a lawful next step"
 
 
 def assumption_kept(
     system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()
 ) -> Iterator[Obligation]:
-    """Check three facts: a moving run under the assumption exists, it can be satisfied for ever, no run reaches a dead
-    end."""
+    """Check that a moving run exists under the assumption, that it can be satisfied for ever, and that no run reaches a
+    dead end.
+    """
     yield _moves(system, limits, recordings)
     verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
     yield Obligation("assumption lasts", LASTS, *_for_ever(system, limits, verdict))
@@ -46,7 +47,7 @@ def assumption_kept(
 
 
 def how(verdict: Verdict) -> str:
-    """Return in words the method of the proof, or the methods tried."""
+    """Describe the method of the proof, or the methods tried."""
     match verdict:
         case Proved(engine=engine, rechecked=rechecked):
             return f"{engine}, re-checked by {' and '.join(rechecked)}"
@@ -62,12 +63,14 @@ def how(verdict: Verdict) -> str:
 
 
 def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording]) -> Obligation:
-    statement = f"the assumption can be kept for {ASSUMPTION_STEPS} steps from the start, and not by standing still"
+    statement = (
+        f"the assumption can be kept for {ASSUMPTION_STEPS} steps from the start, by a run in which inputs change"
+    )
     recorded = lasting(system, recordings, RECORDED_STEPS) if system.parts else None
     if recorded is not None and _moved(recorded):
-        told = f"a recorded run of {len(recorded.steps)} steps in which {_moved(recorded)} inputs and ghosts change"
+        method = f"a recorded run of {len(recorded.steps)} steps in which {_moved(recorded)} inputs and ghosts change"
         shown = Proved(None, "recorded", len(recorded.steps), ("interpreter",), witness=recorded)
-        return Obligation("assumption", statement, shown, told)
+        return Obligation("assumption", statement, shown, method)
     unrolling, solver, ends = Unrolling(system), new_solver(), deadline(limits.seconds)
     solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(ASSUMPTION_STEPS)))
     answer = ask(solver, ends.left)
@@ -80,9 +83,10 @@ def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Record
 def _most_moving(
     system: TransitionSystem, unrolling: Unrolling, solver: z3.Solver, ends: Deadline
 ) -> tuple[z3.ModelRef, list[str]]:
-    """A run in which as many as possible change, from one that the solver has found; and which do not.
+    """Return a run in which as many inputs and ghosts as possible change, and the names of the others.
 
-    All together are asked for first. What changes in the run that is known need not be asked for by itself.
+    The solver has found a run already. It is first asked for one in which all change; then only about the variables
+    that do not change in the run at hand.
     """
     wanted = {var: z3.Or(*_changes(unrolling, var)) for var in _moving(system)}
     model, still = _all_moving(solver, wanted.values(), ends) or solver.model(), list[str]()
@@ -101,7 +105,7 @@ def _most_moving(
 
 
 def _all_moving(solver: z3.Solver, wanted: Iterable[z3.BoolRef | z3.Probe], ends: Deadline) -> z3.ModelRef | None:
-    """A run in which all change, if there is one and it is found in a part of the time."""
+    """Return a run in which all change, if the solver finds one in a share of the time."""
     own = plain_solver()
     own.add(*solver.assertions(), *wanted)
     found = ask(own, TOGETHER_SHARE * ends.left)
@@ -144,12 +148,12 @@ def _changes(unrolling: Unrolling, var: Var) -> Iterator[z3.BoolRef | bool]:
         yield unrolling.at(var, number) != unrolling.at(var, number + 1)
 
 
-# ------------------------------------------------------------------ a run without end
+# ------------------------------------------------------------------ an endless run
 
 
 @dataclass(frozen=True)
 class Ended:
-    """No lawful run has so many steps."""
+    """No lawful run is as long as `steps`."""
 
     steps: int
 
@@ -157,12 +161,12 @@ class Ended:
 def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -> tuple[Verdict, str]:
     """Decide whether some run continues for ever; return the verdict and the method."""
     match of_dead_ends:
-        case Proved() | Violated(trace=None):  # every run goes on; there is none
+        case Proved() | Violated(trace=None):  # every run goes on, or no run exists
             return of_dead_ends, how(of_dead_ends)
     match comes_round(system, limits):
         case Trace() as round_:
-            told = Proved(None, "bmc", len(round_.steps), ("interpreter",), witness=round_)
-            return told, "a run whose last state is an earlier one: it can be repeated"
+            shown = Proved(None, "bmc", len(round_.steps), ("interpreter",), witness=round_)
+            return shown, "a run whose last state equals an earlier one, so it can be repeated"
         case Ended(steps):
             method = f"bounded search: no lawful run has {steps} steps"
             ends = Violated(None, "bmc", f"no run keeps the assumption for {steps} steps")
@@ -192,7 +196,7 @@ def comes_round(system: TransitionSystem, limits: Limits) -> Trace | Ended | Unk
 
 
 def _worth_asking(steps: int) -> bool:
-    """Return whether to check now that a run exists at all: whenever the length has doubled, and at the end."""
+    """Return whether to check now that a run of this length exists: at each doubling of the length, and at the end."""
     return steps.bit_count() == 1 or steps == ROUND_STEPS
 
 

@@ -1,4 +1,6 @@
-"""Bounded search, one step at a time in one solver: finds the shortest violation or witness, proves nothing else."""
+"""Bounded search, one step at a time in one solver: it finds the shortest violation or witness, and proves nothing
+else.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +21,14 @@ FIRST_TRY = 1 / 3
 
 @dataclass(frozen=True)
 class Exhausted:
-    """Nothing found: no run of up to `depth` steps breaks `good` (-1: not even that is known)."""
+    """No violation found: no run of up to `depth` steps breaks `good`; -1 if not even the first states were searched."""
 
     depth: int
     reason: str
 
 
 def bmc(goal: Goal, limits: Limits) -> Verdict:
-    """Violated with a shortest trace, Proved for `reachable` with a shortest witness, else Unknown."""
+    """Return Violated with a shortest trace, Proved with a shortest witness (for `reachable`), or Unknown."""
     found = search(goal, limits)
     if isinstance(found, Exhausted):
         return Unknown(found.reason, found.depth)
@@ -38,8 +40,8 @@ def bmc(goal: Goal, limits: Limits) -> Verdict:
 def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
     """Return the shortest run after which `good` fails.
 
-    What z3 does not come to with one seed in a third of the limit, it is asked once more with another one: a question of
-    half a second can take a hundred times as long with the wrong one.
+    If z3 does not finish within a third of the limit, it is asked again with another seed: with an unlucky seed a
+    question of half a second can take a hundred times as long.
     """
     first = _search(goal, replace(limits, seconds=limits.seconds * FIRST_TRY))
     if not isinstance(first, Exhausted) or first.depth == limits.depth:
@@ -63,6 +65,6 @@ def _search(goal: Goal, limits: Limits) -> Trace | Exhausted:
 
 
 def declared_state(goal: Goal | Watch) -> list[Var]:
-    """Return the state variables without those that watch a claim."""
+    """Return the state variables without the observers of properties."""
     hidden = set(goal.observers)
     return [var for var in goal.system.state if var not in hidden]

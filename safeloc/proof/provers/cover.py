@@ -1,7 +1,8 @@
-"""States in which some known witness function finds lawful inputs; more are learned from states in which none does.
+"""Cover of a system: the states in which some known witness function gives lawful inputs.
 
 The conditions on a step fall into groups that share no inputs, whose inputs can be chosen independently. A state is
 covered if in every group some witness function (safeloc.proof.provers.witness_functions) meets the group's conditions.
+From a state that is not covered, a further witness function is learned.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from safeloc.proof.provers.asking import ask, new_solver
 from safeloc.proof.provers.limits import Deadline, deadline
 from safeloc.proof.provers.witness_functions import Generalisation, Witness, at_rest, constants
 
-FIRST_SECONDS = 3.0  # for one question; what takes longer with one seed is often quick with another
+FIRST_SECONDS = 3.0  # for the first try of a question; another seed is often quick where one is slow
 State = Mapping[Var, Value]
 
 
@@ -34,7 +35,7 @@ class Learned(Enum):
 
 
 class Group:
-    """Conditions on some of the inputs, and the witness functions that are known for these."""
+    """Conditions on some of the inputs, with the witness functions known for them."""
 
     def __init__(self, inputs: Sequence[Var], condition: Bool) -> None:
         self.inputs, self.condition = tuple(inputs), condition
@@ -50,11 +51,11 @@ class Group:
 
     @property
     def covered(self) -> Bool:
-        """Some witness function meets the conditions; over state."""
+        """The condition, over state, that some witness function meets the conditions."""
         return any_of(self.met)
 
     def learn(self, state: State, seconds: float) -> Learned:
-        """Adds witness functions until this state is covered, if any inputs are lawful in it."""
+        """Learn witness functions until this state is covered, if any inputs are lawful in it."""
         if holds(self.covered, state):
             return Learned.COVERED
         inputs = _lawful(self.condition, self.inputs, state, self._rest, seconds)
@@ -73,7 +74,7 @@ class Group:
 def _lawful(
     condition: Bool, inputs: Sequence[Var], state: State, rest: State, seconds: float
 ) -> dict[Var, Value] | Learned:
-    """Lawful inputs in this state, as many of them at rest as can easily be found."""
+    """Find lawful inputs in this state, with as many of them at rest as can easily be found."""
     named = {var: constant(var) for var in inputs}
     known = {var: z3.IntVal(value) if isinstance(var, NumVar) else z3.BoolVal(value) for var, value in state.items()}
     solver, asked, ends = new_solver(), Terms({**known, **named}), deadline(seconds)
@@ -103,18 +104,18 @@ def value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
 
 
 class Cover:
-    """The groups of a system's inputs, with what is known for each of them."""
+    """The groups of a system's inputs, with the witness functions of each."""
 
     def __init__(self, system: TransitionSystem) -> None:
         self.groups = list(_groups(system))
 
     @property
     def covered(self) -> Bool:
-        """In every group some witness function meets the conditions."""
+        """The condition, over state, that in every group some witness function meets the conditions."""
         return all_of(group.covered for group in self.groups)
 
     def learn(self, state: State, seconds: float) -> Learned:
-        """Covers a state if it can be; what is the matter with the first group that cannot be covered in it, if not."""
+        """Learn until the state is covered; return the result of the first group in which it cannot be covered, if any."""
         for group in self.groups:
             found = group.learn(state, seconds)
             if found is not Learned.COVERED:
@@ -122,7 +123,7 @@ class Cover:
         return Learned.COVERED
 
     def goals(self) -> dict[str, Bool]:
-        """Return one goal a group: some witness function meets its conditions."""
+        """Return one goal for each group: some witness function meets its conditions."""
         many = len(self.groups) > 1
         return {
             f"a lawful step, group {number} of inputs" if many else "a lawful step": group.covered
@@ -131,7 +132,7 @@ class Cover:
 
 
 def _groups(system: TransitionSystem) -> Iterator[Group]:
-    """The conditions on a step, those together that share inputs; what reads no input is a group without any."""
+    """Group the conditions on a step by shared inputs; conditions that read no input form a group without inputs."""
     inputs = set(system.inputs)
     parts = list(conjuncts(environment(system)))
     read = [[var for var in variables([part]) if var in inputs] for part in parts]
@@ -153,7 +154,7 @@ def _first(leader: Mapping[Var, Var], var: Var) -> Var:
 
 
 def cover_facts(group: Group, facts: Sequence[Bool], ends: Deadline, seed: int) -> Learned:
-    """Learns until every state with these facts is covered in this group, or one is found that cannot be."""
+    """Learn until the group covers every state with these facts, or a state is found that it cannot cover."""
     asked = _Asked(group, facts, seed)
     while True:
         answer = asked.uncovered(ends)
@@ -165,7 +166,7 @@ def cover_facts(group: Group, facts: Sequence[Bool], ends: Deadline, seed: int) 
 
 
 class _Asked:
-    """A solver that is asked for states that are not covered; after a while without an answer, another one is."""
+    """A solver that searches for uncovered states; after a time without an answer, one with another seed replaces it."""
 
     def __init__(self, group: Group, facts: Sequence[Bool], seed: int) -> None:
         self._group, self._facts, self._seed = group, facts, seed
@@ -174,15 +175,15 @@ class _Asked:
         self._begin()
 
     def _begin(self) -> None:
-        self._solver, self._told = new_solver(self._seed), 0
+        self._solver, self._used = new_solver(self._seed), 0
         self._solver.add(*(self._terms.bool(fact) for fact in self._facts))
 
     def uncovered(self, ends: Deadline) -> z3.CheckSatResult:
         """Search for a state that satisfies the facts and that no known witness function covers."""
         while not ends.passed:
-            new = self._group.met[self._told :]
+            new = self._group.met[self._used :]
             self._solver.add(*(z3.Not(self._terms.bool(met)) for met in new))
-            self._told += len(new)
+            self._used += len(new)
             answer = ask(self._solver, min(self._patience, ends.left))
             if answer != z3.unknown:
                 return answer
@@ -191,6 +192,6 @@ class _Asked:
         return z3.unknown
 
     def state(self) -> State:
-        """The state that was found."""
+        """Return the state that the solver found."""
         model, inputs = self._solver.model(), set(self._group.inputs)
         return {var: value_of(model, term) for var, term in self._named.items() if var not in inputs}

@@ -1,8 +1,8 @@
-"""Proof that every reachable state has an admissible next step, by witness functions; or a run into a dead end.
+"""Proof that every reachable state has a lawful next step, by witness functions; or a run into a dead end.
 
-covered    some known witness function finds lawful inputs (safeloc.proof.provers.cover); a term over state
-proved     every state with the proved facts is covered; or `covered` is kept by every step, as a property is proved
-refuted    a run to a state in which no inputs are lawful: by bounded search, by long lawful runs, or recorded
+covered    some known witness function gives lawful inputs (safeloc.proof.provers.cover); a term over state
+proved     every state with the proved facts is covered; or every step preserves `covered`, proved as a property is
+refuted    a run reaches a state without lawful inputs: found by bounded search, in long lawful runs, or in recordings
 
 A state that is not covered but has lawful inputs only shows that a witness function is missing: it is learned, and the
 search goes on. No proof relies on where witness functions come from.
@@ -56,14 +56,14 @@ def lasts(
 ) -> Verdict:
     """Decide whether every reachable state, the first ones included, has inputs that satisfy the system's assumption.
 
-    Proved: with certificates. Violated: with a run into a dead end, or without one where no run begins. Unknown: neither.
-    `of` is the property whose further assumption is included, if any.
+    Proved comes with certificates. Violated comes with a run into a dead end, or without a run if none exists. `of` is
+    the property whose further assumption is included, if any.
     """
     search = _Search(system, base(system, seconds=limits.seconds), limits, of, tuple(recordings))
-    for look in search.engines():
-        if look is not None:
-            return look
-    return Unknown("; ".join(search.said), search.depth)
+    for verdict in search.engines():
+        if verdict is not None:
+            return verdict
+    return Unknown("; ".join(search.reasons), search.depth)
 
 
 @dataclass(eq=False)
@@ -75,7 +75,7 @@ class _Search:
     limits: Limits
     of: Property | None
     recordings: tuple[Recording, ...]
-    said: list[str] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)
     depth: int = -1
     cover: Cover = field(init=False)
     open: list[Group] = field(init=False)
@@ -88,7 +88,7 @@ class _Search:
         self.ends = deadline(self.limits.seconds)
 
     def engines(self) -> Iterator[Verdict | None]:
-        """One look after the other: a verdict, or None where it does not decide."""
+        """Run the engines in turn; yield a verdict, or None from an engine that does not decide."""
         yield self._beginning()
         yield self._facts()
         runs = Deepening(Unrolling(self.system), new_solver(self.limits.seed))
@@ -101,7 +101,7 @@ class _Search:
 
     @property
     def name(self) -> str:
-        """The claim, as it appears in the names of certificates."""
+        """The name of the claim in certificates."""
         return f"{self.of.name}: its further assumption can be kept for ever" if self.of else LASTS
 
     def _share(self, part: float) -> Deadline:
@@ -114,46 +114,45 @@ class _Search:
         return self.cover.learn(state, max(LEAST_SECONDS, self.ends.left))
 
     def _goal(self) -> Goal:
-        """Make the goal that the open conditions are covered in every state. Its terms have no units, as no one declared
-        them."""
+        """Make the goal that the open conditions are covered in every state. Its terms carry no units."""
         return replace(observe(self.system, always(self.name, TRUE)), good=self._covered())
 
     def _covered(self) -> Bool:
         return all_of(group.covered for group in self.open)
 
     def _beginning(self) -> Verdict | None:
-        """Check that a first state exists, and an admissible step from some first state."""
+        """Check that a first state exists, and a lawful step from some first state."""
         unrolling, solver = Unrolling(self.system), new_solver()
         solver.add(unrolling.initially(), unrolling.transition(0))
         answer = ask(solver, self.ends.left)
         if answer == z3.unknown:
-            self.said.append(f"the first step: solver: {why_unknown(solver)}")
+            self.reasons.append(f"the first step: solver: {why_unknown(solver)}")
         return Violated(None, "bmc", NO_RUN) if answer == z3.unsat else None
 
     # -------------------------------------------------------------- every state with the proved facts
 
     def _facts(self) -> Verdict | None:
-        """Every state with the proved facts is covered, group by group."""
+        """Check, group by group, that every state with the proved facts is covered."""
         ends = self._share(DIRECT)
         came = [(group, cover_facts(group, self.known.everything, ends, self.limits.seed)) for group in self.open]
         unsure = self._confirm([group for group, learned in came if learned is Learned.COVERED])
         self.open = [group for group, learned in came if learned is not Learned.COVERED or group in unsure]
-        self.said += [f"from the proved facts: {why}" for why in sorted({one.value for _, one in came} - _FINE)]
-        self.said += ["cvc5 could not confirm in time that every state is covered"] if unsure else []
+        self.reasons += [f"from the proved facts: {why}" for why in sorted({one.value for _, one in came} - _FINE)]
+        self.reasons += ["cvc5 could not confirm in time that every state is covered"] if unsure else []
         if self.open:
             return None
         texts = {**self.known.certificates, **self.texts, **self._witnesses()}
         return Proved(None, "witness functions", 1, (ENGINE,), texts)
 
     def _witnesses(self) -> dict[str, str]:
-        """The witness functions as a text of their own: what is covered names none, and whoever checks it asks for them."""
-        told = {
+        """Write the witness functions as a text of their own, for the checker: the goals do not name them."""
+        witnesses = {
             f"{place}.{number}": witness
             for place, group in enumerate(self.cover.groups, 1)
             for number, witness in enumerate(group.witnesses, 1)
         }
         head = about(self.system, "witnesses", **self._of())
-        text = to_smtlib(Query[str](f"{self.system.name} {self.name}, by what", [], {}, head, told))
+        text = to_smtlib(Query[str](f"{self.system.name} {self.name}, by what", [], {}, head, witnesses))
         return {file_name(f"{self.system.name} {self.name}, by what", text): text}
 
     def _of(self) -> dict[str, str]:
@@ -174,7 +173,7 @@ class _Search:
             return []
         return unsure + self._confirm([group for group in groups if group not in unsure])
 
-    # -------------------------------------------------------------- every state that runs come to
+    # -------------------------------------------------------------- every reachable state
 
     def _induction(self, ends: Deadline) -> Verdict | None:
         """Prove by induction over several steps that the open conditions are covered."""
@@ -184,11 +183,11 @@ class _Search:
                 return self._proved(kinduction(self._goal(), self._some(INDUCTION)))
             if learned is Learned.UNDECIDED:
                 break
-        self.said.append(f"not shown by {self.limits.induction}-induction")
+        self.reasons.append(f"not shown by {self.limits.induction}-induction")
         return None
 
     def _inductive(self, k: int, ends: Deadline) -> Learned:
-        """Check that k covered states are followed by a covered one; learn more witness functions as long as that helps."""
+        """Check that k covered states are followed by a covered one; learn witness functions as long as that helps."""
         unrolling = Unrolling(self.system)
         given = [all_of([*self.known.everything, *self.known.kept.values()])] * k
         steps = [part for at, term in enumerate(given) for part in (unrolling.at(term, at), unrolling.transition(at))]
@@ -208,10 +207,10 @@ class _Search:
         return self._proved(spacer(self._goal(), self._some(INVARIANT)))
 
     def _proved(self, verdict: Verdict) -> Verdict | None:
-        """The proof with what was settled before; None if it is none."""
+        """Return the proof with the earlier certificates; None if the verdict is no proof."""
         if isinstance(verdict, Proved):
             return replace(verdict, certificates={**self.texts, **verdict.certificates, **self._witnesses()})
-        self.said.append(getattr(verdict, "reason", ""))
+        self.reasons.append(getattr(verdict, "reason", ""))
         return None
 
     # -------------------------------------------------------------- a run into a dead end
@@ -231,11 +230,11 @@ class _Search:
             if learned is Learned.UNDECIDED:
                 break
         self.depth = runs.depth
-        self.said.append(f"no dead end in {runs.depth} steps")
+        self.reasons.append(f"no dead end in {runs.depth} steps")
         return None
 
     def _recorded(self) -> Verdict | None:
-        """Find a recorded run whose last admissible state is a dead end."""
+        """Find a recorded run whose last lawful state is a dead end."""
         for recording in self.recordings:
             first, stream = lawful_part(self.system, recording)
             if self.ends.passed:
@@ -245,15 +244,15 @@ class _Search:
         return None
 
     def _runs(self) -> Verdict | None:
-        """Search in long admissible runs, as the falsifier makes them."""
+        """Search in long lawful runs, as the falsifier makes them."""
         while not self.ends.passed:
             try:
                 found = falsify(self._goal(), self._some())
             except InputError as error:
-                self.said.append(f"falsify: {error}")
+                self.reasons.append(f"falsify: {error}")
                 return None
             if not isinstance(found, Violated) or found.trace is None:
-                self.said.append(getattr(found, "reason", ""))
+                self.reasons.append(getattr(found, "reason", ""))
                 return None
             first, stream = found.trace.initial, [one.inputs for one in found.trace.steps]
             learned = self._learn(_after(self.system, first, stream))

@@ -1,4 +1,4 @@
-"""Bounded search that goes on where it left off: one solver, one step more at a time."""
+"""Incremental bounded search: one solver, and runs that become longer by one step at a time."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from safeloc.proof.provers.limits import Deadline
 class Deepening:
     """Runs of a system, searched length by length, from its first states or from those that `begins` describes.
 
-    depth  steps that were searched completely; -1 before the first states are
-    stuck  why the solver did not answer the last question; "" where it did
+    depth  number of steps searched completely; -1 until the first states are searched
+    stuck  the reason why the solver did not answer the last question; "" if it did
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Deepening:
         return one_fails
 
     def run(self, condition: z3.BoolRef, ends: Deadline) -> z3.ModelRef | None:
-        """Return a run of depth + 1 steps that meets the condition; None where there is none, or the solver is stuck."""
+        """Return a run of depth + 1 steps that meets the condition; None if there is none, or the solver is stuck."""
         self._solver.push()
         self._solver.add(condition)
         answer = ask(self._solver, ends.left)
@@ -44,7 +44,7 @@ class Deepening:
         return model
 
     def deeper(self, *known: Bool) -> None:
-        """Go on with runs of one step more; the terms hold at the end of all runs of the length searched so far."""
+        """Make the runs one step longer; the terms hold at the end of all runs of the length searched so far."""
         self.depth += 1
         self._solver.add(
             *(self._unrolling.at(term, self.depth) for term in known), self._unrolling.transition(self.depth)
@@ -55,11 +55,11 @@ class Deepening:
         return bool(z3.is_false(model.eval(self._unrolling.at(term, self.depth + 1), model_completion=True)))
 
     def first(self, model: z3.ModelRef, variables: Iterable[Var]) -> dict[str, Value]:
-        """Return variables of the first state of a run that was found."""
+        """Return the values of variables in the first state of a run that was found."""
         return self._unrolling.values(model, 0, variables)
 
     def end(self, model: z3.ModelRef, variables: Iterable[Var]) -> dict[str, Value]:
-        """Return variables at the end of a run that was found."""
+        """Return the values of variables at the end of a run that was found."""
         return self._unrolling.values(model, self.depth + 1, variables)
 
     def stream(self, model: z3.ModelRef) -> list[dict[str, Value]]:

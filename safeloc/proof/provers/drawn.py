@@ -1,7 +1,7 @@
 """Reachability by random runs: most modes and transitions of a machine occur within a few steps of any stream.
 
-Runs are drawn as the property tests draw them (safeloc.proof.runs.profiles), on generated code; each that comes to something new
-is replayed in the interpreter. Drawing goes on as long as it pays.
+Runs are drawn on generated code, as in the property tests (safeloc.proof.runs.profiles). The interpreter replays each run that
+reaches a new goal. Drawing stops after several rounds without a new goal.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from safeloc.proof.runs.lawful import NoFirstStateError, Repair, first_state
 from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
 
 LENGTHS = (5, 5, 5, 15, 15, 40)
-"""Steps of one run after the other, short ones first, so that what comes early is shown by a short run."""
+"""Lengths in steps of the runs of one round; short runs first, so that early events get short witnesses."""
 STRETCH = 8
 IDLE = 5
-"""Rounds of such runs without anything new, after which drawing has ceased to pay."""
+"""Rounds without a new goal after which drawing stops."""
 
 
 def drawn(goals: Sequence[Goal], seed: int = 0) -> dict[Goal, Trace]:
     """Return a run for each goal that some random run reaches; all goals are of one system and one assumption.
 
-    Where the goals rely on no assumption, half of the runs keep that of the system until a fault is thrown in.
+    If the goals rely on no assumption, half of the runs satisfy that of the system until a fault is injected.
     """
     found: dict[Goal, Trace] = {}
     if not goals:
@@ -48,7 +48,7 @@ def drawn(goals: Sequence[Goal], seed: int = 0) -> dict[Goal, Trace]:
 
 
 class _Draw:
-    """Drawn runs of a system under the observers of goals; `left` are the goals that no run came to, by place."""
+    """Drawn runs of a system with the observers of goals; `left` holds the goals not reached yet, by index."""
 
     def __init__(self, goals: Sequence[Goal], seed: int) -> None:
         self._watched = watch(goals[0].plain, goals)
@@ -61,7 +61,7 @@ class _Draw:
         self._goods = compiled_terms(system.state, [goal.good for goal in self._watched.goals])
 
     def run(self, length: int) -> dict[Goal, Trace]:
-        """The goals that one more run comes to, each with its run."""
+        """Make one more run; return the new goals that it reaches, each with its run."""
         first = first_state(self._plain, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.5)))
         faulty = self._free and self._draw.random() < 0.5
         stream = list[dict[str, Value]]()
@@ -76,7 +76,7 @@ class _Draw:
     def _states(
         self, first: Mapping[str, Value], length: int, stream: list[dict[str, Value]], *, faulty: bool
     ) -> Iterator[dict[Var, Value]]:
-        """One state after the other; `stream` holds the inputs up to it."""
+        """Yield one state after the other; `stream` collects the inputs that lead to it."""
         system, plain = self._watched.system, self._plain
         values = start(system, first)
         yield values

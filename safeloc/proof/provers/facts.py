@@ -15,12 +15,12 @@ from safeloc.language.system import Part, TransitionSystem
 
 @dataclass(frozen=True, order=True)
 class Fact:
-    """One piece; `of` is the variable, the lemma or the machine that it is about, each unique in its system.
+    """One fact; `of` names the variable, lemma or machine that it is about, each unique in its system.
 
     range  a state variable stays in its declared range
     lemma  a declared lemma
     heard  the wired inputs of a machine of a composition are in range
-    owed   the discharged assumption of a machine of a composition holds
+    owed   the contract of a machine of a composition: its discharged assumption holds
     """
 
     kind: Literal["range", "lemma", "heard", "owed"]
@@ -54,7 +54,9 @@ def owed_to(part: Part) -> Fact:
 
 
 def about(system: TransitionSystem, rule: str, **more: object) -> dict[str, str]:
-    """Return the head of a certificate: the system it speaks of, the rule that it is a part of, and what that rule needs."""
+    """Return the header of a certificate: its system, the proof rule that it belongs to, and the data that this rule
+    needs.
+    """
     where = {"system": system.whole or system.name}
     if system.whole:
         where["part"] = system.machines[0].name

@@ -1,10 +1,10 @@
-"""Deep bugs: long lawful runs at the ends of everything, finished by exact search from the states they come near.
+"""Search for deep bugs: long lawful runs with extreme inputs, then exact search from the states nearest to a violation.
 
-Plain bounded search dies at a few dozen steps. Here a run of hundreds of steps is driven by one simple habit (inputs
-held, the environment leaning always to the same side), which is how errors add up; then, from the states where the
-property is nearest to failing, bounded search looks a few steps further with exact numbers. Every other run goes on
-from where an earlier one came to a new combination of modes and flags. A stream counts only
-after exact replay, and is shortened before it is reported.
+Plain bounded search ends after a few dozen steps. Here a run of hundreds of steps follows one simple habit (inputs
+held, the environment always on the same side), so that errors add up. From the states where the property is nearest to
+failing, bounded search then looks a few steps further with exact numbers. Every other run continues from a point where
+an earlier one reached a new combination of modes and flags. A stream counts only after exact replay, and is shortened
+before it is reported.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Record = dict[str, Value]
 
 
 def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
-    """Violated with a replayed, shortened trace, or Unknown."""
+    """Return Violated with a replayed, shortened trace, or Unknown."""
     if goal.prop.kind == "reachable":
         return Unknown("falsify: looks for violations only")
     ends, search = deadline(limits.seconds), _Search(goal, limits.seed + seed)
@@ -60,7 +60,7 @@ def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
 
 @dataclass(frozen=True)
 class _Near:
-    """A state of a run: how near to failing, the state, and how many steps led there."""
+    """A state of a run, its distance to a violation (`slack`), and the number of steps that led to it."""
 
     slack: float
     state: Row
@@ -120,7 +120,7 @@ class _Search:
             return self._known
 
     def run(self) -> list[Record] | None:
-        """One run by one habit; its stream if it breaks the property."""
+        """Make one run; return its inputs if it breaks the property."""
         habit, left = self._habit()
         state, self.drawn = self._begin(), 1
         while len(self._stream) < LONGEST:
@@ -138,7 +138,7 @@ class _Search:
         return None
 
     def _begin(self) -> Row:
-        """A first state, or one where an earlier run came to something new."""
+        """Begin in a first state, or where an earlier run reached something new; return that state."""
         self._near = []
         if self._archive and self._draw.random() < 0.5:
             known = self._draw.choice(list(self._archive.values()))
@@ -151,7 +151,7 @@ class _Search:
         return self._code.first({**self.first})
 
     def _habit(self) -> tuple[Profile, int]:
-        """One way of going on, and for how many steps."""
+        """Choose a profile of inputs, and the number of steps for which it lasts."""
         kind, length = self._draw.choice(KINDS), self._draw.choice((LONGEST, LONGEST, 60, 20, 5, 1))
         return Profile(self.goal.system, kind, self._draw, self._draw), length
 
@@ -168,7 +168,9 @@ class _Search:
             self._archive[labels] = _Reached(self.first, tuple(self._stream), state)
 
     def finish(self, ends: Deadline) -> list[Record] | None:
-        """Exact search of a few steps from the nearest states of the run, and from some others."""
+        """Search exactly, a few steps from the nearest states of the run and from some others; return a violating
+        stream.
+        """
         nearest = sorted(self._near, key=lambda near: near.slack)[:2]
         others = self._draw.sample(self._near, min(STARTS - len(nearest), len(self._near)))
         tail = self._near[-1:]

@@ -1,5 +1,7 @@
-"""Check that a run exists under a property's further assumption, so that its proof is not empty; each engine does so
-first."""
+"""Check that a run exists under a property's further assumption, so that its proof is not empty.
+
+k-induction and Spacer call this before they report a proof.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ EMPTY = "no run satisfies the further assumption, so the proof would be empty"
 def nothing_begins(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
     """Return Vacuous if no run begins under the further assumption, Unknown if undecided, else None.
 
-    Whether such a run can go on is another question (safeloc.proof.provers.dead_ends).
+    safeloc.proof.provers.dead_ends checks that such a run can go on.
     """
     if goal.prop.further_assumption is TRUE:
         return None
@@ -27,5 +29,5 @@ def nothing_begins(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
     if answer == z3.unsat:
         return Vacuous(EMPTY)
     if answer == z3.unknown:
-        return Unknown(f"whether any run keeps the further assumption: solver: {why_unknown(solver)}")
+        return Unknown(f"not known if any run satisfies the further assumption: solver: {why_unknown(solver)}")
     return None

@@ -1,4 +1,6 @@
-"""Check that goals follow from hypotheses, by z3: which hypotheses the proof needs, or a countermodel of each goal that fails."""
+"""Check with z3 that goals follow from hypotheses: find the hypotheses that the proof needs, or a countermodel of each
+goal that fails.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,7 @@ class Undecided:
 
 Failure = Refuted | Undecided
 CORE_SECONDS = 10.0
-"""Of effort, to prove all goals together and see which hypotheses that needs: most take 0.1 s."""
+"""Seconds of effort to prove all goals together and find the hypotheses needed; most queries take 0.1 s."""
 _CORES: weakref.WeakKeyDictionary[Query[Any], Sequence[int]] = weakref.WeakKeyDictionary()
 
 
@@ -63,13 +65,13 @@ def core_of(query: Query[Key]) -> Sequence[int] | None:
 
 
 def find_core(query: Query[Key], seconds: float) -> Sequence[int] | None:
-    """Return the same, found now; None if z3 finds no proof of all goals together within the seconds of effort."""
+    """Search for that proof now; None if z3 finds no proof of all goals together within the seconds of effort."""
     _Asked(query, 0).with_core(deadline(seconds))
     return core_of(query)
 
 
 def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
-    """Return the goals, by their keys, that do not follow, or are not decided within `seconds` for all of them together."""
+    """Return the goals, by key, that do not follow or are undecided within `seconds` for all goals together."""
     if not keeping():
         return _failures(query, seconds, seed)
     text = to_smtlib(query)
@@ -93,9 +95,9 @@ def _failures(query: Query[Key], seconds: float, seed: int) -> dict[Key, Failure
 
 
 class _Asked:
-    """A query in the terms of z3; `left` are the goals that are not decided.
+    """A query translated to z3; `left` holds the goals that are not decided yet.
 
-    Each question has a solver of its own: one in which questions are pushed and popped can take a hundred times as long.
+    Each question gets a new solver: one that pushes and pops questions can take a hundred times as long.
     """
 
     def __init__(self, query: Query[Key], seed: int) -> None:
@@ -106,11 +108,15 @@ class _Asked:
         self.left = {key: terms.bool(goal) for key, goal in query.goals.items()}
 
     def with_core(self, ends: Deadline) -> dict[Any, Failure]:
-        """All goals at once, each hypothesis behind a switch: a proof tells what it needs, a model which goals do not follow."""
+        """Ask for all goals at once, with a switch for each hypothesis: a proof gives the core, a model refutes some
+        goals.
+        """
         if not self.left:
             return {}
         solver = plain_solver(self._seed)
-        switches = [z3.Bool(number) for number in range(len(self._hypotheses))]  # a number is no variable's name
+        switches = [
+            z3.Bool(number) for number in range(len(self._hypotheses))
+        ]  # numbered, since no variable's name is a number
         for switch, hypothesis in zip(switches, self._hypotheses, strict=True):
             solver.add(z3.Implies(switch, hypothesis))
         solver.add(z3.Not(z3.And(*self.left.values())))
@@ -124,7 +130,9 @@ class _Asked:
         return {}
 
     def together(self, ends: Deadline) -> dict[Any, Failure]:
-        """Goals that do not follow: every model takes out all that are false in it, until the rest follows or time is up."""
+        """Ask for all goals left together: each model refutes the goals that are false in it, until the rest follows or
+        time is up.
+        """
         failed: dict[Any, Failure] = {}
         while self.left and not ends.passed:
             solver = self._solver(z3.Not(z3.And(*self.left.values())))
@@ -138,13 +146,13 @@ class _Asked:
         return failed
 
     def _taken_out(self, model: z3.ModelRef) -> dict[Any, Failure]:
-        """Return the goals that are false in the model; they are no longer left."""
+        """Return the goals that are false in the model, and remove them from `left`."""
         false = [key for key, goal in self.left.items() if z3.is_false(model.eval(goal, model_completion=True))]
         self.left = {key: goal for key, goal in self.left.items() if key not in false}
         return {key: self._refuted(key, model) for key in false}
 
     def one_by_one(self, ends: Deadline) -> dict[Any, Failure]:
-        """Each goal that is left by itself: those that do not follow, or are not decided."""
+        """Ask for each goal left alone; return those that do not follow or are undecided."""
         failed: dict[Any, Failure] = {}
         for key, goal in self.left.items():
             solver = self._solver(z3.Not(goal))

@@ -3,8 +3,8 @@
 Machine by machine, in the order of the step:
 
     heard  its wired inputs are in range: proved of the composition; then the machine's facts for all inputs hold
-    owed   its discharged assumption: proved of the composition, from facts about the machines before it, before AND after
-           the step; then the machine's facts under its assumption hold
+    owed   its contract, which is its discharged assumption: proved of the composition, from facts about the machines
+           before it, before AND after the step; then the machine's facts under its assumption hold
 
 No fact of a machine is used before it is proved, and a machine's own proof never uses a later machine. If a discharged
 assumption is not proved, the facts of that machine are proved jointly, as if nothing were known of it.
@@ -27,7 +27,7 @@ from safeloc.proof.provers.limits import deadline
 from safeloc.proof.provers.recheck import certify
 from safeloc.proof.provers.relevance import Relevance
 
-PATIENCE = 3  # a contract speaks of several machines at once, and without it nothing of its machine is known
+PATIENCE = 3  # times the limit: a contract reads several machines, and facts of its machine depend on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +41,10 @@ class Alone:
 
 @dataclass(eq=False)
 class Inherited:
-    """Facts that a composition has from its machines; `kept` are the discharged assumptions, over state before and inputs.
+    """Facts that a composition inherits from its machines.
 
-    `heard` names the machines whose wired inputs are proved to be in range.
+    kept   the proved contracts (discharged assumptions), over the state before a step and its inputs
+    heard  the machines whose wired inputs are proved to be in range
     """
 
     always: dict[Fact, Bool] = field(default_factory=dict)
@@ -60,7 +61,7 @@ def contracts(system: TransitionSystem) -> dict[Fact, Bool]:
 
 
 def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]:
-    """Return the same contracts as properties of the composition."""
+    """Return these contracts as properties of the composition."""
     return [(key, always(str(key), _before_the_step(system, term))) for key, term in contracts(system).items()]
 
 
@@ -75,19 +76,19 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
         found.certificates |= own.certificates
-        heard = proof.confirm(heard_by(part), part.heard, found, always=True)
-        if heard:
+        in_range = proof.confirm(heard_by(part), part.heard, found, always=True)
+        if in_range:
             found.heard.append(part.name)
             found.always |= _renamed(part, own.always)
-        owed = heard and proof.confirm(owed_to(part), part.owed, found, always=False)
-        if owed:
+        contract = in_range and proof.confirm(owed_to(part), part.owed, found, always=False)
+        if contract:
             found.facts |= _renamed(part, own.facts)
             found.kept |= {} if part.owed is TRUE else {owed_to(part): part.owed}
     return found
 
 
 def _renamed(part: Part, facts: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
-    """Facts of a machine, as the whole names them."""
+    """Translate facts of a machine to the variables of the composition."""
     ranges = {range_of(var): range_of(_twin(part, var)) for var in part.alone.state if isinstance(var, NumVar)}
     return {
         ranges.get(key, Fact("lemma", lemma_name(part.machine, key.of))): part.into.bool(term)
@@ -130,7 +131,7 @@ class _Proof:
         return True
 
     def _alike(self, term: Bool) -> list[dict[int, Bool]]:
-        """The parts of a term by number, those together that speak of the same machines."""
+        """Group the numbered conjuncts of a term by the machines that they read."""
         groups: dict[frozenset[int], dict[int, Bool]] = {}
         for number, part in enumerate(conjuncts(term), 1):
             groups.setdefault(self._relevance.machines([part]), {})[number] = part

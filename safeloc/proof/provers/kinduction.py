@@ -1,7 +1,7 @@
 """k-induction: unbounded proofs, with the system's proved base as hypotheses.
 
-k = 1 keeps a one-step inductive invariant; k > 1 is certified by the base queries of 1 to k (that of k alone says nothing of
-a run that ends before) and its step query. Every text is re-checked by cvc5 before the verdict is Proved.
+For k = 1 the invariant is inductive over one step. For k > 1 the certificates are the start queries of 1 to k and the step
+query; the start query of k alone says nothing about shorter runs. cvc5 re-checks every text before the verdict is Proved.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from safeloc.proof.provers.recheck import ENGINE, certify
 
 
 def kinduction(goal: Goal, limits: Limits) -> Verdict:
-    """Proved, or Unknown: this engine finds no violations.
+    """Return Proved, Vacuous or Unknown; this engine finds no violations.
 
-    The invariant is the base and the goal; for k > 1 it is inductive over k steps, not over one. The re-check has the
-    time limit once more.
+    The invariant is the base and the goal; for k > 1 it is inductive over k steps, not over one. The re-check gets the same
+    time limit again.
     """
     known, ends = base(goal.original, seconds=limits.seconds), deadline(limits.seconds)
     if goal.original.parts and not goal.observers:
@@ -74,7 +74,11 @@ def _wanted(goal: Goal) -> Bool:
 
 
 def queries(goal: Goal, known: Base, k: int) -> tuple[Query[str], Query[str]]:
-    """Base: `good` in the first k states. Step: after k good states comes another. One question a conjunct."""
+    """Return the start query and the step query, with one goal for each conjunct.
+
+    start  `good` holds in the first k states
+    step   k good states are followed by a good one
+    """
     name = f"{goal.original.name} {goal.prop.name}"
     kept = [] if goal.prop.unconditional else list(known.kept.values())
     states, allowed = _unrolled(goal, kept, k)
@@ -97,7 +101,7 @@ def _parts(name: str, term: Bool) -> list[tuple[str, Bool]]:
 
 
 def _unrolled(goal: Goal, kept: Sequence[Bool], k: int) -> tuple[list[Substitution], list[Bool]]:
-    """State 0 as it is, states 1 to k as terms over it and the steps' inputs, and what each step is allowed."""
+    """Return states 0 to k as substitutions over state 0 and the inputs, and the condition on each step."""
     system = goal.system
     environment_ = all_of([environment(system), *kept])
     now: dict[Var, Expr] = {}

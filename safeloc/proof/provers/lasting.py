@@ -10,13 +10,13 @@ from safeloc.proof.provers.facts import range_of
 from safeloc.proof.provers.proved_base import base
 
 SECONDS = 120.0
-"""For the system, and of a composition for each of its machines; the largest shipped one takes about a minute."""
+"""Limit for the system, and for each machine of a composition; the largest shipped system takes about a minute."""
 
 
 def lasting(system: TransitionSystem, *, seconds: float = SECONDS) -> Mapping[str, Bool] | None:
-    """Return lemmas that last together with the ranges of all state variables, for all inputs in range. They read no ghost.
+    """Return the lemmas that are inductive together with the ranges of all state variables, for all inputs in range.
 
-    None where that is not proved of a range, for then no lemma helps.
+    None of them reads a ghost. Return None if some range is not proved, since no lemma helps then.
     """
     known = base(system, seconds=seconds).always
     own = [var for var in system.state if isinstance(var, NumVar) and var not in system.ghosts]

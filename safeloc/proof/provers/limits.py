@@ -1,7 +1,7 @@
 """Limits of provers, in units that solvers count, so that results are the same on a busy computer as on an idle one.
 
-A second of effort is what a solver does in about a second of an idle machine, by the resources that it counts itself. The
-clock ends work only after several times as long.
+One second of effort is the work of a solver in about one second on an idle machine, by the solver's own resource count.
+The clock ends work only after several times the limit.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from dataclasses import dataclass
 from safeloc.errors import InputError, declared_at
 
 CLOCK = 6.0
-"""How many times a limit the clock may show before it ends the work, whatever was counted."""
+"""Multiple of a limit after which the clock ends the work, whatever effort was counted."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """Bounds on one property: steps for bounded search, k for induction, seconds of effort, and the solver's seed.
 
-    confirming  seconds for the re-check of a proof, where an engine that finds one has only a share of the time; None: as many
+    confirming  seconds of effort for the re-check of a proof, if an engine gets only a share of the time; None: `seconds`
     InputError for a negative depth, a k below 1, and a time that is no positive finite number.
     """
 
@@ -49,14 +49,14 @@ class Limits:
 
 @dataclass(frozen=True)
 class Deadline:
-    """A point in the effort of this process, and a moment of the clock at the latest: the last resort against a hung solver."""
+    """A limit on the effort of this process, and a latest time on the clock as the last resort against a hung solver."""
 
     at: float
     latest: float
 
     @property
     def left(self) -> float:
-        """Seconds of effort until then; 0 once it has passed."""
+        """Seconds of effort until the deadline; 0 once it has passed."""
         return 0.0 if _clock() >= self.latest else max(0.0, self.at - effort())
 
     @property
@@ -71,7 +71,7 @@ def deadline(seconds: float) -> Deadline:
 
 
 def spend(seconds: float) -> None:
-    """Count effort of this process: what a solver has counted, or steps that were drawn."""
+    """Add to the effort of this process: resources that a solver counted, or steps that were drawn."""
     _spent[0] += seconds
 
 
@@ -85,7 +85,7 @@ _spent = [0.0]
 
 @contextmanager
 def clock_stopped() -> Iterator[None]:
-    """Within, the clock of deadlines stands: this process waits for another one's work."""
+    """Stop the clock of deadlines inside the block: this process waits for the work of another one."""
     began = time.monotonic()
     try:
         yield

@@ -11,7 +11,7 @@ from safeloc.language.system import canonical
 from safeloc.language.terms import Substitution
 from safeloc.language.units import ONE
 
-MOST_PAIRS = 400  # of bounds that are set against each other when one input is solved for; more are left out
+MOST_PAIRS = 400  # of lower and upper bounds that are combined when an input is eliminated; the others are left out
 
 
 def constant_of(var: Var, value: Value) -> Expr:
@@ -27,17 +27,17 @@ class Linear:
     rest: Num
 
     def times(self, factor: int) -> Linear:
-        """Return the multiple."""
+        """Return the sum times a constant."""
         if factor == 0:
             return Linear({}, Lit(0, ONE))
         return Linear({var: one * factor for var, one in self.of.items()}, scaled(self.rest, factor))
 
     def plus(self, value: int) -> Linear:
-        """Return a constant more."""
+        """Return the sum plus a constant."""
         return Linear(self.of, added(self.rest, Lit(value, ONE)))
 
     def sum(self, other: Linear) -> Linear:
-        """Both together."""
+        """Return the sum of both."""
         of = {var: self.of.get(var, 0) + other.of.get(var, 0) for var in {**self.of, **other.of}}
         return Linear({var: one for var, one in of.items() if one}, added(self.rest, other.rest))
 
@@ -46,7 +46,7 @@ class Linear:
         return self.sum(other.times(-1))
 
     def without(self, var: NumVar, value: Linear) -> Linear:
-        """With `value` in place of an input."""
+        """Replace an input by `value`."""
         factor = self.of.get(var, 0)
         if not factor:
             return self
@@ -54,7 +54,7 @@ class Linear:
         return left.sum(value.times(factor))
 
     def term(self) -> Num:
-        """As one term."""
+        """Return the sum as one term."""
         total: Num = self.rest
         for var, factor in self.of.items():
             total = added(total, scaled(var, factor))
@@ -62,14 +62,14 @@ class Linear:
 
 
 def scaled(term: Num, factor: int) -> Num:
-    """factor * term, of no unit."""
+    """Return factor * term, without a unit."""
     if isinstance(term, Lit):
         return Lit(term.value * factor, ONE)
     return term if factor == 1 else Mul(Lit(factor, ONE), term, ONE)
 
 
 def added(left: Num, right: Num) -> Num:
-    """left + right, of no unit."""
+    """Return left + right, without a unit."""
     if isinstance(left, Lit) and isinstance(right, Lit):
         return Lit(left.value + right.value, ONE)
     if isinstance(left, Lit) and left.value == 0:
@@ -102,7 +102,7 @@ def solved(numbers: Sequence[NumVar], zeros: Sequence[Linear], bounds: Sequence[
 
 
 def _usable(zeros: Sequence[Linear]) -> tuple[NumVar, Linear] | None:
-    """An equation and a number to solve it for: rather one with factor 1."""
+    """Choose an equation and a number to solve it for, preferably one with factor 1."""
     pairs = [(abs(factor), place, var) for place, one in enumerate(zeros) for var, factor in one.of.items()]
     if not pairs:
         return None
@@ -126,7 +126,7 @@ def _replaced(one: Linear, var: NumVar, value: Linear | None) -> Linear | None:
 
 
 def _split(var: NumVar, bounds: Sequence[Linear]) -> tuple[list[Linear], list[Linear], list[Linear]]:
-    """Bounds from below, from above, and those without the number."""
+    """Return the lower bounds of the number, its upper bounds, and the bounds without it."""
     lower = [one for one in bounds if one.of.get(var, 0) < 0]
     upper = [one for one in bounds if one.of.get(var, 0) > 0]
     return lower, upper, [one for one in bounds if var not in one.of]
@@ -138,7 +138,7 @@ def _pairs(var: NumVar, bounds: Sequence[Linear]) -> int:
 
 
 def _by_bounds(var: NumVar, bounds: Sequence[Linear]) -> Num:
-    """As near to rest as the bounds allow."""
+    """Return the value nearest to rest within the bounds."""
     lower, upper, _ = _split(var, bounds)
     value: Num = Lit(canonical(var), ONE)
     for one in upper:

@@ -1,8 +1,8 @@
 """The hypotheses that a proof needs: z3's unsatisfiable core of a query, conjunct by conjunct.
 
-A goal that follows from fewer hypotheses follows from all, so leaving some out is sound. What is left is what cvc5 has to
-decide, and what a certificate holds. Facts about products stay as well: a model states them since solvers do not find them,
-and what z3 happens to find by itself, cvc5 does not.
+Leaving hypotheses out is sound: a goal that follows from some of them follows from all. cvc5 decides the shorter query,
+and the certificate holds it. Facts about products of its variables stay as well: models state them because solvers do not
+find them, and even where z3 finds one by itself, cvc5 does not.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from safeloc.proof.provers.implication import CORE_SECONDS, core_of, find_core, 
 def only_needed(query: Query[Key], seconds: float = CORE_SECONDS) -> Query[Key]:
     """Return the query with the hypotheses from which z3 proves all its goals together.
 
-    All of them, conjunct by conjunct, if z3 does not prove the goals within the seconds of effort.
+    All hypotheses stay, conjunct by conjunct, if z3 does not prove the goals within the seconds of effort.
     """
     parts = parts_of(query)
     text = to_smtlib(replace(query, hypotheses=parts, witnesses={})) if keeping() else ""

@@ -1,4 +1,6 @@
-"""Decide whether an event occurs in no run, if a single step query did not: gives a run, a proof, or neither."""
+"""Decide if an event can occur in any run, after a query on a single step could not exclude it: a run, a proof, or
+neither.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +16,16 @@ from safeloc.proof.provers.spacer import spacer
 
 
 def never(goal: Goal, why: str, limits: Limits) -> Verdict:
-    """Violated with a run that comes to the goal (of kind `reachable`), Proved that none does, or Unknown.
+    """Return Violated with a run that reaches the goal (of kind `reachable`), Proved if no run does, else Unknown.
 
-    why  what spoke against it in one step
+    why  the reason why a single step did not exclude it
     """
     [verdict] = none_happens({goal: why}, limits).values()
     return verdict
 
 
 def none_happens(goals: Mapping[Goal, str], limits: Limits) -> dict[Goal, Verdict]:
-    """Return the same for several goals of one system and one assumption, whose runs are searched together."""
+    """Return this verdict for several goals of one system and one assumption; their runs are searched together."""
     runs = first_runs(list(goals), limits)
     return {
         goal: Violated(runs.found[goal], "bmc", why) if goal in runs.found else _excluded(goal, why, runs.depth, limits)
@@ -35,5 +37,7 @@ def _excluded(goal: Goal, why: str, depth: int, limits: Limits) -> Verdict:
     for engine in (kinduction, spacer):
         verdict = engine(goal, replace(limits, seconds=limits.seconds / 2))
         if isinstance(verdict, Proved):
-            return replace(verdict, invariant=None)  # it speaks of observers that only this goal has
-    return Unknown(f"not shown for every state ({why}), and no run comes there; a lemma may be missing", depth)
+            return replace(verdict, invariant=None)  # it reads observers that only this goal has
+    return Unknown(
+        f"not shown for every state ({why}), and no run was found that reaches it; a lemma may be missing", depth
+    )

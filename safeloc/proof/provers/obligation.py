@@ -1,4 +1,4 @@
-"""One free obligation and what was found of it, before it becomes a Finding."""
+"""A free obligation with its verdict, before it becomes a Finding."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from safeloc.language.verdict import Verdict
 
 @dataclass(frozen=True, eq=False)
 class Obligation:
-    """`name` within its system; `method` for the reader."""
+    """A free obligation: its name within the system, and the method that found the verdict, in words for the reader."""
 
     name: str
     statement: str

@@ -5,9 +5,9 @@ overflow     no intermediate term leaves 64 bits
 division     every divisor is a positive constant
 overlap      two transitions of one rank are never enabled together in a reachable state
 absence      the value of an absent optional input is never read
-antecedents  of every property, the cases that it speaks of occur (given the properties)
-reachable    every mode and every transition occurs in some run (witness kept), with the assumption and without
-assumption   the environment's assumption can be kept (witness kept), for ever, and from every state that a run comes to
+antecedents  every case of every property occurs (if properties are given)
+reachable    every mode and every transition occurs in some run, under the assumption or without it; the run is the witness
+assumption   the assumption can be satisfied (by a witness), for ever, and from every reachable state
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ CHECKS: dict[str, Check] = {
     "reachable": reached,
     "assumption": assumption_kept,
 }
-SEARCHES = 4  # how often a check may use up its time limit, one search after the other; and once more for each machine
+SEARCHES = 4  # searches of one check, each with the full time limit; and one more for each machine
 
 
 def obligations(
@@ -57,10 +57,9 @@ def obligations(
     recordings: Sequence[Recording] = (),
     properties: Sequence[Property] = (),
 ) -> list[Finding]:
-    """Return all free obligations of a system, one Finding each; checks run in `jobs` processes that the clock ends.
+    """Return all free obligations of a system, one Finding each; checks run in `jobs` processes with time limits.
 
-    What `recordings` show to happen need not be found by search. Of `properties` the cases that they speak of have to
-    occur.
+    Events that `recordings` show need no search. The cases of `properties` have to occur.
     """
     proved_base(system, limits)
     most = CLOCK * (SEARCHES + len(system.parts)) * limits.seconds + GRACE_SECONDS
@@ -106,14 +105,16 @@ def _findings(system: TransitionSystem, check: str, packed: list[Packed] | Lost,
     if isinstance(packed, Lost):
         made = [Obligation(check, f"obligations of kind {check!r}", Unknown(packed.reason), "ended by the clock")]
     else:
-        ran = replace(system, assume=TRUE, init=first_without_the_world(system))  # whatever a run was looked for under
+        ran = replace(
+            system, assume=TRUE, init=first_without_the_world(system)
+        )  # a run may have been found without the assumption
         made = [Obligation(name, text, unpack(data, ran, ran), method) for name, text, data, method in packed]
     share = seconds / max(1, len(made))
     return [_finding(system, one, share) for one in _distinct(made)]
 
 
 def _distinct(made: Sequence[Obligation]) -> Iterator[Obligation]:
-    """Each under a name of its own: two machines may have a mode, or a row, that reads alike with theirs."""
+    """Give each obligation a unique name: a mode or row of one machine may read like one of another."""
     seen: Counter[str] = Counter()
     for one in made:
         seen[one.name] += 1

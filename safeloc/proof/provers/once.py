@@ -1,4 +1,4 @@
-"""The same question of two processes is asked once: the second one waits, and then finds the answer in the cache."""
+"""Avoid asking a solver the same question in two processes: the second one waits, and finds the answer in the cache."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ LOOKS_AGAIN_S = 0.1
 
 @contextmanager
 def alone_in_asking(solver: Solver, text: str) -> Iterator[None]:
-    """Within, no other process that uses the same cache asks this solver the same question.
+    """Ensure that no other process with the same cache asks this solver the same question inside the block.
 
-    While it waits, this process has put its place at the processors back, and its clock stands. It has a place when it takes
-    the turn, so that nobody who has a turn waits for anything. Whoever has waited looks first whether the other one has
-    proved it. Without a cache nobody waits.
+    While it waits, this process gives its slot at the processors back, and the clock of its deadlines stands still. It
+    holds a slot again when it takes its turn, so that no process with a turn waits for anything. After it has waited,
+    it first looks in the cache for a proof of the other process. Without a cache no process waits.
     """
     with turn_of(solver, text) as turn:
         while turn is not None and not turn.taken():

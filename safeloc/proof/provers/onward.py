@@ -1,7 +1,7 @@
 """Exact search for a few steps from the states in which a recorded run reaches something new.
 
 Some cases are too deep for a search from the first state, and no recording shows them, though one comes near: a fault in
-a mode that takes minutes to reach. From a known state one or two steps are a small question.
+a mode that takes minutes to reach, for example. A search of one or two steps from a known state is cheap.
 """
 
 from __future__ import annotations
@@ -41,7 +41,10 @@ class _Start:
 def onward(
     system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
 ) -> dict[int, Trace]:
-    """Return runs to goals, by number, that follow a recording and go on for a few steps; all goals rely on the same."""
+    """Return runs that follow a recording and reach a goal a few steps later, by number of the goal.
+
+    All goals rely on the same assumption.
+    """
     found: dict[int, Trace] = {}
     if not goals or not recordings:
         return found
@@ -66,7 +69,7 @@ def onward(
 
 
 def _starts(replay: Replay, recordings: Sequence[Recording], ends: Deadline) -> list[_Start]:
-    """States of the recordings in which modes and flags are as nowhere before them, the last ones first."""
+    """Return the states of the recordings that have a new combination of modes and flags, the latest first."""
     own = len(replay.system.state)
     labels = [place for place, var in enumerate(replay.watched.state[:own]) if _is_label(var)]
     seen: dict[tuple[Value, ...], _Start] = {}
@@ -93,7 +96,7 @@ class _Suffix:
 def _suffix(
     unrolling: Unrolling, begins: Sequence[z3.BoolRef | bool], goals: Mapping[int, Goal], ends: Deadline
 ) -> _Suffix | None:
-    """The fewest steps from a state to one of the goals."""
+    """Search for the fewest steps from a state to one of the goals; None if there are none within the limits."""
     ends = deadline(min(SECONDS_EACH, ends.left))
     runs = Deepening(unrolling, new_solver(), begins)
     while runs.depth + 1 < FURTHER:

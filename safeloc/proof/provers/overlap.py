@@ -1,4 +1,4 @@
-"""Check that transitions of one rank exclude each other: otherwise their order in the table would decide unnoticed."""
+"""Check that transitions of one rank exclude each other; otherwise their order in the table would decide unnoticed."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _overlap(system: TransitionSystem, machine: Machine, limits: Limits) -> Iter
         yield Obligation(f"overlap {machine.name}", statement, nothing, nothing.by_construction)
     elif rest:
         verdict = Proved(None, "z3", 1, (ENGINE,), {**known.certificates, **asked.texts})
-        others = ", some pairs apart" if asked.failed else ""
+        others = ", except for pairs with an obligation of their own" if asked.failed else ""
         yield Obligation(f"overlap {machine.name}", statement + others, verdict, f"{len(rest)} pairs, one query each")
     for rows, why in asked.failed.items():
         names = " and ".join(repr(machine.transitions[row - 1].name) for row in rows)
@@ -54,14 +54,14 @@ def _overlap(system: TransitionSystem, machine: Machine, limits: Limits) -> Iter
 def _overlapping(system: TransitionSystem, rows: Rows, both: Bool, why: Failure, limits: Limits) -> Verdict:
     goal = without_assumption(happens(system, f"overlap of rows {rows[0]} and {rows[1]}", both))
     seen = f"both are enabled when {why.values}" if isinstance(why, Refuted) else str(why)
-    verdict = never(goal, f"{seen}; give them different ranks, or mend a guard", limits)
+    verdict = never(goal, f"{seen}; give them different ranks, or correct a guard", limits)
     if not (system.whole and isinstance(verdict, (Violated, Proved))):
         return verdict
     return _of_a_part(verdict, system)
 
 
 def _of_a_part(verdict: Violated | Proved, system: TransitionSystem) -> Verdict:
-    """Turn a machine's own verdict into one of the composition; its evidence reads the machine's variables."""
+    """Turn a machine's own verdict into one of the composition: the evidence is over the machine's variables."""
     if isinstance(verdict, Proved):
         return Proved(
             None,
@@ -70,7 +70,7 @@ def _of_a_part(verdict: Violated | Proved, system: TransitionSystem) -> Verdict:
             verdict.rechecked,
             verdict.certificates,
         )
-    run = "" if verdict.trace is None else f"; the machine by itself comes there so:\n{verdict.trace.table()}"
+    run = "" if verdict.trace is None else f"; a run of the machine alone that enables both:\n{verdict.trace.table()}"
     return Violated(None, verdict.engine, verdict.reason + run)
 
 

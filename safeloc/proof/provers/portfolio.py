@@ -1,7 +1,7 @@
 """All engines together: k-induction first, bounded search, Spacer, then falsifiers; several properties in parallel.
 
-A property may take its time limit twice, once to be decided and once to be re-checked; then the clock ends it: each
-one has a process of its own.
+Each property has a process of its own. It may use its time limit twice, once to be decided and once to be re-checked; then
+the clock ends the process.
 """
 
 from __future__ import annotations
@@ -44,19 +44,21 @@ OnFinding = Callable[[Finding], None]
 
 
 def prove_one(goal: Goal, limits: Limits) -> Verdict:
-    """Return the verdict of the first engine that decides; Unknown with the greatest depth any of them reached."""
+    """Return the verdict of the first engine that decides; else Unknown with the greatest depth that any of them
+    reached.
+    """
     if goal.prop.kind == "reachable":
         return _reach(goal, limits)
-    ends, said, depth = deadline(limits.seconds), list[str](), -1
+    ends, reasons, depth = deadline(limits.seconds), list[str](), -1
     for name, engine, share in _ENGINES:
         verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share), confirming=limits.seconds))
         if isinstance(verdict, Proved):
             return further_assumption_lasts(goal, verdict, limits)
         if not isinstance(verdict, Unknown):
             return verdict
-        said.append(f"{name}: {verdict.reason}")
+        reasons.append(f"{name}: {verdict.reason}")
         depth = max(depth, verdict.depth)
-    return Unknown("; ".join(said), depth)
+    return Unknown("; ".join(reasons), depth)
 
 
 _ENGINES: tuple[tuple[str, Callable[[Goal, Limits], Verdict], float], ...] = (
@@ -68,14 +70,14 @@ _ENGINES: tuple[tuple[str, Callable[[Goal, Limits], Verdict], float], ...] = (
 
 
 def _reach(goal: Goal, limits: Limits) -> Verdict:
-    """A witness, or a proof that there is none."""
+    """Return a witness, or a proof that there is none."""
     half = replace(limits, seconds=limits.seconds / 2)
     found = search(goal, half)
     if not isinstance(found, Exhausted):
         return Proved(None, "bmc", len(found.steps), ("interpreter",), witness=found)
     never = kinduction(goal, half)
     if isinstance(never, Proved):
-        return Violated(None, never.engine, f"no run comes there: proved by {never.engine}")
+        return Violated(None, never.engine, f"no run reaches it: proved by {never.engine}")
     if isinstance(never, Vacuous):
         return never
     return Unknown(found.reason, found.depth)
@@ -92,8 +94,8 @@ def prove(
 ) -> list[Finding]:
     """Return a Finding for every declared lemma and every property, in order; `on_finding` gets each at once.
 
-    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. What `recordings`
-    show to happen need not be found by search. PropertyError if two properties share a name.
+    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. Events that `recordings`
+    show need no search. PropertyError if two properties share a name.
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
@@ -122,7 +124,7 @@ def _check_names(properties: Sequence[Property]) -> None:
 
 
 def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
-    """Return the system's base, proved in a process that the clock ends; and the seconds it took."""
+    """Return the system's base and the seconds it took; a process with a time limit proves it."""
     known = known_base(system, limits.seconds)
     if known is not None:
         return known, 0.0
@@ -147,7 +149,7 @@ def _end(limits: Limits) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Claim:
-    """A statement to be decided by `prover` in a process of its own, or decided already: `finding`."""
+    """A statement that `prover` decides in a process of its own, or that is decided already: `finding`."""
 
     goal: Goal
     kind: Literal["lemma", "property"]
@@ -160,16 +162,18 @@ def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
 
 
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
-    """Prove a property on the machine alone if its inputs are in range and its assumption discharged; else on the
-    composition."""
+    """Prove a property on the machine alone; else on the composition.
+
+    The machine alone is enough if its inputs are in range and its assumption is discharged.
+    """
     of_machine = inherited(goal)
     if of_machine is None:
         return prove_one(goal, limits)
     part, own = of_machine
     known = base(goal.original, seconds=limits.seconds)
     free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
-    owed = free or part.owed is TRUE or owed_to(part) in known.kept
-    if not owed or part.name not in known.heard:
+    discharged = free or part.owed is TRUE or owed_to(part) in known.kept
+    if not discharged or part.name not in known.heard:
         return prove_one(goal, limits)
     first, half = _at_first(goal, known, limits), replace(limits, seconds=limits.seconds / 2)
     verdict = prove_one(observe(part.alone, own), half) if not first.failed else None
@@ -192,7 +196,10 @@ def inherited(goal: Goal) -> tuple[Part, Property] | None:
 
 
 def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
-    """A property of steps becomes one of states where an input is wired, and is then required of the first state too."""
+    """Prove in the first state a property that is inherited from a machine.
+
+    A property of steps becomes one of states if an input is wired; it then has to hold in the first state too.
+    """
     if goal.observers:
         return Settled({}, {})
     first = [goal.system.init, in_range(goal.system.state), *given_facts(goal, known)]
@@ -202,7 +209,7 @@ def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
 
 
 def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
-    """Proved lemmas; for one that was dropped, a run that breaks it is searched."""
+    """Report the proved lemmas; search a violating run for each dropped one."""
     for name, term in system.lemmas.items():
         goal, key = observe(system, always(name, term)), Fact("lemma", name)
         if key in known.refuted:
@@ -245,7 +252,7 @@ class _Cases:
     recordings: Sequence[Recording]
 
     def task(self) -> Task | None:
-        """The search; None where all is known."""
+        """Return the search as a task; None if all cases are known."""
         return antecedents.search_task(self.system, self.properties, self.limits, self.recordings)
 
     def remember(self, packed: Sequence[antecedents.Outcome] | Lost) -> None:
@@ -253,12 +260,12 @@ class _Cases:
         antecedents.remember(self.system, self.properties, self.limits, len(self.recordings), packed)
 
     def judged(self, prop: Property, verdict: Verdict) -> Verdict:
-        """Vacuous in the place of Proved where a case never occurs."""
+        """Return the verdict: Vacuous instead of Proved if a case never occurs."""
         return antecedents.found(self.system, [prop]).judged(prop, verdict)
 
 
 def _findings(claims: Sequence[_Claim], cases: _Cases, jobs: int) -> Iterator[tuple[int, Finding]]:
-    """Findings as they come, with the place of their claim."""
+    """Yield findings as they come, with the index of their claim."""
     yield from ((index, claim.finding) for index, claim in enumerate(claims) if claim.finding is not None)
     open_ = [index for index, claim in enumerate(claims) if claim.finding is None]
     search, tasks = cases.task(), [_task(claims[index], cases.limits) for index in open_]
@@ -292,7 +299,7 @@ def _decided(claim: _Claim, cases: _Cases, verdict: Verdict, seconds: float) -> 
 
 def _task(claim: _Claim, limits: Limits) -> Task:
     goal = claim.goal
-    end = _end(limits) * (1 if goal.prop.further_assumption is TRUE else 2)  # that has to be shown to last as well
+    end = _end(limits) * (1 if goal.prop.further_assumption is TRUE else 2)  # proving that it lasts takes as long again
     return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), end)
 
 

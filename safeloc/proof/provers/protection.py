@@ -1,7 +1,7 @@
-"""A protection level checked by a solver: no errors within their bounds lead beyond it (SAT-5).
+"""Check of a protection level by a solver: errors within their bounds never exceed it (SAT-5).
 
-The error of a least-squares solution is the sum of share times error over its satellites. z3 answers over the rationals
-with the figures of the geometry in use: no rounding, and no trust in the sum that made the level.
+The error of a least-squares solution is the sum of share times error over its satellites. z3 decides over the rationals
+with the figures of the geometry in use: nothing is rounded, and the check does not rely on the sum that gave the level.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from safeloc.proof.provers.asking import ask, new_solver, why_unknown
 def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: int, seconds: float = 10) -> Verdict:
     """Prove that errors within their bounds (|error_i| <= bounds[i]) give |sum shares[i] error_i| <= level.
 
-    Violated names the errors that lead beyond it. InputError for a share without a bound; EngineError where z3 and the
-    sum of the worst errors contradict each other.
+    Violated names errors that exceed the level. InputError for a share without a bound; EngineError if z3 and the sum of the
+    worst errors contradict each other.
     """
     if shares.keys() - bounds.keys():
         raise InputError(f"no bound for {', '.join(sorted(shares.keys() - bounds.keys()))}; give one for every share.")
@@ -41,5 +41,5 @@ def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: 
     if answer == z3.unknown:
         return Unknown(f"solver: {why_unknown(solver)}")
     model = solver.model()
-    told = ", ".join(f"{name} {model.eval(one, model_completion=True)}" for name, one in errors.items())
-    return Violated(None, "z3", f"beyond {level} with errors {told}")
+    errors_ = ", ".join(f"{name} {model.eval(one, model_completion=True)}" for name, one in errors.items())
+    return Violated(None, "z3", f"beyond {level} with errors {errors_}")

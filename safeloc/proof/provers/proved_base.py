@@ -4,11 +4,11 @@ Both are PROVED, once per system, and then serve every property as hypotheses:
 
     always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
     facts   the other lemmas, and ranges of ghosts, under the assumption
-    kept    of a composition: the discharged assumptions, in every step (safeloc.proof.provers.inherited)
+    kept    of a composition: the contracts (discharged assumptions), in every step (safeloc.proof.provers.inherited)
     heard   of a composition: the machines whose wired inputs stay in range
 
-Facts proved of one machine of a composition are not proved again. A fact that is not inductive together with the others, or
-not confirmed by cvc5, is dropped and named in `refuted`; it is never assumed.
+A composition inherits the facts of its machines without a new proof. A fact that is not inductive together with the others,
+or that cvc5 does not confirm, is dropped and named in `refuted`; it is never assumed.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from safeloc.proof.provers.recheck import certify
 
 @dataclass(frozen=True, eq=False)
 class Base:
-    """Proved facts, what was dropped and why, and the texts that cvc5 has confirmed.
+    """Proved facts, the dropped facts with reasons, and the texts that cvc5 has confirmed.
 
-    `seconds` is the time that was allowed: with more of it, what is undecided may yet be proved.
+    `seconds` is the time limit that was used: with a longer one, undecided facts may still be proved.
     """
 
     always: Mapping[Fact, Bool]
@@ -55,10 +55,11 @@ class Base:
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """Terms to be proved inductive together, on top of what is proved already.
+    """Terms to be proved inductive together, from the facts of earlier layers.
 
-    first    what is known of the first state
-    allowed  what is known of every step
+    first    condition on the first state
+    allowed  condition on every step
+    given    facts of earlier layers
     """
 
     system: TransitionSystem
@@ -69,7 +70,7 @@ class _Layer:
     relies_on: Sequence[str]
 
     def queries(self, kept: Mapping[Fact, Bool]) -> tuple[Query[Fact], Query[Fact]]:
-        """Initiation and consecution of the conjunction."""
+        """Return the queries for initiation and consecution of the conjunction."""
         system, after = self.system, Substitution(dict(self.system.next))
         first = [self.first, in_range(system.state), *self.given]
         step = [self.allowed, *self.given, *kept.values()]
@@ -85,9 +86,9 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDicti
 
 
 def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
-    """Return the system's proved base; computed once per system, and again only if more time could give more.
+    """Return the system's proved base; computed once per system, and again only if more time could prove more.
 
-    seconds  for the system, and of a composition for each of its machines as well
+    seconds  for the system, and also for each machine of a composition
     """
     known = known_base(system, seconds)
     if known is None:
@@ -96,7 +97,7 @@ def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
 
 
 def known_base(system: TransitionSystem, seconds: float) -> Base | None:
-    """Return the base, if it is known and trying for so long could give no more."""
+    """Return the base if it is known and an attempt of that length could prove no more; else None."""
     known = _KNOWN.get(system)
     return known if known is not None and known.serves(seconds) else None
 
@@ -133,7 +134,7 @@ def _without(terms: Mapping[Fact, Bool], known: Mapping[Fact, Bool]) -> dict[Fac
 
 
 def ranges_and_lemmas(system: TransitionSystem) -> dict[Fact, Bool]:
-    """Return all that is to be proved."""
+    """Return the terms of all ranges and lemmas, proved or not."""
     ranges = {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True)}
     return {**ranges, **{Fact("lemma", name): term for name, term in system.lemmas.items()}}
 
@@ -144,7 +145,10 @@ def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[Fact, Bool]:
 
 
 def _board(system: TransitionSystem, known: Mapping[Fact, Bool], relies_on: Sequence[str]) -> _Layer:
-    """For all inputs in range, and whatever the environment is at the start: `initially` may speak of ghosts."""
+    """Make the layer of facts for all inputs in range and for any start of the environment.
+
+    Conditions of `initially` that tie the machine to ghosts are therefore left out.
+    """
     first = first_without_the_world(system)
     return _Layer(system, "always", first, environment(system, assume=False), list(known.values()), relies_on)
 
@@ -156,7 +160,7 @@ def _world(system: TransitionSystem, always: Mapping[Fact, Bool], relies_on: Seq
 def _inductive(
     layer: _Layer, terms: Mapping[Fact, Bool], ends: Deadline
 ) -> tuple[dict[Fact, Bool], dict[str, str], dict[Fact, Failure]]:
-    """The greatest part that is inductive together, its texts, and what fell out."""
+    """Return the largest subset that is inductive together, its certificates, and the dropped terms."""
     kept, refuted = dict(terms), dict[Fact, Failure]()
     while kept:
         both = layer.queries(kept)

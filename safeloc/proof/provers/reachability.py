@@ -1,6 +1,6 @@
 """Reachability: can every mode and every transition occur?
 
-One incremental search serves all targets; a target found is a stream, replayed in the interpreter.
+One incremental search serves all targets; the interpreter replays the run found for a target.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.spacer import spacer
 
 EXCLUSION = 0.2
-"""Of the limit, for goals that speak of the same machines: what is not excluded by then is searched."""
+"""Share of the limit for excluding goals that read the same machines; the goals left after it are searched."""
 
 # ------------------------------------------------------------------ search for many targets at once
 
@@ -48,7 +48,7 @@ class Runs:
 def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = ()) -> Runs:
     """Return the shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
 
-    The search ends where all that is left is `known` to be reached.
+    The search ends when a run to every goal is found, or is `known` to exist.
     """
     if not goals:
         return Runs({}, limits.depth)
@@ -65,7 +65,7 @@ def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = (
 
 
 def _search_length(watched: Watch, runs: Deepening, found: dict[Goal, Trace], ends: Deadline) -> bool:
-    """Adds the targets found at this length; whether the length was searched completely."""
+    """Add the targets found at this length; return whether the length was searched completely."""
     while left := [goal for goal in watched.goals if goal not in found]:
         if ends.passed:
             return False
@@ -86,7 +86,7 @@ def happens(system: TransitionSystem, name: str, term: Bool) -> Goal:
 
 
 def without_assumption(goal: Goal) -> Goal:
-    """Return the same for all inputs in range."""
+    """Return the goal without the assumption: for all inputs in range."""
     return observe(goal.original, replace(goal.prop, unconditional=True))
 
 
@@ -95,7 +95,7 @@ def without_assumption(goal: Goal) -> Goal:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """A mode or a transition; `goal` under the assumption, `free` for all inputs in range."""
+    """A mode or a transition of machine number `part`; `goal` is under the assumption, `free` for all inputs in range."""
 
     name: str
     statement: str
@@ -120,7 +120,7 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
         elif one.free in free.runs:
             yield Obligation(one.name, one.statement, *_shown(free.runs[one.free], _defence(kept.depth, excluded)))
         elif one in dead:
-            why = f"the machine by itself gets there ({alone[one].words}), but no run of the composition does, for any inputs: dead in it"
+            why = f"a run of the machine alone reaches it ({alone[one].words}), but no run of the composition, whatever the inputs: dead in the composition"
             yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
         elif one in alone:
             yield _only_alone(one, alone[one], kept.depth, excluded)
@@ -129,13 +129,13 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
 
 
 def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:
-    """The verdict on what a run comes to, and how it was found."""
-    told = (
+    """Return the verdict for a target that a run reaches, and the method."""
+    method = (
         f"a defence: {run.words} with the assumption broken, {defence}"
         if defence
         else f"{run.words} under the assumption"
     )
-    return Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace), told
+    return Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace), method
 
 
 def _defence(depth: int, excluded: bool) -> str:
@@ -148,7 +148,7 @@ def _defence(depth: int, excluded: bool) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """A run to a target, what found it, and in words."""
+    """A run to a target, the engine that found it, and a description."""
 
     trace: Trace
     engine: str
@@ -157,7 +157,7 @@ class _Run:
 
 @dataclass(frozen=True, eq=False)
 class _Looked:
-    """Runs to targets; targets that no run comes to; how many steps were searched completely for the rest."""
+    """Runs to targets, targets that are proved unreachable, and the number of steps searched completely for the others."""
 
     runs: Mapping[Goal, _Run]
     excluded: Container[Goal]
@@ -179,9 +179,9 @@ def _looked_for(
 
 
 def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:
-    """Goals that the first state is not, and that no step comes to from a state with these facts.
+    """Return the goals that hold in no first state and after no step from a state with these facts.
 
-    Of a composition, those together that speak of the same machines, from what is known of these.
+    In a composition, goals that read the same machines are asked together, with the facts about these machines.
     """
     if not goals:
         return set()
@@ -206,14 +206,14 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[
 
 @dataclass(frozen=True)
 class _Alone:
-    """A run of a machine by itself, and what it shows."""
+    """A run of one machine alone, and its description."""
 
     words: str
     run: Trace
 
 
 def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
-    """Report a target that only the machine by itself reaches, with the result for the composition."""
+    """Report a target that only the machine alone reaches, with the result for the composition."""
     whole = "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_whole(depth)
     verdict = Proved(None, "bmc", len(alone.run.steps), ("interpreter",), witness=alone.run)
     method = f"of the machine by itself, {alone.words}; {whole}"
@@ -233,7 +233,7 @@ def _by_itself(
         own = [target for target in targets if target.part == number]
         pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
         if pairs:
-            found |= {theirs: _Alone(*told) for theirs, told in _runs_alone(part.alone, pairs, limits)}
+            found |= {theirs: _Alone(*shown_) for theirs, shown_ in _runs_alone(part.alone, pairs, limits)}
     return found
 
 
@@ -255,12 +255,12 @@ def _runs_alone(
 
 
 def _place(src: str) -> str:
-    """File name and line, without the folder of whoever runs this."""
+    """Return file name and line, without the folder, which differs between computers."""
     return src.replace("\\", "/").rpartition("/")[2]
 
 
 def _targets(system: TransitionSystem) -> list[_Target]:
-    """Modes and transitions of all machines, in order; those of a part of a composition know its number."""
+    """Return modes and transitions of all machines, in order, each with the number of its machine."""
     if system.parts:
         return [target for number in range(len(system.parts)) for target in _targets_of_part(system, number)]
     machine = system.machines[0]
@@ -299,4 +299,4 @@ def _dead(free: Goal, depth: int, limits: Limits) -> Verdict:
         never = engine(free, replace(limits, seconds=limits.seconds / 2))
         if isinstance(never, Proved):
             return Violated(None, never.engine, "never occurs, whatever the inputs: dead; remove it or mend its guard")
-    return Unknown("no run found that comes there", depth)
+    return Unknown("no run found that reaches it", depth)

@@ -1,6 +1,6 @@
-"""A second opinion: the SMT-LIB2 text of every proof is decided once more, by cvc5, from the text alone.
+"""Second opinion: cvc5 decides every proof again, from its SMT-LIB 2 text alone.
 
-The text holds the hypotheses that z3's proof needs, and no others.
+The text holds the hypotheses that z3's proof needs, or all of them if cvc5 cannot confirm the proof from those.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -26,22 +26,24 @@ from safeloc.proof.provers.once import alone_in_asking
 ENGINE = f"cvc5 {cvc5.__version__}"
 OPTIONS = {"incremental": "true", "ext-rew-prep": "use", "ite-simp": "true"}  # measured: four times faster on our terms
 ONE_GOAL = {**OPTIONS, "simplification": "none"}
-"""For a query of one goal. Measured: the areas of fibre 15 to 35 s with OPTIONS, 2 to 7 s so; one claim of the guard 60 s and 0.2 s;
-other hard ones within a fifth of the same time. Several goals in one solver take a quarter longer so."""
-ALONE = {"decision": "justification"}  # for what is left: equalities of two copies take 0.5 s so, over 15 s together
-FIRST_SECONDS = 10.0  # for each goal among the others, before it is tried alone: most take 1 s, and 15 s alone
-ALONE_SECONDS = 5.0  # alone with the other options: what they are good for takes 0.5 s; then OPTIONS again
+"""Options for a query of one goal. Measured against OPTIONS: the fibre areas take 2 to 7 s instead of 15 to 35 s, one property of
+the guard 0.2 s instead of 60 s, other hard ones the same within a fifth. Several goals in one solver take a quarter longer."""
+ALONE = {
+    "decision": "justification"
+}  # for goals left over: equalities of two copies take 0.5 s with it, over 15 s together
+FIRST_SECONDS = 10.0  # for each goal in the common query, before it is tried alone: most take 1 s there, 15 s alone
+ALONE_SECONDS = 5.0  # for a goal with the options ALONE, which decide in 0.5 s if they suit it; then OPTIONS again
 
 
 LONGEST_NAME = 150
 UNITS_PER_SECOND = 300_000
-"""Of cvc5's resource count, in a second of effort: our queries make 70 to 600 thousand in one of an idle processor."""
+"""Units of cvc5's resource count in one second of effort: our queries use 70 to 600 thousand a second on an idle processor."""
 USED = "resource::resourceUnitsUsed"
 
 
 @dataclass(frozen=True)
 class Certificate(Generic[Key]):
-    """The text of a query, and which of its goals cvc5 could not decide in time (none: the proof is confirmed)."""
+    """The text of a query, and the goals that cvc5 could not decide in time; if there are none, the proof is confirmed."""
 
     file: str
     text: str
@@ -49,11 +51,11 @@ class Certificate(Generic[Key]):
 
 
 def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate[Key]:
-    """Return the text of what the query needs, each goal decided by cvc5.
+    """Let cvc5 decide each goal from the hypotheses that the query needs; return the certificate.
 
-    If cvc5 does not confirm every goal from that in the given seconds of effort, the text of the whole query, for which it
-    has as much again. EngineError if cvc5 contradicts a goal or cannot read the text. `relies_on` names the files of the
-    proofs whose results are hypotheses here.
+    If cvc5 does not confirm every goal within the given seconds of effort, it decides the query with all hypotheses, with the
+    same limit again. EngineError if cvc5 contradicts a goal or cannot read the text. `relies_on` names the files of the proofs
+    whose results are hypotheses here.
     """
     needed = _certify(only_needed(query), seconds, relies_on)
     return needed if not needed.undecided else _certify(query, seconds, relies_on)
@@ -81,7 +83,7 @@ def _unconfirmed(query: Query[Key], file: str, text: str, seconds: float) -> tup
 
 
 def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
-    """Return whether cvc5 confirms one goal from what it needs in the remaining time: one way first, then the other."""
+    """Return whether cvc5 confirms one goal alone in the remaining time: with the options ALONE, or else OPTIONS."""
     text = to_smtlib(only_needed(Query(query.name, query.hypotheses, {goal: query.goals[goal]})))
     for options, seconds in ((ALONE, ALONE_SECONDS), (OPTIONS, math.inf)):
         if ends.passed:
@@ -93,7 +95,10 @@ def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
 
 
 def file_name(name: str, text: str) -> str:
-    """Return the file of a certificate: its name for people, and a digest of its text, so that one file has one content."""
+    """Return the file name of a certificate: a readable name, and a digest of the text.
+
+    So files of one name have the same content.
+    """
     plain = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.") else "-" for letter in name)
     return f"{plain[:LONGEST_NAME]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.smt2"
 
@@ -107,9 +112,12 @@ def recheck(
     each: float | None = None,
     options: Mapping[str, str] = OPTIONS,
 ) -> list[str]:
-    """cvc5's answers to the text, each `unsat` or `unknown`. `each`: seconds for one goal, if fewer than for all.
+    """Return cvc5's answers to the text, each `unsat` or `unknown`.
 
-    EngineError if there are not as many as `expected`, or one is anything else: then cvc5 contradicts the proof.
+    each  limit in seconds for one goal; None: that of all goals
+
+    EngineError if the number of answers is not `expected`, or if an answer is anything else: then cvc5 contradicts the
+    proof.
     """
     answers = decide(file, text, seconds=seconds, each=each, options=options)
     if len(answers) != expected or any(answer not in ("unsat", "unknown") for answer in answers):
@@ -123,7 +131,7 @@ def recheck(
 def decide(
     file: str, text: str, *, seconds: float, each: float | None = None, options: Mapping[str, str] = OPTIONS
 ) -> list[str]:
-    """cvc5's answers to the text's `check-sat` commands, in order; `unknown` to all that come after `seconds`."""
+    """Return cvc5's answers to the text's `check-sat` commands, in order; `unknown` to all that come after `seconds`."""
     terms = cvc5.TermManager()
     solver, symbols = cvc5.Solver(terms), cvc5.SymbolManager(terms)
     for option, value in options.items():

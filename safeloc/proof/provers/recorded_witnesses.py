@@ -1,8 +1,8 @@
 """Witnesses from recordings: goals that a recorded run reaches need no search by a solver.
 
-Deep events of a composition (a word of five sections read, a reference that does not come for minutes) are beyond what
-a bounded search reaches, and are in the streams that ship with the machine. A recording counts as far as it keeps the
-assumption, replayed in the interpreter.
+Some deep events of a composition are out of reach of a bounded search (a word read over five sections, minutes without a
+reference), but occur in the streams that ship with the machine. A recording counts up to the first step that breaks the
+assumption; the interpreter replays it.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, 
 
 
 def _shortest(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, tuple[int, int]]:
-    """For each goal that some recording comes to the fewest steps, and the number of that recording."""
+    """Return, for each goal that some recording reaches, the fewest steps and the number of that recording."""
     replay, met = Replay(goals[0].plain, dict(enumerate(goals))), dict[int, tuple[int, int]]()
     for number, recording in enumerate(recordings):
         for goal, steps in replay.first_times(recording).items():
@@ -57,18 +57,18 @@ def _shortest(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Go
 
 
 def _interpreted(wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal, Trace]:
-    """The beginnings of a recording that come to goals after so many steps."""
+    """Run the recording in the interpreter up to each goal; EngineError if that takes other numbers of steps."""
     watched = watch(next(iter(wanted)).plain, list(wanted))
     first = replace(recording, steps=recording.steps[: max(wanted.values())])
     found = dict(_first_times(watched, first))
     wrong = [goal.prop.name for goal, steps in wanted.items() if goal not in found or len(found[goal].steps) != steps]
     if wrong:
-        raise EngineError(f"the interpreter does not come to {wrong[0]!r} where generated code does.")
+        raise EngineError(f"the interpreter does not reach {wrong[0]!r} in the step in which generated code does.")
     return found
 
 
 def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: int) -> Trace | None:
-    """Return the beginning of a recorded run that keeps the assumption for so many steps; None if there is none."""
+    """Return the first `steps` steps of a recorded run that satisfy the assumption; None if no recording has so many."""
     for recording in recordings:
         try:
             state = start(system, _known(system, recording.first))
@@ -81,7 +81,7 @@ def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: in
 
 
 def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[str, Value], list[Mapping[str, Value]]]:
-    """First state and inputs of a recorded run as far as it keeps the assumption; no steps if it never begins."""
+    """Return first state and inputs of a recorded run up to the first step that breaks the assumption."""
     try:
         state = start(system, _known(system, recording.first))
     except InputError:
@@ -91,7 +91,7 @@ def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[st
 
 
 def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
-    """Each goal with the run up to the step in which the recording first comes to it."""
+    """Yield each goal with the run up to the step in which the recording first reaches it."""
     system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
     state = start(system, _known(original, recording.first))
     initial, left, steps = named(state, hidden), list(watched.goals), list[Step]()
@@ -107,7 +107,7 @@ def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, T
 def _admissible(
     system: TransitionSystem, state: Values, recording: Recording, hidden: Container[Var] = ()
 ) -> Iterator[tuple[Step, Values]]:
-    """The steps as long as they are in range and keep the assumption, each with the state after it."""
+    """Yield the steps as long as they are in range and satisfy the assumption, each with the state after it."""
     names = {var.name for var in system.inputs}
     stream = ({name: cell for name, cell in record.items() if name in names} for record in recording.steps)
     with suppress(InputError):
@@ -125,10 +125,10 @@ def _known(system: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Va
 def come_to(
     system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
 ) -> set[int]:
-    """Return the goals of the system, by number, that some recording comes to while it keeps what they rely on.
+    """Return the numbers of the goals that some recording reaches while it satisfies the assumption that they rely on.
 
-    The runs are made by generated code: that something happens has to be known of many goals at little cost, and no
-    proof rests on it. What the clock leaves out is not found.
+    Generated code makes the runs: it is quick for many goals, and no proof depends on the result. Goals that are not reached
+    before the deadline are left out.
     """
     found = set[int]()
     if goals and recordings:
@@ -139,12 +139,12 @@ def come_to(
 
 
 def known_first(system: TransitionSystem, recording: Recording) -> dict[str, Value]:
-    """Return the first values that a recording gives, of variables that the system has."""
+    """Return the first values in a recording, for variables that the system has."""
     return _known(system, recording.first)
 
 
 class Replay:
-    """The moves of a system with the observers of all goals, as plain code."""
+    """A system with the observers of all goals, compiled for replays of recordings."""
 
     def __init__(self, system: TransitionSystem, goals: Mapping[int, Goal]) -> None:
         self.system, self._numbers = system, tuple(goals)
@@ -159,27 +159,30 @@ class Replay:
         self._relied = len(relied)
 
     def first_times(self, recording: Recording) -> dict[int, int]:
-        """Return the goals that it comes to, each with the steps until then."""
+        """Return the goals that the recording reaches, by number, each with the steps until then."""
         met: dict[int, int] = {}
         for steps, (state, kept) in enumerate(self.states(recording)):
             if not any(kept):
                 break
-            told = zip(self._numbers, self._goods(state), self._relies, strict=True)
-            met |= {number: steps for number, good, relies in told if not good and kept[relies] and number not in met}
+            judged = zip(self._numbers, self._goods(state), self._relies, strict=True)
+            met |= {number: steps for number, good, relies in judged if not good and kept[relies] and number not in met}
         return met
 
     def found(self, recording: Recording, ends: Deadline) -> set[int]:
-        """Return the goals that it comes to."""
+        """Return the numbers of the goals that the recording reaches before the deadline."""
         found = set[int]()
         for state, kept in self.states(recording):
             if ends.passed or not any(kept):
                 break
-            told = zip(self._numbers, self._goods(state), self._relies, strict=True)
-            found |= {number for number, good, relies in told if not good and kept[relies]}
+            judged = zip(self._numbers, self._goods(state), self._relies, strict=True)
+            found |= {number for number, good, relies in judged if not good and kept[relies]}
         return found
 
     def states(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
-        """Each state, and what has been kept up to it; what the machine cannot take ends the recording."""
+        """Yield each state, and for each assumption whether it has held so far.
+
+        An input that the machine cannot take ends the recording.
+        """
         kept = [True] * self._relied
         with suppress(InputError):
             for state, now in self._each(recording):
@@ -187,7 +190,7 @@ class Replay:
                 yield state, kept
 
     def _each(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
-        """Each state, and what was kept in the step to it; as long as it is in range."""
+        """Yield each state, and for each assumption whether the step to it satisfies it, as long as steps are in range."""
         names = {var.name for var in self.system.inputs}
         values = start(self.watched, _known(self.system, recording.first))
         yield [values[var] for var in self.watched.state], [True] * self._relied

@@ -22,7 +22,7 @@ class Relevance:
         self._of: dict[Expr, frozenset[int]] = {}
 
     def machines(self, terms: Iterable[Bool]) -> frozenset[int]:
-        """Return the machines that the terms speak of, by number; shared variables belong to none."""
+        """Return the numbers of the machines that the terms read; shared variables belong to none."""
         found: frozenset[int] = frozenset()
         for term in terms:
             for node in in_order([term], self._of):
@@ -36,13 +36,13 @@ class Relevance:
         return frozenset().union(*(self._of[child] for child in children(node)))
 
     def select(self, hypotheses: Iterable[Bool], goals: Iterable[Bool]) -> list[Bool]:
-        """Return the hypotheses, part by part, that speak of the goals' machines alone."""
+        """Return the conjuncts of the hypotheses that read no other machines than the goals do."""
         wanted = self.machines(goals)
         return [part for one in hypotheses for part in conjuncts(one) if self.machines([part]) <= wanted]
 
 
 def _owners(system: TransitionSystem) -> dict[Var, int]:
-    """Variables that a single machine of the composition has."""
+    """Map each variable of exactly one machine of the composition to the number of that machine."""
     owners: dict[Var, int] = {}
     shared: set[Var] = set()
     for number, part in enumerate(system.parts):

@@ -1,4 +1,4 @@
-"""Counterexamples and witnesses: what a solver found counts only after exact replay in the interpreter."""
+"""Counterexamples and witnesses of solvers: they count only after exact replay in the interpreter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from safeloc.language.trace import Step, Trace
 
 
 def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[str, object]]) -> Trace | None:
-    """The run up to the first step in which `good` fails; None if it never does or the assumption is broken before."""
+    """Return the run up to the first step in which `good` fails; None if it never does or the assumption is broken
+    before.
+    """
     system, hidden = goal.system, frozenset(goal.observers)
     state, steps = start(system, first), list[Step]()
     initial = named(state, hidden)

@@ -1,4 +1,4 @@
-"""One query by both solvers: z3 decides, and what it proves cvc5 has to confirm from the text."""
+"""Decision of one query by both solvers: z3 decides, and cvc5 confirms from the text what z3 has proved."""
 
 from __future__ import annotations
 
@@ -16,14 +16,17 @@ UNCONFIRMED = "cvc5 could not confirm it in time"
 
 @dataclass(frozen=True)
 class Settled(Generic[Key]):
-    """The goals that do not follow, each with why; the certificate's text by its file name, if none is left."""
+    """The goals that do not follow, with reasons; and if all follow, the certificate's text by its file name."""
 
     failed: Mapping[Key, Failure]
     texts: Mapping[str, str]
 
 
 def settled_but(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> tuple[Settled[Key], list[Key]]:
-    """Return the same, and which goals follow: where some do not, the others are settled without them, so that none is lost."""
+    """Decide the query, and if some goals fail decide the others again without them.
+
+    Return the result and the keys of the goals that follow.
+    """
     first = settled(query, ends, relies_on)
     rest = {key: goal for key, goal in query.goals.items() if key not in first.failed}
     if not first.failed or not rest:

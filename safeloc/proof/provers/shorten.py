@@ -1,6 +1,7 @@
-"""Shorter and plainer counterexamples: steps left out, inputs absent or at rest, for as long as the property still breaks.
+"""Shorter and simpler counterexamples: steps are left out, inputs made absent or put to rest, as long as the property
+fails.
 
-Candidates are tried with the compiled machine; what is returned is the interpreter's exact replay.
+Candidates run on generated code; the result is the interpreter's exact replay.
 """
 
 from __future__ import annotations
@@ -46,8 +47,10 @@ def shortened(
 
 
 def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
-    """Make a function that counts the steps until a stream breaks the property; None if it never does, or if it breaks the
-    assumption before."""
+    """Make a function that counts the steps until a stream breaks the property.
+
+    It returns None if the stream never does, or if it breaks the assumption before.
+    """
     allowed, system = BoolVar("observer.allowed"), goal.system
     code = compile_system(
         replace(
@@ -92,7 +95,7 @@ def _without_stretches(kept: list[Record], breaks: Breaks, ends: Deadline) -> li
 
 
 def _at_rest(system: TransitionSystem, kept: list[Record], breaks: Breaks, ends: Deadline) -> list[Record]:
-    """Each input absent, false or nearest zero: in all steps, or else in as many as will do."""
+    """Make each input absent, false or nearest to zero: in the whole run if possible, else in parts of it."""
     for change in _changes(system):
         for begin, end in _halves(0, len(kept)):
             if ends.passed:
@@ -114,7 +117,7 @@ def _changes(system: TransitionSystem) -> Iterator[Record]:
 
 
 def _halves(begin: int, end: int) -> Iterator[tuple[int, int]]:
-    """All of it, then halves, then quarters, down to eighths."""
+    """Yield the whole interval, then its halves, quarters and eighths."""
     pieces = [(begin, end)]
     for _ in range(4):
         yield from pieces

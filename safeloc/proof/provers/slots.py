@@ -1,6 +1,7 @@
-"""Places at the processors, shared by all processes of a run: so many compute at once, however many there are.
+"""Slots at the processors, shared by all processes of a run: they limit how many processes compute at the same time.
 
-As in make's job server, a place is a byte in a pipe: who computes has taken one, who waits for others has put it back.
+As in make's job server, a slot is a byte in a pipe: a process takes one to compute, and gives it back while it waits for
+others.
 """
 
 from __future__ import annotations
@@ -12,26 +13,26 @@ from multiprocessing.connection import wait
 
 
 class Slots:
-    """So many places, for this process and those that are forked from it."""
+    """A number of slots, for this process and those that are forked from it."""
 
-    def __init__(self, places: int) -> None:
+    def __init__(self, slots: int) -> None:
         self.free, self._put = os.pipe()
         os.set_blocking(self.free, False)
-        os.write(self._put, b"." * places)
+        os.write(self._put, b"." * slots)
 
     def try_take(self) -> bool:
-        """Take a place if one is free."""
+        """Take a slot if one is free."""
         with suppress(BlockingIOError):
             return bool(os.read(self.free, 1))
         return False
 
     def take(self) -> None:
-        """Wait for a place and take it."""
+        """Wait for a slot and take it."""
         while not self.try_take():
             wait([self.free])
 
     def give(self) -> None:
-        """Put a place back."""
+        """Give a slot back."""
         os.write(self._put, b".")
 
     def close(self) -> None:
@@ -44,13 +45,13 @@ _SHARED: list[Slots] = []
 
 
 def shared() -> Slots | None:
-    """Return the places that this process shares with others; None where it has the machine for itself."""
+    """Return the slots that this process shares with others; None if it shares none."""
     return _SHARED[-1] if _SHARED else None
 
 
 @contextmanager
 def sharing(slots: Slots) -> Iterator[None]:
-    """Within, processes are started only as places become free."""
+    """Start processes inside the block only as slots become free."""
     _SHARED.append(slots)
     try:
         yield
@@ -60,13 +61,13 @@ def sharing(slots: Slots) -> Iterator[None]:
 
 @contextmanager
 def resting() -> Iterator[None]:
-    """Within, this process waits and others may compute in its place; afterwards it has one again.
+    """Let other processes use this one's slot inside the block; take a slot again afterwards.
 
-    A process that is told to end while it waits does not wait for a place any more.
+    A process that is told to end while it waits takes no slot again.
     """
-    places = shared()
-    if places is not None:
-        places.give()
+    slots = shared()
+    if slots is not None:
+        slots.give()
     yield
-    if places is not None:
-        places.take()
+    if slots is not None:
+        slots.take()

@@ -1,8 +1,8 @@
 """Spacer (property-directed reachability): finds an inductive invariant by itself.
 
-It is given the system's proved base as hypotheses. Its invariant is read back into our own terms; three queries
-(it holds at first, every step keeps it, it implies the property) are then decided by fresh z3 queries and, from
-text written from our terms, by cvc5.
+The system's proved base serves as hypotheses. The invariant found is translated back into our own terms. New z3 queries,
+and cvc5 from text written from our terms, then decide three questions: it holds in the first state, every step preserves
+it, and it implies the property.
 """
 
 from __future__ import annotations
@@ -31,9 +31,10 @@ from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 
 
 def spacer(goal: Goal, limits: Limits) -> Verdict:
-    """Proved or Unknown; a violation it claims is left to bounded search, which gives the trace.
+    """Return Proved, Vacuous or Unknown; a violation that Spacer claims is left to bounded search, which gives the
+    trace.
 
-    The re-check has the time limit once more.
+    The re-check gets the same time limit again.
     """
     known = base(goal.original, seconds=limits.seconds)
     facts = given_facts(goal, known)
@@ -70,7 +71,7 @@ def _invariant(goal: Goal, facts: Sequence[Bool], limits: Limits) -> Bool | Unkn
 
 
 def _text(reason: str | bytes) -> str:
-    """z3 gives this reason as bytes, and as `canceled` where its time is up."""
+    """Return z3's reason as text: z3 gives bytes, and `canceled` if its time is up."""
     return (reason.decode() if isinstance(reason, bytes) else reason).replace("canceled", "time limit") or "undecided"
 
 
@@ -89,7 +90,7 @@ def _read(answer: z3.ExprRef, state: list[z3.ExprRef], goal: Goal) -> Bool | Unk
 
 
 def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
-    """The invariant over the state constants, out of `forall s. reached(s) = body(s)`."""
+    """Return the invariant over the state constants, from `forall s. reached(s) = body(s)`."""
     if not isinstance(answer, z3.QuantifierRef):
         raise EngineError(f"spacer: its answer is no quantified equation: {answer.sexpr()[:200]}")
     equation = answer.body()
@@ -99,7 +100,7 @@ def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
 
 
 def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verdict:
-    """The invariant's three queries, by z3 and by cvc5."""
+    """Decide the three queries on the invariant by z3 and by cvc5."""
     empty = nothing_begins(goal, ends.left)
     if empty is not None:
         return empty
@@ -116,7 +117,7 @@ def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verd
 
 
 def queries(goal: Goal, facts: Sequence[Bool], invariant: Bool) -> tuple[Query[str], Query[str], Query[str]]:
-    """Initiation, consecution, and that the property follows."""
+    """Return the queries for initiation, for consecution, and for the property as a consequence."""
     system, name = goal.system, f"{goal.original.name} {goal.prop.name} spacer"
     after = Substitution(dict(system.next)).bool(invariant)
     first = [system.init, in_range(system.state), *facts]

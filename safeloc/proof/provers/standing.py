@@ -1,6 +1,7 @@
-"""Many questions over terms that mostly stay the same: each term is translated for z3 once, and kept.
+"""Many queries over terms that mostly stay the same: each term is translated for z3 only once.
 
-For whoever asks the same of a thousand variants of a system. What is learned here is confirmed by nothing else, so no verdict comes of it.
+They serve to ask the same question about a thousand variants of a system. No other solver confirms the answers, so no
+verdict is made from them.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ Key = TypeVar("Key", bound=Hashable)
 
 
 class Standing:
-    """Questions whether goals follow from hypotheses; variables are told apart by name.
+    """Queries that decide if goals follow from hypotheses; variables are identified by name.
 
-    Until `learnt` is called, it learns how many goals are decided when they are asked together. After that no answer depends on
-    what was asked before.
+    Until `learnt` is called, it learns how many goals z3 can decide together. After that no answer depends on earlier
+    queries.
     """
 
     def __init__(self) -> None:
@@ -32,11 +33,11 @@ class Standing:
         self._together, self._learning = 1_000_000, True
 
     def learnt(self) -> None:
-        """From now on ask as many goals together as it has learnt."""
+        """End the learning: from now on ask for as many goals together as it has learnt."""
         self._learning = False
 
     def failures(self, hypotheses: Sequence[Bool], goals: Mapping[Key, Bool], seconds: float) -> dict[Key, bool]:
-        """The goals that do not follow: True where a counterexample says so, False where that was not decided in time."""
+        """Return the goals that do not follow: True if a counterexample refutes the goal, False if it is undecided."""
         asked = {key: self._translated(goal) for key, goal in goals.items()}
         given = [self._translated(term) for term in hypotheses]
         return self._failures(given, asked, seconds)
@@ -44,7 +45,7 @@ class Standing:
     def _failures(
         self, given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float
     ) -> dict[Key, bool]:
-        """What is not decided of some goals together may be of half of them: each part has the whole limit."""
+        """Decide goals together, and halve a set that is undecided; each part has the whole limit."""
         failed = dict[Key, bool]()
         waiting = [dict(goals)]
         while waiting:
@@ -69,7 +70,7 @@ class Standing:
 
 
 def _decided(given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float) -> dict[Key, bool]:
-    """Goals that do not follow, and False for those that were not decided, asked together."""
+    """Decide goals together; return True for each refuted goal and False for each undecided one."""
     failed, left, ends = dict[Key, bool](), dict(goals), deadline(seconds)
     while left:
         false = _false(given, left, ends)
@@ -89,7 +90,7 @@ def _halves(goals: dict[Key, z3.BoolRef]) -> list[dict[Key, z3.BoolRef]]:
 
 
 def _false(given: Sequence[z3.BoolRef], left: Mapping[Key, z3.BoolRef], ends: Deadline) -> list[Key] | None:
-    """The goals that one example makes false; none where all follow, None where that is not decided."""
+    """Return the goals that one model makes false: no goals if all follow, None if that is undecided."""
     solver = plain_solver()
     solver.add(*given, z3.Not(z3.And(*left.values())))
     answer = ask(solver, ends.left)

@@ -1,7 +1,7 @@
 """Verdicts and findings as plain data, to be sent between processes.
 
-Terms are graphs too deep to be pickled as they are: they travel as flat lists, parts before wholes. Traces travel
-as first state and inputs, and are run again by the interpreter on arrival.
+Terms are graphs too deep to pickle: they are sent as flat lists, parts before wholes. Traces are sent as first state and
+inputs; the receiver runs them again in the interpreter.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ Flat = tuple[Any, ...]
 
 @dataclass(frozen=True)
 class _Part:
-    """Stands for an earlier node of a flat term."""
+    """A reference to an earlier node of a flat term."""
 
     index: int
 
 
 def pack_term(term: Expr) -> Flat:
-    """Return the nodes below the term; variables by name, parts by place."""
+    """Return the nodes of the term as a flat list; variables by name, parts by index."""
     nodes = in_order([term])
     place: dict[Expr, _Part] = {node: _Part(index) for index, node in enumerate(nodes)}
     return tuple(node.name if isinstance(node, Var) else (type(node), _packed_fields(node, place)) for node in nodes)
@@ -71,7 +71,9 @@ def _unpacked_field(value: Any, nodes: list[Expr]) -> Any:
 
 @dataclass(frozen=True)
 class PackedTrace:
-    """First state, and inputs of every step; of a composition `part` names the machine whose run it is by itself."""
+    """First state and inputs of every step; `part` names the machine of a composition if the run is of that machine
+    alone.
+    """
 
     initial: Mapping[str, Value]
     stream: tuple[Mapping[str, Value], ...]
@@ -87,7 +89,7 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
 
 
 def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
-    """Return the run, made again by the interpreter; of a machine by itself whatever it was looked for under."""
+    """Return the run, made again by the interpreter; a run of one machine alone is made without its assumption."""
     if packed is None:
         return None
     return run(_by_itself(packed.part, system) if packed.part else system, packed.stream, first=packed.initial)
@@ -119,7 +121,7 @@ def pack(verdict: Verdict) -> Packed:
 
 
 def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem) -> Verdict:
-    """Return the verdict again: traces are runs of `system`, invariants speak of the variables of `observed`."""
+    """Rebuild the verdict: traces are runs of `system`, invariants read the variables of `observed`."""
     match packed:
         case ("proved", term, engine, depth, rechecked, certificates, witness, by_construction):
             invariant = None if term is None else unpack_term(term, observed)
@@ -136,7 +138,7 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem)
 
 
 def pack_base(known: Base) -> Packed:
-    """Return a proved base: which facts hold, the rest as it is."""
+    """Return a proved base as plain data: facts by key, the rest unchanged."""
     always, facts = tuple(known.always), tuple(known.facts)
     return (
         always,
@@ -150,7 +152,7 @@ def pack_base(known: Base) -> Packed:
 
 
 def unpack_base(packed: Packed, terms: Mapping[Fact, Bool]) -> Base:
-    """Return the base again, out of the terms of its facts."""
+    """Rebuild the base from the terms of its facts."""
     always, facts, certificates = packed[0], packed[1], packed[3]
     refuted: Mapping[Fact, Failure] = packed[2]
     always_, facts_, kept = ({key: terms[key] for key in keys} for keys in (always, facts, packed[5]))

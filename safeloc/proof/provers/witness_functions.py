@@ -1,8 +1,8 @@
-"""Witness functions, inputs as terms over state: generalizes admissible inputs of one state to many states.
+"""Witness functions, which give inputs as terms over state: they generalize lawful inputs of one state to many states.
 
-The conditions on a step are followed to what makes them true in that one state: linear comparisons and truth values of
-inputs. One input after another is then solved for: where an equality gives it, that; else as near to rest as its lower and
-upper bounds allow. No proof relies on this: whether such inputs are lawful is decided where they are used.
+First, the atoms that make the conditions on a step true in that one state are collected: linear comparisons and truth values
+of inputs. Then each input is solved for in turn: by an equation if there is one, else as near to rest as its bounds allow.
+No proof relies on this: a solver decides whether the inputs are lawful where they are used.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ def at_rest(inputs: Iterable[Var]) -> dict[Var, Value]:
 
 
 def constants(values: Mapping[Var, Value]) -> Witness:
-    """Return the same inputs in every state."""
+    """Return the witness function that gives the same inputs in every state."""
     return {var: constant_of(var, value) for var, value in values.items()}
 
 
 @dataclass(eq=False)
 class Generalisation:
-    """The conditions on a step of a system, to be followed from one state and its inputs to a witness function."""
+    """The conditions on a step of a system, to make witness functions from single states and their inputs."""
 
     condition: Bool
     inputs: Sequence[Var]
@@ -65,8 +65,10 @@ class Generalisation:
                 self._reads.add(node)
 
     def witness(self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], *, eager: bool) -> Witness:
-        """Return a rule that gives admissible inputs in this state; eager: it also satisfies conditions not active
-        there."""
+        """Return a witness function that gives lawful inputs in this state.
+
+        eager  it also satisfies conditions that are not active in this state
+        """
         values = dict(zip(self._order, evaluate(self._order, {**state, **inputs}), strict=True))
         followed = _Followed(values, self._reads, frozenset(self.inputs), eager)
         followed.follow(self.condition, True)
@@ -90,7 +92,7 @@ class _Followed:
         self._linear: dict[Num, Linear] = {}
 
     def follow(self, term: Bool, wanted: bool) -> None:
-        """Notes what makes the term come out as wanted, which it does."""
+        """Collect the atoms that give the term the value `wanted`, which it must have."""
         stack = [(term, wanted)]
         while stack:
             now, wish = stack.pop()
@@ -118,7 +120,7 @@ class _Followed:
         return []
 
     def _chosen(self, parts: Sequence[Bool], wanted: bool) -> tuple[Bool, bool]:
-        """Of the parts that come out so the one that binds the inputs least; eager: rather one that binds them."""
+        """Choose a part with the wanted value: the one that binds the inputs least, or if eager one that binds them."""
         fitting = [part for part in parts if bool(self._values[part]) == wanted]
         return min(fitting, key=self._cost), wanted
 
@@ -146,7 +148,7 @@ class _Followed:
             self.bounds.append(gap.times(-1).plus(0 if op == "<" else 1))
 
     def linear(self, term: Num) -> Linear:
-        """The term as a sum over inputs; where it is none, by the branch that is taken or the value that it has."""
+        """Return the term as a sum over inputs; a term that is none is replaced by its active branch or by its value."""
         for node in in_order([term], self._linear):
             if isinstance(node, Num) and node not in self._linear:
                 self._linear[node] = self._sum(node)
@@ -174,7 +176,7 @@ class _Followed:
                 return Linear({}, Lit(int(self._values[node]), ONE))
 
     def _divided(self, whole: Linear, divisor: int) -> Linear:
-        """A new number for the quotient: divisor * q <= whole < divisor * (q + 1)."""
+        """Introduce a number q for the quotient: divisor * q <= whole < divisor * (q + 1)."""
         part = NumVar(f"part {len(self.parts)}", ONE, 0, 0)
         self.parts.append(part)
         quotient = Linear({part: divisor}, Lit(0, ONE))

@@ -1,6 +1,6 @@
-"""Work in processes of its own: several at a time, each ended by the clock if its solver hangs.
+"""Tasks in processes of their own: several at a time, each with a time limit in case its solver hangs.
 
-Processes are forked, so that nothing has to be sent to them; what they send back is plain data.
+Processes are forked, so that nothing has to be sent to them; they send plain data back.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from safeloc.proof.provers.slots import shared
 
 @dataclass(frozen=True)
 class Task:
-    """A piece of work: `work` returns plain data; it is ended after `seconds`."""
+    """A piece of work: `work` returns plain data; its process is ended after `seconds`."""
 
     name: str
     work: Callable[[], Any]
@@ -51,37 +51,37 @@ class _Worker:
 
 
 def in_processes(tasks: Sequence[Task], jobs: int) -> Iterator[tuple[int, Any | Lost, float]]:
-    """(number of the task, its data or Lost, seconds it took), as they come; at most `jobs` at a time.
+    """Run tasks, at most `jobs` at a time; yield (number of the task, its data or Lost, its seconds) as they end.
 
-    Where places are shared (safeloc.proof.provers.slots), each task needs one, and this process puts its own back while it
-    waits. EngineError if a task raised an exception: the rest is ended.
+    If slots are shared (safeloc.proof.provers.slots), each task needs one, and this process gives its own back while it waits.
+    EngineError if a task raised an exception; the others are then ended.
     """
     context = _forking()
     waiting, running = list(range(len(tasks))), list[_Worker]()
-    places = shared()
-    if places is not None:
-        places.give()
+    slots = shared()
+    if slots is not None:
+        slots.give()
     try:
         while waiting or running:
-            while waiting and len(running) < max(1, jobs) and (places is None or places.try_take()):
+            while waiting and len(running) < max(1, jobs) and (slots is None or slots.try_take()):
                 running.append(_start(context, waiting[0], tasks[waiting.pop(0)]))
-            asked = places is not None and waiting and len(running) < max(1, jobs)
-            free = [places.free] if places is not None and asked else []
+            asked = slots is not None and waiting and len(running) < max(1, jobs)
+            free = [slots.free] if slots is not None and asked else []
             wait([*free, *(worker.pipe for worker in running)], timeout=_patience(running, tasks))
             for worker in list(running):
                 answer = _answer(worker, tasks[worker.index])
                 if answer is not None:
                     running.remove(worker)
-                    if places is not None:
-                        places.give()
+                    if slots is not None:
+                        slots.give()
                     yield worker.index, answer[0], time.monotonic() - worker.started
     finally:
         for worker in running:
             _end(worker)
-            if places is not None:
-                places.give()
-        if places is not None:
-            places.take()
+            if slots is not None:
+                slots.give()
+        if slots is not None:
+            slots.take()
 
 
 def _forking() -> ForkContext:
@@ -99,8 +99,8 @@ def _start(context: ForkContext, index: int, task: Task) -> _Worker:
 
 
 def _run(task: Task, pipe: Connection) -> None:
-    """In the new process: whatever goes wrong is handed over as text, and raised by the parent."""
-    gc.freeze()  # the collector never walks through what is inherited, which would copy every page of it
+    """Run the task in the new process; an exception is sent as text, and the parent raises it."""
+    gc.freeze()  # keeps the collector away from inherited objects, since visiting them would copy every page
     try:
         pipe.send((task.work(),))
     except Exception as error:  # not swallowed: the parent raises it
@@ -115,7 +115,7 @@ def _patience(running: Sequence[_Worker], tasks: Sequence[Task]) -> float | None
 
 
 def _answer(worker: _Worker, task: Task) -> tuple[Any | Lost] | None:
-    """The task's data, if it has come; Lost if its process died or its time is up; None to go on waiting."""
+    """Return the task's data if it has arrived, Lost if its process died or its time is up, None to go on waiting."""
     if worker.pipe.poll():
         return (_received(worker, task),)
     if time.monotonic() - worker.started >= task.seconds:

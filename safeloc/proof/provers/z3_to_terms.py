@@ -1,4 +1,4 @@
-"""Converts z3 terms back to our own terms, such as an invariant that a solver has found.
+"""Translation of z3 terms back into our own terms, such as an invariant that a solver has found.
 
 Such terms carry no units (all numbers have unit 1) and are for proofs only.
 """
@@ -20,7 +20,9 @@ class UnreadableError(Exception):
 
 
 def read_bool(term: z3.ExprRef, variables: Mapping[str, Var]) -> Bool:
-    """Return the term, whose constants are `variables` by name. UnreadableError for what our language does not have."""
+    """Return the term, whose constants are `variables` by name. UnreadableError for operators that our language does
+    not have.
+    """
     done: dict[int, Expr] = {}
     for node in _parts_first(term):
         done[node.get_id()] = _read(node, [done[child.get_id()] for child in node.children()], variables)

@@ -1,4 +1,4 @@
-"""Several targets at once: each is conducted by a process of its own, and all processes share the same places.
+"""Several targets at once: each is conducted by a process of its own, and all processes share the same slots.
 
 The longest targets begin first. Progress is reported at once; all findings of a target arrive when it is done. All processes
 are forked before any findings arrive: a process that holds the findings of many targets is ten times as large, and each
@@ -128,16 +128,16 @@ def verify_targets(
     questions = {target: asked(target, "verified", plan) for target in targets} if keeping else {}
     found = dict(_found_before(look_in, questions, on_event))
     left = sorted((target for target in targets if target.name not in found), key=expected, reverse=True)
-    places = Slots(max(1, jobs))
+    slots = Slots(max(1, jobs))
     try:
         with kept_in(keep_in, fresh=look_in is None):
-            for target, packed, seconds in _conducted(left, plan, jobs, places, on_event):
+            for target, packed, seconds in _conducted(left, plan, jobs, slots, on_event):
                 found[target.name] = unpack_findings(packed, target.system)
                 if target in questions:
                     keep(keep_in, questions[target], found[target.name])
                 on_event(Over(target.name, seconds))
     finally:
-        places.close()
+        slots.close()
     return {target.name: found[target.name] for target in targets}
 
 
@@ -153,13 +153,13 @@ def _found_before(
 
 
 def _conducted(
-    waiting: Sequence[Target], plan: Plan, jobs: int, places: Slots, on_event: OnEvent
+    waiting: Sequence[Target], plan: Plan, jobs: int, slots: Slots, on_event: OnEvent
 ) -> Iterator[tuple[Target, Plain, float]]:
-    """Each target's findings as plain data, and its seconds, as they are complete; as many targets at a time as there are places."""
+    """Each target's findings as plain data, and its seconds, as they are complete; as many targets at a time as there are slots."""
     left, running = list[_Conductor](), list[_Conductor]()
     try:
         for target in waiting:
-            left.append(_forked(target, plan, jobs, places, [one.pipe for one in left]))
+            left.append(_forked(target, plan, jobs, slots, [one.pipe for one in left]))
         while left or running:
             while left and len(running) < max(1, jobs):
                 running.append(left.pop(0))
@@ -177,10 +177,10 @@ def _conducted(
             one.process.join()
 
 
-def _forked(target: Target, plan: Plan, jobs: int, places: Slots, others: Sequence[Connection]) -> _Conductor:
+def _forked(target: Target, plan: Plan, jobs: int, slots: Slots, others: Sequence[Connection]) -> _Conductor:
     context = multiprocessing.get_context("fork")
     here, there = context.Pipe(duplex=True)
-    process = context.Process(target=_conduct, args=(target, plan, jobs, places, there, [*others, here]))
+    process = context.Process(target=_conduct, args=(target, plan, jobs, slots, there, [*others, here]))
     process.start()
     there.close()
     return _Conductor(target, process, here)
@@ -211,7 +211,7 @@ def _received(one: _Conductor, on_event: OnEvent) -> Plain | None:
 
 
 def _conduct(
-    target: Target, plan: Plan, jobs: int, places: Slots, pipe: Connection, inherited: Sequence[Connection]
+    target: Target, plan: Plan, jobs: int, slots: Slots, pipe: Connection, inherited: Sequence[Connection]
 ) -> None:
     """Verify one target as soon as the parent sends the start; every process that computes has a place, this one too.
 
@@ -225,14 +225,14 @@ def _conduct(
         pipe.recv()
     except (EOFError, KeyboardInterrupt):
         os._exit(1)
-    places.take()
+    slots.take()
     try:
-        with sharing(places), suppress(BrokenPipeError):
+        with sharing(slots), suppress(BrokenPipeError):
             pipe.send(_verified(target, plan, jobs, pipe))
     except KeyboardInterrupt:
         os._exit(1)
     finally:
-        places.give()
+        slots.give()
         pipe.close()
 
 

@@ -102,7 +102,7 @@ def test_reachable_is_proved_by_a_witness_and_refuted_by_induction() -> None:
     assert len(high.witness.steps) == 5
     assert isinstance(never, Violated)
     assert never.trace is None
-    assert never.reason == "no run comes there: proved by 1-induction"
+    assert never.reason == "no run reaches it: proved by 1-induction"
 
 
 def test_reachable_without_the_assumption() -> None:

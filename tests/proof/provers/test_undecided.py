@@ -110,7 +110,7 @@ def test_a_range_that_no_run_leaves_and_no_induction_shows(monkeypatch: pytest.M
     monkeypatch.setattr(never, "spacer", lambda *_: Unknown("gives up"))
     _, open_, *_ = arithmetic.ranges(lower(machine), Limits(depth=3))
     assert isinstance(open_.verdict, Unknown)
-    assert "no run comes there; a lemma may be missing" in open_.verdict.reason
+    assert "no run was found that reaches it; a lemma may be missing" in open_.verdict.reason
     assert open_.verdict.depth == 3
 
 
