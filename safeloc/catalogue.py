@@ -36,11 +36,11 @@ from safeloc.shipped.own_sources import KINDS, SEPARATOR, WITH_SOURCES, with_own
 from safeloc.target import Entry, Target
 
 NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
-"""A function by its file or module, among several that are joined."""
+"""One of several joined functions, each given by its file or module."""
 NEARLY = ("properties", "property", "props")
-"""Names that look as if `properties` was meant."""
+"""Names that look like a misspelt `properties`."""
 LARGEST_CONFIG = 1_000_000
-"""Bytes of a configuration file."""
+"""Maximum size of a configuration file, in bytes."""
 
 __all__ = ["DEFAULTS", "ENTRIES", "Entry", "Target", "configured", "load_target", "read_config"]
 
@@ -50,20 +50,21 @@ def load_target(spec: str, config: Path | None = None) -> Target:
 
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
     content of the configuration file). Its module may define `properties`, a list or a function of the machine,
-    `reported`, a Reported that names the outputs of the interval, and `pictures`, how its recorded runs are drawn.
+    `reported`, a Reported that names the outputs of the interval, and `pictures`, a list of drawings of its recorded runs.
     The target records the requested name (`spec`) and, if its module declares no property, the reason (`unasked`).
-    Raises InputError, whose message names the requested machine and the existing ones.
+    InputError names the requested machine and the existing ones.
     """
     return replace(_found(spec, config), spec=spec)
 
 
 DEFAULTS = "the defaults"
-"""How the configuration without changes is named beside the declared ones."""
+"""Name of the configuration without changes, beside the declared ones."""
 
 
 def configured(spec: str, names: Sequence[str]) -> Iterator[tuple[str, Target]]:
-    """Load a shipped machine in its defaults and its declared configurations, each with its name: all of them for `all`, or
-    those named. InputError for another machine and another name.
+    """Load a shipped machine in its named configurations, or in all of them (the defaults included) for `all`.
+
+    Each comes with its name. InputError for a machine that does not ship and for an unknown name.
     """
     if spec not in ENTRIES:
         raise InputError(
@@ -98,14 +99,18 @@ def _found(spec: str, config: Path | None) -> Target:
 
 
 def sources_of(spec: str) -> list[str]:
-    """List the users' functions that a requested name has behind `localizer+`; the name itself where it has none."""
+    """Return the user's functions that stand behind `localizer+` in a requested name; the name itself if there are
+    none.
+    """
     kind, _, sources = spec.partition(SEPARATOR)
     return NAMED.findall(sources) if kind in KINDS and sources else [spec]
 
 
 def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
-    """List the names of all that is verified of a localizer with these sources: each one's contract, the localizer with them
-    alone, and the localizer with its own as well. InputError for another machine.
+    """Return the names of all targets to be verified of a localizer with these sources.
+
+    They are each source's contract, the localizer with these sources alone, and the localizer with its own as well. InputError
+    for another machine.
     """
     if spec != WITH_SOURCES:
         raise InputError(f"--source is for the localizer; {spec!r} takes no source of your own.")
@@ -115,7 +120,7 @@ def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
 
 
 def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
-    """The localizer with a user's sources, or one of them by itself: `localizer+FILE.py:NAME`, several joined by `+`."""
+    """Load the localizer with a user's sources, or one source alone: `localizer+FILE.py:NAME`, several joined by `+`."""
     named = NAMED.findall(sources)
     if SEPARATOR.join(named) != sources or not named:
         raise InputError(f"{sources!r} names no source; give FILE.py:NAME or package.module:NAME, several joined by +.")
@@ -136,7 +141,7 @@ def _maker(spec: str) -> Callable[..., Any]:
 
 
 def _made(entry: Entry[Any], config: BaseModel, path: Path | None) -> Target:
-    """The shipped machine of a configuration; InputError where each figure is permitted but no machine comes of all."""
+    """Make the shipped machine; InputError if each figure of the file is permitted, but the machine cannot be built."""
     if path is None:
         return _built(entry, config)
     try:
@@ -145,17 +150,20 @@ def _made(entry: Entry[Any], config: BaseModel, path: Path | None) -> Target:
         without = list(dict.fromkeys(re.findall(r"transition '([^']+)'", str(error))))
         what = f"transitions that never, or always, fire: {', '.join(without)}" if without else str(error)
         raise InputError(
-            f"{path}: machine {entry.name!r} cannot work with these figures ({what}). {_to_mend(config)}"
+            f"{path}: machine {entry.name!r} cannot work with these figures ({what}). {_to_correct(config)}"
         ) from error
     except ValidationError as error:
         wrong = "; ".join(_fields(error))
         raise InputError(
-            f"{path}: these figures contradict each other in machine {entry.name!r} ({wrong}). {_to_mend(config)}"
+            f"{path}: these figures contradict each other in machine {entry.name!r} ({wrong}). {_to_correct(config)}"
         ) from error
 
 
 def _built(entry: Entry[Any], config: BaseModel) -> Target:
-    """The machine. It is many small nodes in no cycles, so looking for garbage meanwhile would find none, and takes an eighth."""
+    """Make the machine, with garbage collection off.
+
+    Its many small nodes form no cycles, so a collection would find nothing, and take an eighth of the time.
+    """
     looking = gc.isenabled()
     gc.disable()
     try:
@@ -165,19 +173,19 @@ def _built(entry: Entry[Any], config: BaseModel) -> Target:
             gc.enable()
 
 
-def _to_mend(config: BaseModel) -> str:
-    """The figures among which the wrong one is: those that are not the defaults."""
+def _to_correct(config: BaseModel) -> str:
+    """Name the figures one of which is wrong: those that differ from the defaults."""
     own = config.model_dump(mode="json", exclude_defaults=True)
-    return f"Mend one of: {', '.join(f'{name} = {value}' for name, value in own.items())}."
+    return f"Correct one of: {', '.join(f'{name} = {value}' for name, value in own.items())}."
 
 
 def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
-    """A configuration from TOML or JSON, all defaults without a file; InputError naming file and fields."""
+    """Read a configuration from TOML or JSON, or return the defaults without a file; InputError names file and fields."""
     return checked_config(kind, {} if path is None else _content(path), path or "configuration")
 
 
 def checked_config(kind: type[BaseModel], content: Mapping[str, Any], place: object) -> BaseModel:
-    """A configuration of plain data; InputError naming place and fields."""
+    """Make a configuration from plain data; InputError names place and fields."""
     try:
         return kind.model_validate(_frozen(content))
     except ValidationError as error:
@@ -187,19 +195,19 @@ def checked_config(kind: type[BaseModel], content: Mapping[str, Any], place: obj
 
 
 def _frozen(content: object) -> object:
-    """Arrays as tuples: configurations are strict and hold nothing that changes, and no file has tuples."""
+    """Turn lists into tuples: configurations are strict and immutable, and files have no tuples."""
     if isinstance(content, Mapping):
         return {name: _frozen(value) for name, value in content.items()}
     return tuple(_frozen(value) for value in content) if isinstance(content, list) else content
 
 
 def _fields(error: ValidationError) -> list[str]:
-    """Each wrong field, what is wrong with it, and what it was."""
+    """Describe each wrong field: its name, the error, and the value."""
     return [f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}{_now(e)}" for e in error.errors()]
 
 
 def _now(error: Mapping[str, Any]) -> str:
-    """What a field of before is called now, and who rewrites the file."""
+    """Name the new field for one of an old version, and the command that converts the file."""
     new = FIELDS.get(str(error["loc"][-1])) if error["loc"] else None
     return "" if new is None else f"; it is {new} now, a time instead of cycles (safeloc migrate)"
 
@@ -269,16 +277,14 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
 
 
 def _unasked(module: ModuleType) -> str:
-    """Why a module's machine has no property: what was looked for, in which file, and what to do."""
+    """Explain why a module's machine has no property: the name searched for, the file, and the remedy."""
     declared = vars(module).get("properties")
     if declared is not None:
         made = "the function `properties` returned none" if callable(declared) else "the list `properties` is empty"
         return f"{_file(module)}: {made}; declare in it what must hold, such as always(...), or nothing is proved."
     other = _other_name(module)
     if other:
-        return (
-            f"{_file(module)}: `properties` was looked for, and there is {other!r}; make it a list called `properties`."
-        )
+        return f"{_file(module)}: there is no `properties`, but there is {other!r}; make it a list called `properties`."
     return (
         f"{_file(module)}: no `properties` in it; declare what must hold, such as "
         "properties = [always(...), within(...)], or a function of the machine that returns such a list."
@@ -286,7 +292,7 @@ def _unasked(module: ModuleType) -> str:
 
 
 def _other_name(module: ModuleType) -> str:
-    """The name under which the module seems to declare its properties; empty if nothing looks like it."""
+    """Return the name under which the module seems to declare its properties; empty if nothing looks like it."""
     own = {name: value for name, value in vars(module).items() if not name.startswith("_")}
     for name, value in own.items():
         if isinstance(value, (list, tuple)) and value and all(isinstance(item, Property) for item in value):
@@ -302,7 +308,7 @@ def _pictures(module: ModuleType, system: TransitionSystem) -> tuple[Picture, ..
     wrong = [item for item in declared if not isinstance(item, Picture)]
     if wrong:
         raise InputError(
-            f"{module.__name__}.pictures holds {_told(wrong[0])}; expected Deviation, Approach or Recognition."
+            f"{module.__name__}.pictures holds {_described(wrong[0])}; expected Deviation, Approach or Recognition."
         )
     for picture in declared:
         missing = unreadable(picture, system)
@@ -337,7 +343,10 @@ def _module(where: str) -> ModuleType:
 
 @contextmanager
 def _as_input_error(where: str) -> Iterator[None]:
-    """A user's file that fails is wrong input, not a violated property; the cause stays attached."""
+    """Raise InputError if a user's file fails: this is wrong input, not a violated property.
+
+    The cause stays attached.
+    """
     try:
         yield
     except (SafelocError, ModuleNotFoundError):
@@ -356,7 +365,7 @@ def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Prope
     for number, item in enumerate(listed):
         if not isinstance(item, Property):
             raise InputError(
-                f"{module.__name__}.properties holds {_told(item)} at place {number} ({_file(module)}); "
+                f"{module.__name__}.properties holds {_described(item)} at place {number} ({_file(module)}); "
                 "expected always(...), never(...), within(...) or reachable(...)."
             )
     return listed
@@ -366,13 +375,13 @@ def _listed(module: ModuleType, name: str, declared: object) -> tuple[Any, ...]:
     """Return the list that a user's module declares under this name; InputError if it is no list."""
     if not isinstance(declared, Sequence) or isinstance(declared, (str, bytes)):
         raise InputError(
-            f"{module.__name__}.{name} is {_told(declared)} ({_file(module)}); "
+            f"{module.__name__}.{name} is {_described(declared)} ({_file(module)}); "
             f"expected a list{', or a function of the machine that returns one' if name == 'properties' else ''}."
         )
     return tuple(declared)
 
 
-def _told(item: object) -> str:
+def _described(item: object) -> str:
     return f"{reprlib.repr(item)} of type {type(item).__name__}"
 
 

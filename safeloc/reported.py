@@ -1,7 +1,7 @@
 """The outputs that form a machine's reported interval, and the comparison of the interval with the true position.
 
 WRONG    the reported interval does not contain the true position: a safety failure
-INVALID  nothing is reported: availability. The two are never one verdict.
+INVALID  no interval is reported: a loss of availability. The two are never counted together.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class Reported:
     """Names of outputs: the interval is [position - below, position + above] in mm while `valid` equals `valid_is`.
 
     below   how far the truth may lie towards smaller coordinates of the line
-    above   how far towards greater ones
-    truth   the ghost in nm that the interval must hold; "" for a machine without one
+    above   how far the truth may lie towards greater coordinates
+    truth   the ghost in nm that the interval has to contain; "" for a machine without one
 
     For a train whose front runs towards growing coordinates the margin above is ETCS's L_DOUBTUNDER (under-reading amount:
     the true front may be that far ahead of the estimate), and the margin below is L_DOUBTOVER; when it runs the other
@@ -40,11 +40,11 @@ class Reported:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """The outputs it reads."""
+        """The names of these outputs."""
         return (self.position, self.below, self.above, self.valid)
 
     def interval_mm(self, outputs: Mapping[str, Value]) -> tuple[int, int] | None:
-        """Return lower and upper end, None while nothing is reported."""
+        """Return lower and upper end in mm; None while no interval is reported."""
         if bool(outputs[self.valid]) is not self.valid_is:
             return None
         return outputs[self.position] - outputs[self.below], outputs[self.position] + outputs[self.above]
@@ -60,7 +60,8 @@ class Reported:
 def usual_names(where: str, outputs: Collection[str]) -> Reported | None:
     """Return the interval of a machine that uses the usual names (the defaults of `Reported`); None otherwise.
 
-    InputError for a machine that has them as they were until 0.1.0: it would be without an interval, in silence.
+    InputError for a machine with the names in use until 0.1.0, which would otherwise have no interval without any
+    message.
     """
     usual = Reported()
     if set(usual.outputs) <= set(outputs):

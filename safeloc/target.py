@@ -1,5 +1,6 @@
-"""Targets and catalogue entries. A target is a system with its properties, recordings and pictures; an entry makes one from
-a configuration.
+"""Targets and catalogue entries.
+
+A target is a system with its properties, recordings and pictures; an entry makes one from a configuration.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ class Target:
     """A system with its properties, recordings, simulation and pictures: one item under verification.
 
     streams   recorded step streams that ship with it; `verify` replays them
-    reported  which outputs are the reported interval; None for a machine that reports none
-    simulate  seed -> steps of simulated sensors, where there is a simulation
-    pictures  how a report draws its recorded runs
+    reported  the outputs that form the reported interval; None for a machine that reports none
+    simulate  simulation, if there is one: seed -> steps of simulated sensors
+    pictures  drawings of its recorded runs in a report
     silent    machines that may get no input in a step: the assumption also holds if all their inputs are absent
     said      record name -> input name, for each input whose records have another name
     spec      the requested name, as on the command line
     unasked   the reason why there is no property, if there is none: the name looked for, the file, and the remedy
     given     of a user's machine: the content of its configuration file
-    members   of a composition: what is claimed of each of its machines by itself, by the machine's name, in its own terms
+    members   of a composition: the properties of each machine alone, in its own variables, by the machine's name
     """
 
     name: str
@@ -63,7 +64,9 @@ class Target:
 
 
 class Family(Enum):
-    """What a machine locates by. `safeloc list` names the families in this order, and README.md has a row for each."""
+    """Families of machines, by their means of localization. `safeloc list` names them in this order, and README.md has
+    a row for each.
+    """
 
     ODOMETRY = "odometry"
     MARKERS = "markers"
@@ -74,27 +77,27 @@ class Family(Enum):
 
 
 LAST = 1000
-"""The place of a machine that states none."""
+"""The position of a machine that states none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Entry(Generic[AnyConfig]):
     """A machine of the catalogue, declared in `ENTRIES` of its `models/<mode>/target.py`.
 
-    config          the class of its configuration; its defaults are what `safeloc verify` proves
+    config          the class of its configuration; `safeloc verify` proves the machine with its defaults
     maker           makes the target from a configuration
-    place           where it stands within its family in `safeloc list`; machines of equal place are in order of their names
-    configurations  those in which it is proved beside its defaults
+    place           its position within its family in `safeloc list`; machines of equal position are sorted by name
+    configurations  further configurations in which it is proved
     no_interval     the reason why it reports no interval; "" for a machine that reports one
-    silent          machines of the target that may get no input in a step. Some inputs cannot be absent: a truth value, a
-                    member, a number that always comes with them. Where their device is silent they get the neutral value:
-                    false, the first member, the number nearest zero. For a machine that is named here
-                    tests/runtime/embedding/test_silence.py proves: from each step that obeys the assumption all its inputs
-                    can be taken away, and the rest obeys the assumption too. So every proof covers the silent step. A
-                    machine that is not named stops in such a step (an axle that was not reported is an axle lost)
+    silent          machines of the target that may get no input in a step. Some inputs cannot be absent: truth values, members
+                    of an enumeration, numbers that always come with them. If their device is silent they get a neutral value:
+                    false, the first member, the number nearest to zero. For each machine named here
+                    tests/runtime/embedding/test_silence.py proves that a step which obeys the assumption still obeys it
+                    without all inputs of the machine, so every proof covers the silent step. A machine not named here stops
+                    in such a step (an axle that was not reported is an axle lost)
     records_of      record name -> input name, for inputs whose records have another name, such as that of the
                     odometer's unit (docs/records.md)
-    folder          its folder of `models/`; `safeloc.shipped` writes it down when it finds the entry
+    folder          its folder of `models/`; `safeloc.shipped` sets it when it finds the entry
     """
 
     name: str
@@ -116,7 +119,7 @@ class Entry(Generic[AnyConfig]):
         return self.for_hosts(self.maker(config))
 
     def for_hosts(self, target: Target) -> Target:
-        """Return a target of this machine with what a host has to know of it, for machines and inputs that its configuration has."""
+        """Return the target with the data that a host needs, limited to the machines and inputs of its configuration."""
         names = {machine.name for machine in target.machines}
         inputs = {var.name for var in target.system.inputs}
         silent = tuple(name for name in self.silent if name in names)

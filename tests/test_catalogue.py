@@ -205,7 +205,7 @@ FIGURES = [
         "reflector",
         "radar_scale_ppm = 500000\nrange_limit_mm = 2000000\nreference_distance_mm = 299999",
         "these figures contradict each other in machine 'reflector' (radar_error_mm: Input should be less than or equal to "
-        "300000 (got 1022431)). Mend one of: range_limit_mm = 2000000, radar_scale_ppm = 500000, reference_distance_mm = ",
+        "300000 (got 1022431)). Correct one of: range_limit_mm = 2000000, radar_scale_ppm = 500000, reference_distance_mm = ",
     ),
 ]
 
@@ -243,7 +243,7 @@ def test_a_machine_without_a_meaning(tmp_path: Path, monkeypatch: pytest.MonkeyP
     path.write_text("tolerance_mm = 7", encoding="utf-8")
     assert refused("delocalized", path) == (
         f"{path}: machine 'delocalized' cannot work with these figures (transitions that never, or always, fire: "
-        "on). Mend one of: tolerance_mm = 7."
+        "on). Correct one of: tolerance_mm = 7."
     )
     with pytest.raises(ModelError):
         load_target("delocalized")

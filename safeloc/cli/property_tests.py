@@ -16,7 +16,7 @@ from safeloc.cli.options import (
 )
 from safeloc.cli.show import Progressing, result
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.verification.one import Plan, Work, owed
+from safeloc.proof.verification.one import Plan, Work, obligation_count
 from safeloc.proof.verification.unasked import nothing_tested
 
 
@@ -32,7 +32,7 @@ def test(
     """Run property tests along plausible and faulty streams."""
     loaded = load_target(target, config)
     plan = Plan(Limits(), examples, steps, seed)
-    with Progressing(owed(loaded) + len(loaded.properties), quiet=as_json) as progress:
+    with Progressing(obligation_count(loaded) + len(loaded.properties), quiet=as_json) as progress:
         work = Work(loaded, jobs, progress.say, progress.add)
         obliged = work.obliged(plan.limits)
         findings = [*nothing_tested(loaded), *work.tested(plan, obliged)]

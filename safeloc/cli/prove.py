@@ -30,7 +30,7 @@ from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked, found_before, keep
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
-from safeloc.proof.verification.one import Work, claims, owed
+from safeloc.proof.verification.one import Work, claims, obligation_count
 from safeloc.proof.verification.unasked import nothing_asked
 from safeloc.report.data import report_data
 
@@ -92,7 +92,7 @@ class _Proving:
         return found
 
     def _proved(self, loaded: Target, chosen: Sequence[Property]) -> list[Finding]:
-        expected = claims(loaded, chosen) + (owed(loaded) if self.only is None else 0)
+        expected = claims(loaded, chosen) + (obligation_count(loaded) if self.only is None else 0)
         with kept_in(self.store, fresh=self.fresh), Progressing(expected, quiet=self.quiet) as progress:
             work = Work(loaded, self.jobs, progress.say, progress.add)
             found = [*nothing_asked(loaded), *work.proved(chosen, self.limits)]

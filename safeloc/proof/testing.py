@@ -3,9 +3,9 @@
     TestOdometer = state_machine_test(system, properties)     a unittest class for pytest
     run_tests(system, properties, ...) -> list[Finding]       the same, for the command line and the report
 
-A run is made of a few big draws: a rule (safeloc.proof.runs.profiles), a length and a seed, since Hypothesis's own draws would take
-nearly all the time. Half of the runs keep the assumption to the end; the others have faulty stretches. `target()` pulls
-runs towards the edge of every property. A run that breaks one is shortened by exact replays, not by Hypothesis.
+Hypothesis draws only rules (safeloc.proof.runs.profiles), lengths and seeds, since it would need nearly all the time to draw every
+value. Half of the runs satisfy the assumption to the end; the others have faulty stretches. `target()` steers runs towards a
+violation of each property. A run that breaks one is shortened by exact replays, not by Hypothesis.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ def state_machine(
 ) -> type[RuleBasedStateMachine]:
     """Return a Hypothesis state machine for the system.
 
-    steps    the longest stretch; a run has up to as many stretches as the settings' stateful_step_count
+    steps    greatest length of a stretch; a run has up to as many stretches as the settings' stateful_step_count
     corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams); a
-             property that one of them breaks is found without searching. One that begins as the environment never
-             does is a run for unconditional properties only
+             property that one of them breaks is found without searching. A run whose first state the environment
+             excludes counts for unconditional properties only
     """
     on_board = replace(system, init=first_without_the_world(system))
     corpus = [run for run in corpus if begins(on_board, run.initial)]
@@ -68,7 +68,7 @@ def state_machine(
             lean=st.none() | st.integers(0, 2**16),
         )
         def begin(self, which: int, percent: int, faults: bool, lean: int | None) -> None:
-            """From the first state, or from somewhere along a known run; one that breaks a property is followed at once."""
+            """Begin in a first state or along a known run; a known run that breaks a property is followed at once."""
             self.faults, self.lean = faults, lean
             if driver.breaking is not None:
                 driver.follow(driver.breaking)
@@ -80,14 +80,14 @@ def state_machine(
 
         @rule(kind=st.sampled_from(PLAUSIBLE), length=st.sampled_from(lengths), seed=st.integers(0, 2**16))
         def run_plausibly(self, kind: str, length: int, seed: int) -> None:
-            """A stretch that keeps the assumption."""
+            """Run a stretch that satisfies the assumption."""
             driver.drive(kind, length, seed, lean=self.lean)
             self._look()
 
         @precondition(lambda self: self.faults)
         @rule(kind=st.sampled_from(FAULTY), length=st.integers(1, 5), seed=st.integers(0, 2**16))
         def run_with_faults(self, kind: str, length: int, seed: int) -> None:
-            """A stretch with any inputs in range."""
+            """Run a stretch with any inputs in range."""
             driver.drive(kind, length, seed, faulty=True)
             self._look()
 
@@ -121,9 +121,11 @@ def state_machine_test(
     steps: int = 60,
     corpus: Sequence[Trace] = (),
 ) -> type[unittest.TestCase]:
-    """Return a unittest class that pytest collects: every property on many runs. PropertyBroken shows a shortened run.
+    """Return a unittest class that pytest collects: it checks every property on many runs.
 
-    settings   as any Hypothesis user sets them; by default those of the active profile without Hypothesis's shrinking
+    PropertyBroken shows a shortened run.
+
+    settings   any Hypothesis settings; by default those of the active profile, without Hypothesis's shrinking
     """
     run = state_machine(system, properties, steps=steps, corpus=corpus)
     case: type[unittest.TestCase] = run.TestCase
@@ -142,9 +144,8 @@ def run_tests(
 ) -> list[Finding]:
     """Return one Finding per property: Held with statistics, or Violated with a shortened trace.
 
-    Vacuous where a case that it speaks of never occurred (of what a machine of a composition keeps by itself a note
-    says so); Unknown where no step required it, or no first state was
-    found to begin with.
+    Vacuous if one of its cases never occurred; for a property that a composition inherits from a machine, a note says so instead.
+    Unknown if no step required the property, or if no first state was found.
     """
     started = time.monotonic()
     asked = [prop for prop in properties if prop.kind != "reachable"]
@@ -181,9 +182,9 @@ def _results(
 def _held(prop: Property, held: Held, statistics: Statistics) -> Result:
     """Return Held, unless no step satisfied the property's assumptions, or one of its cases never occurred."""
     if statistics.steps and not statistics.admitted[prop]:
-        return Unknown("no step kept the property's further assumption, or the machine's: nothing was tested", 0)
+        return Unknown("no step satisfied the property's further assumption and the machine's: nothing was tested", 0)
     never = [one.words for place, one in enumerate(cases(prop)) if not statistics.occurred[prop, place]]
-    if never and prop.kept_by is not None:  # the machine by itself comes there; that the whole did not is told
+    if never and prop.kept_by is not None:  # the machine alone reaches it; a note says that the composition did not
         return replace(held, notes={**held.notes, NEVER: "; ".join(never)})
     if never:
         return Vacuous(f"{'; '.join(never)} never occurred in {statistics.steps} steps: nothing was tested of it")

@@ -1,4 +1,6 @@
-"""Finds the machines that ship: every folder of `models/` that holds a file `target.py` declares one or more in its `ENTRIES`."""
+"""Search for the machines that ship: each folder of `models/` with a file `target.py` declares one or more in its
+`ENTRIES`.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ def _has_target(folder: str) -> bool:
 
 
 def declared(folder: str) -> Iterator[Entry[Any]]:
-    """Yield the entries that a folder declares. ModelError where its `target.py` has no tuple `ENTRIES` of them."""
+    """Yield the entries that a folder declares. ModelError if its `target.py` has no tuple `ENTRIES` of them."""
     module = import_module(f"{models.__name__}.{folder}.target")
     entries = getattr(module, "ENTRIES", None)
     if not isinstance(entries, tuple) or not entries or not all(isinstance(one, Entry) for one in entries):
@@ -38,7 +40,10 @@ def declared(folder: str) -> Iterator[Entry[Any]]:
 
 
 def found() -> dict[str, Entry[Any]]:
-    """Return all entries by name: by family, by place in it, and then by name. ModelError for a name that two folders give."""
+    """Return all entries by name, sorted by family, place and name.
+
+    ModelError if two folders declare a machine of the same name.
+    """
     entries: dict[str, Entry[Any]] = {}
     for entry in (one for folder in folders() for one in declared(folder)):
         other = entries.setdefault(entry.name, entry)

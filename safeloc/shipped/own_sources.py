@@ -1,4 +1,4 @@
-"""The localizer with sources that a user added, such a source by itself, and the localizer with these sources alone."""
+"""Targets for a user's own sources: one source alone, the localizer with these sources only, and with its own as well."""
 
 from __future__ import annotations
 
@@ -20,11 +20,13 @@ from safeloc.target import Target
 WITH_SOURCES = LOCALIZER.name
 """The machine that takes sources of a user's own."""
 SEPARATOR = "+"
-"""Stands between the word for what is made and the sources: `localizer+beacons.py:source`."""
+"""Separator between the kind of target and the sources: `localizer+beacons.py:source`."""
 
 
 def with_own_sources(kind: str, makers: Sequence[Maker], config: BaseModel) -> Target:
-    """Return what `KINDS` makes of a user's sources; InputError where one lacks an output or states it in another unit."""
+    """Make the target of this kind from a user's sources; InputError if a source lacks an output or has it in another
+    unit.
+    """
     assert isinstance(config, LocalizerConfig)
     return KINDS[kind](makers, config)
 
@@ -53,7 +55,7 @@ def _beside(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
 
 
 def _bare(target: Target, name: str) -> Target:
-    """Without the recordings, the simulation and the pictures that ship: they do not know the user's sources."""
+    """Remove the recordings, the simulation and the pictures that ship: they do not know the user's sources."""
     return replace(target, name=name, streams=(), simulate=None, pictures=())
 
 
@@ -62,9 +64,9 @@ KINDS: Mapping[str, Callable[[Sequence[Maker], LocalizerConfig], Target]] = {
     "alone": _alone,
     WITH_SOURCES: _beside,
 }
-"""What is made of a user's sources, by the word for it:
+"""Makers of the targets for a user's sources, by kind:
 
-    contract   the source's machine by itself: it keeps what the localizer relies on, whatever other sources there are
+    contract   the source's machine alone: it satisfies what the localizer assumes of it, whatever other sources there are
     alone      the localizer with these sources and no other
     localizer  the localizer with these sources and its own
 """

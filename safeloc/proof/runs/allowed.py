@@ -21,7 +21,7 @@ Segment = tuple[int, int]
 
 
 class Condition:
-    """A condition with its comparisons, compiled: whether it holds, and where along a variable it changes."""
+    """A compiled condition: evaluates it, and finds where it changes along a variable."""
 
     def __init__(self, term: Bool) -> None:
         self.term = term
@@ -36,10 +36,11 @@ class Condition:
         return bool(self._truth(self._row(values))[0])
 
     def segments(self, var: NumVar, values: Mapping[Var, Value]) -> list[Segment]:
-        """Return intervals of values of `var` for which the condition holds, in order; the other variables stay as they are.
+        """Return intervals of values of `var` for which the condition holds, in order; the other variables stay as they
+        are.
 
-        Comparisons are taken as linear between two neighbouring probes; where that misses a change, a part of an
-        interval may be left out or too much, so whoever uses a value checks the condition again.
+        Comparisons are taken as linear between two neighbouring probes. If one is not, an interval may lack values or have wrong
+        ones, so the caller has to check the condition again.
         """
         row = list(self._row(values))
         at = self.reads[var]
@@ -57,8 +58,9 @@ class Condition:
 class _Along:
     """The comparisons of a condition that read one variable.
 
-    straight  right less left of those that are linear in it, and by how much each grows when it grows by 1
-    bent      left and right of the others, one after the other
+    straight  right side minus left side, of the comparisons that are linear in the variable
+    slopes    how much each of these differences grows when the variable grows by 1
+    bent      left side and right side of the other comparisons, in turn
     """
 
     var: NumVar
@@ -67,7 +69,7 @@ class _Along:
     bent: Callable[[Sequence[Value]], Sequence[Value]] | None
 
     def changes(self, row: list[Value], at: int) -> set[int]:
-        """Values of the variable where a comparison may change, and those beside them. The row is left as it was."""
+        """Return the values of the variable near which a comparison may change; the row is unchanged afterwards."""
         low, high, here = self.var.low, self.var.high, int(row[at])
         roots = set[int]()
         if self.slopes:
@@ -94,7 +96,7 @@ def _along(var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare]) -> 
 
 
 def _slope(term: Num, var: NumVar) -> int | None:
-    """By how much a term grows when the variable grows by 1, whatever the values; None where that depends on them."""
+    """Return how much a term grows when the variable grows by 1; None if that depends on the values."""
     match term:
         case NumVar():
             return int(term is var)
@@ -111,14 +113,14 @@ def _slope(term: Num, var: NumVar) -> int | None:
 
 
 def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
-    """The values of `reads`, in order; `itemgetter` gives no sequence for fewer than two."""
+    """Return a function for the values of `reads`, in order; `itemgetter` gives no sequence for fewer than two."""
     if len(reads) > 1:
         return itemgetter(*reads)
     return lambda values: [values[var] for var in reads]
 
 
 def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
-    """Return the terms as compiled code over a row of values of `reads`; without case analysis, so quickly made."""
+    """Compile the terms to a function of a row of values of `reads`; without case analysis, so this is quick."""
     if not reads:
         constants = evaluate(terms, {})
         return lambda _row: constants
@@ -146,7 +148,7 @@ def _meeting(here: int, gap: int, slope: int) -> tuple[int, int]:
 
 
 def _pieces(points: Sequence[int]) -> Iterable[Segment]:
-    """The points themselves and what lies between two of them."""
+    """Yield each point, and the interval between it and the next one."""
     for point, following in zip(points, [*points[1:], None], strict=True):
         yield point, point
         if following is not None and following - point > 1:
@@ -170,7 +172,7 @@ def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]
 
 
 def falsifiable(term: Bool) -> list[Bool]:
-    """The parts of a conjunction that may be false."""
+    """Return the parts of a conjunction that may be false."""
     return [part for part in conjuncts(term) if not (isinstance(part, Truth) and part.value)]
 
 
@@ -183,19 +185,19 @@ class Slack:
         self._program = Program(self._reads)
 
     def __call__(self, values: Mapping[Var, Value]) -> float:
-        """The distance under these values."""
+        """Return the distance under these values."""
         return _slack(self._term, dict(zip(self._reads, self._program(values), strict=True)))
 
 
 def _leaves(term: Bool) -> Iterable[Bool]:
-    """The parts of conjunctions and disjunctions that are neither."""
+    """Return the parts of conjunctions and disjunctions that are themselves neither."""
     if isinstance(term, (And, Or)):
         return [leaf for part in term.parts for leaf in _leaves(part)]
     return [term]
 
 
 def _sides(leaf: Bool) -> Sequence[Expr]:
-    """The terms whose values say how far a leaf is from failing."""
+    """Return the terms whose values determine how far a leaf is from failing."""
     match leaf:
         case Compare(_, a, b) | Not(Compare("<" | "<=", a, b)):
             return (a, b)

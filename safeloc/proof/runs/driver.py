@@ -1,8 +1,8 @@
-"""One run after another of a system under the observers of its properties, exactly as the interpreter would run them.
+"""Driver of runs: it runs a system with the observers of its properties, exactly as the interpreter would.
 
-A run follows stretches of inputs (safeloc.proof.runs.profiles). Plausible stretches are repaired step by step so that the
-assumption holds; a faulty stretch is taken as it is, and once it has broken the assumption only properties without an
-assumption are still required.
+A run consists of stretches of inputs (safeloc.proof.runs.profiles). Plausible stretches are repaired step by step so that the
+assumption holds. A faulty stretch is used unchanged; once it has broken the assumption, only unconditional properties are
+still required.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Statistics:
     occurred: Counter[tuple[Property, int]] = field(default_factory=Counter)
 
     def notes(self, transitions: Sequence[str]) -> dict[str, str]:
-        """For a report."""
+        """Return the statistics as notes for a report."""
         never = [name for name in transitions if not self.fired[name]]
         return {
             "runs": str(self.runs),
@@ -67,7 +67,7 @@ class Statistics:
 class _Known:
     """A recorded run with the state after each of its steps, so that a new run can start anywhere along it.
 
-    breaks   its last step breaks a property; what was recorded after that is left out
+    breaks   its last step breaks a property; later recorded steps are left out
     """
 
     first: Mapping[str, Value]
@@ -78,9 +78,9 @@ class _Known:
 
 
 class Driver:
-    """Drives runs; `broken` names the first property that failed in the present one.
+    """Driver of runs; `broken` is the first property that failed in the present run.
 
-    NoFirstStateError where no first state is found and no run is known that could be begun with.
+    NoFirstStateError if no first state is found and no known run has one.
     """
 
     def __init__(self, system: TransitionSystem, properties: Sequence[Property], corpus: Sequence[Trace] = ()) -> None:
@@ -100,7 +100,7 @@ class Driver:
             state=(*watched.state, *flags, *further, allowed),
             next={**watched.next, **flags, **further, allowed: environment(system)},
             initial={**watched.initial, **begin, **dict.fromkeys(further, True), allowed: True},
-            init=first_without_the_world(system),  # whether the environment begins so is looked at for each run
+            init=first_without_the_world(system),  # `begins` checks the environment for each known run
             outputs=outputs,
         )
         self.system, self.code = system, compile_system(self._whole)
@@ -129,7 +129,10 @@ class Driver:
         return next((which for which, known in enumerate(self._known) if known.breaks), None)
 
     def drive(self, kind: str, length: int, seed: int, *, faulty: bool = False, lean: int | None = None) -> None:
-        """Several steps by one rule of safeloc.proof.runs.profiles; `lean` is the seed of the side to which the environment leans."""
+        """Make up to `length` steps by one rule of safeloc.proof.runs.profiles.
+
+        lean  seed of the side to which the environment leans
+        """
         started = time.perf_counter()
         leaning = None if lean is None else random.Random(lean)
         profile = Profile(self.system, kind, random.Random(seed), leaning)
@@ -149,7 +152,7 @@ class Driver:
         return dict(zip(self._whole.state, self._state, strict=True))
 
     def edges(self) -> dict[str, float]:
-        """For each property with a number in it, how near the run's present state is to violating it; greater is nearer."""
+        """Return, for each property with a distance, how near the present state is to violating it; greater is nearer."""
         values = self.state()
         found = {goal.prop.name: -slack(values) for goal, slack in zip(self.goals, self._slack, strict=True)}
         return {name: edge for name, edge in found.items() if math.isfinite(edge)}
@@ -232,7 +235,7 @@ class Driver:
 
 
 def _usual(system: TransitionSystem, corpus: Sequence[Trace]) -> dict[str, Value]:
-    """A lawful first state near zero; where none is found, the one of a known run."""
+    """Return a lawful first state near zero, or else that of a known run."""
     try:
         return first_state(system, random.Random(0))
     except NoFirstStateError:

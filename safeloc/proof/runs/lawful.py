@@ -1,8 +1,9 @@
-"""Inputs that satisfy a machine's assumption: changed values are repaired to the ends of the allowed segments.
+"""Repair of drawn inputs, so that they satisfy a machine's assumption.
 
-One input after another is moved to where the broken part of the assumption holds together with every other part that
-reads it: mostly what the environment chooses freely, else a measurement. Where no single move will do, the broken part
-alone is mended and the others follow, or the measurement is left out of the step.
+One input after another is moved to an end of the segments in which the broken part of the assumption holds together with
+every other part that reads the input. Mostly this is an input that the environment chooses freely, else a measurement. If
+no single move is enough, the broken part alone is repaired and the others follow, or the measurement is left out of the
+step.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ Pick = Callable[[NumVar, int, int], int]
 
 
 def any_end(draw: random.Random) -> Pick:
-    """Chooses either end of what is allowed, or a value inside."""
+    """Return a choice that takes either end of the allowed interval, or a value inside."""
     return lambda _var, low, high: draw.choice((low, high, draw.randint(low, high)))
 
 
@@ -65,7 +66,7 @@ class Repair:
     def _mend_one(
         self, broken: Condition, values: dict[Var, Value], draw: random.Random, pick: Pick, patience: float
     ) -> Sequence[Var]:
-        """The variables that were changed."""
+        """Repair one broken part; return the variables that were changed."""
         candidates = self._ordered(broken, values, draw)
         for var in candidates:
             allowed = self._allowed(broken, var, values)
@@ -83,7 +84,7 @@ class Repair:
         return []
 
     def _ordered(self, broken: Condition, values: Mapping[Var, Value], draw: random.Random) -> list[NumVar]:
-        """The numeric inputs it reads, in the order to try; the value of an absent input is none."""
+        """Return the numeric inputs that the part reads, in the order to try, without those that are absent."""
         numbers = [var for var in self._free[broken] if isinstance(var, NumVar)]
         usable = [var for var in numbers if var not in self._present or values[self._present[var]]]
         mixed = draw.sample(usable, len(usable))
@@ -99,7 +100,10 @@ class Repair:
         return found
 
     def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> Sequence[Var]:
-        """Change a truth value, such as the presence of a measurement, or two, so that the broken part holds; what changed."""
+        """Flip one or two truth values, such as the presence of a measurement, so that the broken part holds.
+
+        Return the changed variables.
+        """
         flags = [var for var in self._free[broken] if isinstance(var, BoolVar)]
         mixed = draw.sample(flags, len(flags))
         for some in (*((one,) for one in mixed), *combinations(mixed, 2)):
@@ -110,7 +114,7 @@ class Repair:
         return []
 
     def _other(self, flag: BoolVar, values: Mapping[Var, Value]) -> dict[Var, Value]:
-        """The opposite truth value; what is left out or comes with it has its canonical value."""
+        """Return the opposite truth value; a value whose presence it flips becomes canonical."""
         changed: dict[Var, Value] = {flag: not values[flag]}
         if flag in self._value:
             changed[self._value[flag]] = canonical(self._value[flag])
@@ -118,8 +122,7 @@ class Repair:
 
 
 def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:
-    """Return whether a run of the system can start there; a run for all inputs may start in a state that the environment
-    excludes."""
+    """Return whether a run of the system can start there; under the assumption some starts are excluded."""
     try:
         start(system, first)
     except InputError:
@@ -131,7 +134,7 @@ _FIRST: weakref.WeakKeyDictionary[TransitionSystem, list[Condition]] = weakref.W
 
 
 def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: float = 0.0) -> dict[str, Value]:
-    """Return values for what is open at the start, such that `initially` holds; NoFirstStateError if none were found.
+    """Return values for the open initial variables such that `initially` holds; NoFirstStateError if none were found.
 
     adventurous: the share of variables that begin at an end of their range instead of near zero
     """
@@ -150,7 +153,7 @@ def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: f
 def _mended(
     conditions: Sequence[Condition], free: Sequence[Var], values: dict[Var, Value], draw: random.Random
 ) -> bool:
-    """Repair the values; return whether they satisfy every condition then."""
+    """Repair the values; return whether they then satisfy every condition."""
     for _ in range(REPAIRS):
         broken = [one for one in conditions if not one.holds(values)]
         if not broken:

@@ -1,7 +1,7 @@
-"""Counts the cases of properties that occur in the steps of a driven run, at little cost.
+"""Count, at little cost, the cases of properties that occur in the steps of a driven run.
 
-A case is judged from the values that a step leaves: state before and after, inputs, what fired. Only what looks further
-back has variables of its own, which move with the system.
+A case is evaluated from the values of one step: state before and after, inputs, transitions fired. Only cases that look
+further back need variables of their own, which are updated with the system.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Key = tuple[int, int]
 
 
 class Occurring:
-    """The cases of some properties; `moves` and `initial` belong to the system that is run, behind `state`."""
+    """The cases of some properties; the system that runs has `moves` and `initial` as additional state, after `state`."""
 
     def __init__(self, system: TransitionSystem, state: Sequence[Var], properties: Sequence[Property]) -> None:
         self.moves: dict[Var, Expr] = {}
@@ -38,25 +38,25 @@ class Occurring:
                 if states:
                     first[number, place] = one.term
                 elif any(isinstance(node, Past) for node in in_order([one.term])):
-                    told = seen(system, one, f"case {len(terms)}")
-                    self.moves |= told.moves
-                    self.initial |= told.initial
-                    terms[number, place] = told.term
+                    remembered = seen(system, one, f"case {len(terms)}")
+                    self.moves |= remembered.moves
+                    self.initial |= remembered.initial
+                    terms[number, place] = remembered.term
         kept = (*state, *self.moves)
         self._first = _Judge(first, kept, (), ())
         self._later = _Judge(terms, kept, system.inputs, tuple(system.fired))
 
     def at_first(self, state: Row) -> Iterator[Key]:
-        """List the cases that occur in the first state, for properties of states."""
+        """Yield the cases that occur in the first state, for properties of states."""
         return self._first(state, state, (), ())
 
     def after(self, before: Row, inputs: Row, state: Row, fired: Row) -> Iterator[Key]:
-        """List the cases that occur in a step."""
+        """Yield the cases that occur in a step."""
         return self._later(before, state, inputs, fired)
 
 
 class _Judge:
-    """Terms compiled over the rows of a step; `kept` are the first columns of its states."""
+    """Terms compiled over the rows of a step; `kept` names the first columns of its states."""
 
     def __init__(
         self, terms: Mapping[Key, Bool], kept: Sequence[Var], inputs: Sequence[Var], fired: Sequence[Var]
@@ -68,5 +68,5 @@ class _Judge:
         self._compute: Callable[[Sequence[Value]], Sequence[Value]] = compiled_terms(tuple(read), list(terms.values()))
 
     def __call__(self, *rows: Row) -> Iterator[Key]:
-        """The keys of the terms that hold; rows are state before and after, inputs and what fired."""
+        """Yield the keys of the terms that hold; rows are state before, state after, inputs and transitions fired."""
         return compress(self._keys, self._compute([rows[row][column] for row, column in self._from]))

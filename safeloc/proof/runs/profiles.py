@@ -1,12 +1,12 @@
-"""Inputs over a stretch of steps: how a moving train, its sensors and its surroundings behave for a while.
+"""Profiles of inputs over a stretch of steps: how a moving train, its sensors and its surroundings behave for a while.
 
     steady, ramp, standstill, reversal     one level for all inputs of a kind, as sensors of one train see one movement
     ends, random                           each input at an end of its range, or anywhere
     stuck, silent, zero, scaled            steady, with one input at fault: frozen, absent, zero, too great or too small
 
-Identities and absolute positions mean something only in relation to what the machine knows: some inputs therefore
-repeat a value of the state (a marker that is waited for, the place where the train is), or one next to it. What the
-environment may choose can lean to one side for long, which is how errors add up.
+Identities and absolute positions have a meaning only in relation to the state of the machine. Some inputs therefore repeat
+a value of the state (the identity of an expected marker, the position of the train), or a value next to it. Choices of the
+environment can stay on one side for long, so that errors add up.
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ Kind = tuple[str, int, int, str]
 
 
 class Profile:
-    """Inputs of one stretch, drawn from one seed. `lean`: to which side the environment leans, often for a whole run."""
+    """Inputs of one stretch, drawn from one seed.
+
+    lean  draws the side to which the environment leans, often the same for a whole run
+    """
 
     def __init__(
         self, system: TransitionSystem, kind: str, draw: random.Random, lean: random.Random | None = None
@@ -91,7 +94,7 @@ class Profile:
         return _within(var, self._moved(var) * self._fault(var))
 
     def _mirror(self, var: NumVar, state: Mapping[Var, Value]) -> float:
-        """A value of the state, mostly one that is not zero, or one beside it."""
+        """Return a value of the state, preferably one that is not zero, or a value next to it."""
         known = [like for like in self._mirrored[var] if state[like[0]]] or self._mirrored[var]
         like = known[self._favourite % len(known)] if self.draw.random() < 0.7 else self.draw.choice(known)
         seen, numerator, denominator = like
@@ -124,7 +127,7 @@ class Profile:
 
 
 def _level(var: NumVar, draw: random.Random) -> float:
-    """A level to hold: an end of the range, rest, or some small or large share of the range."""
+    """Draw a level to hold: an end of the range, rest, or some small or large share of the range."""
     share = draw.choice((0.0005, 0.01, 0.1, 1.0, 1.0))
     inside = draw.uniform(var.low, var.high) * share
     return draw.choice((var.low, var.high, canonical(var), inside, inside, inside))
@@ -145,7 +148,7 @@ _LIKES: weakref.WeakKeyDictionary[TransitionSystem, dict[NumVar, list[Like]]] = 
 
 
 def _likes(system: TransitionSystem) -> dict[NumVar, list[Like]]:
-    """State variables whose values an input may repeat, for each input."""
+    """Return, for each input, the state variables whose values it may repeat."""
     if system not in _LIKES:
         _LIKES[system] = {
             var: [

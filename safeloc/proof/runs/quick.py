@@ -1,7 +1,7 @@
-"""Runs and checks of recorded streams on generated code, with the interpreter beside it on a sampled share of the steps.
+"""Runs and checks of recorded streams on generated code, which the interpreter checks on a sampled share of the steps.
 
-    Quick(terms)      what `interpret.Program` computes, by generated code; every SAMPLED-th time by both
-    quick_run(...)    what `interpret.run` gives
+    Quick(terms)      computes what `interpret.Program` does, by generated code; every SAMPLED-th time by both
+    quick_run(...)    returns what `interpret.run` does
 
 EngineError if the two differ: then the generator is wrong, and its results must not be used.
 """
@@ -24,7 +24,7 @@ SAMPLED = 50
 
 
 class Quick:
-    """Terms that are evaluated again and again, by generated code; the first and every SAMPLED-th time checked."""
+    """Terms that generated code evaluates; the interpreter checks the first and every SAMPLED-th evaluation."""
 
     def __init__(self, terms: Sequence[Expr]) -> None:
         self._reads = tuple(variables(terms))
@@ -33,7 +33,7 @@ class Quick:
         self._calls = 0
 
     def __call__(self, values: Mapping[Var, Value]) -> Sequence[Value]:
-        """The value of each term; KeyError for a variable that has none."""
+        """Return the value of each term; KeyError for a variable without a value."""
         found = self._code([values[var] for var in self._reads])
         if self._calls % SAMPLED == 0:
             self._compare(values, found)
@@ -41,9 +41,9 @@ class Quick:
         return found
 
     def _compare(self, values: Mapping[Var, Value], found: Sequence[Value]) -> None:
-        for number, (told, right) in enumerate(zip(found, self._oracle(values), strict=True)):
-            if told != right or type(told) is not type(right):
-                raise EngineError(f"generated code gives {told!r} for term {number}, the interpreter {right!r}.")
+        for number, (quick, right) in enumerate(zip(found, self._oracle(values), strict=True)):
+            if quick != right or type(quick) is not type(right):
+                raise EngineError(f"generated code gives {quick!r} for term {number}, the interpreter {right!r}.")
 
 
 _STEPS: weakref.WeakKeyDictionary[TransitionSystem, tuple[Quick, Quick]] = weakref.WeakKeyDictionary()
@@ -55,7 +55,7 @@ def quick_run(
     """Run a whole stream; the arguments, the Trace and the errors are those of `interpret.run`."""
     if system not in _STEPS:
         _STEPS[system] = Quick([*system.next.values(), *system.fired.values()]), Quick([*system.outputs.values()])
-    move, told = _STEPS[system]
+    move, output = _STEPS[system]
     state = start(system, first)
     initial, steps = _named(state), list[Step]()
     for record in stream:
@@ -63,7 +63,7 @@ def quick_run(
         moved = move({**state, **inputs})
         state = dict(zip(system.next, moved, strict=False))
         fired = dict(zip(system.fired, map(int, moved[len(state) :]), strict=True))
-        outputs = dict(zip(system.outputs, told(state), strict=True))
+        outputs = dict(zip(system.outputs, output(state), strict=True))
         steps.append(Step(_named(inputs), fired_names(fired), _named(state), outputs))
     return Trace(system, initial, tuple(steps))
 

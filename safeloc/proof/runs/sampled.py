@@ -1,6 +1,6 @@
 """Runs for testing a back end: shipped recordings, simulated runs, and random runs.
 
-Drawn runs are lawful ones (the environment beside the machine, its assumption kept) and any ones in range.
+A random run is lawful (the environment runs beside the machine, and the assumption holds) or has any inputs in range.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ STRETCH = 12
 
 
 def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run]:
-    """Return runs of what runs on board, up to `steps` steps each; the same for the same seed."""
+    """Return runs of the system on board, up to `steps` steps each; the same for the same seed."""
     on_board = without_ghosts(target.system)
     runs = [recorded_run(on_board, path, steps) for path in target.streams]
     if target.simulate is not None:
@@ -34,7 +34,7 @@ def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run
 
 
 def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
-    """Return a shipped stream as what runs on board reads it, up to `steps` steps."""
+    """Return a shipped stream as the system on board reads it, up to `steps` steps."""
     stream = read_steps(path)
     kept = {var.name for var in on_board.state}
     first = {name: value for name, value in stream.first.items() if name in kept}
@@ -42,7 +42,11 @@ def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
 
 
 def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) -> Run:
-    """Return a drawn run of what runs on board. A lawful one keeps the assumption, and may be shorter where that cannot go on."""
+    """Return a drawn run of the system on board.
+
+    A lawful run satisfies the assumption; it is shorter than `steps` if the search finds no lawful inputs for some
+    steps.
+    """
     draw = random.Random(seed)
     first = first_state(system, draw)
     on_board = without_ghosts(system)

@@ -1,4 +1,4 @@
-"""Runs that are worked out beforehand: what happens in them, and what is to come of it in words."""
+"""Runs that were worked out by hand: their steps, and the expected outcome in words."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""The laws of the worlds, judged on a recording: how near each came to being broken, and every cycle in which one was.
+"""Check of the laws of the worlds on a recording: how near each came to a breach, and every cycle with a breach.
 
     judge_recording(target, path)  ->  Judged(laws=[...], clocks=[...], ...)
 
-A recording with the ghosts of the machine has the truth, and every law is judged. Of one without, what is observable is: laws
-that read nothing hidden, and two laws together where they exclude each other (safeloc.language.observable).
+A recording with the ghosts of the machine holds the truth, and every law is checked. In a recording without them only
+observable conditions are: laws that read no ghost, and two laws together if they can exclude each other
+(safeloc.language.observable).
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ from safeloc.runtime.source_clocks import CLOCK_LAW, SourceClocks
 from safeloc.target import Target
 
 By = Literal["inputs", "part", "truth"]
-"""What a law was judged by: inputs, which say all of it; the part of it that they say; the truth in the recording."""
+"""The data that a law was checked by: inputs that decide all of it, inputs that decide a part of it, or the recorded truth."""
 
 
 @dataclass(frozen=True)
 class AtCycle:
-    """A breach in its cycle. `seen` tells whether inputs alone show it; without that, only the truth does."""
+    """A breach and its cycle. `seen` is true if inputs alone show the breach; otherwise only the truth does."""
 
     cycle: int
     breach: Breach
@@ -43,10 +44,10 @@ class AtCycle:
 
 @dataclass(frozen=True)
 class JudgedLaw:
-    """A law, or two that may exclude each other, on a recording.
+    """The result of one law, or of two that may exclude each other, on a recording.
 
-    least   the least distance to being violated, in `unit`; below 0 where it was. None where no cycle had a distance
-    cycle   where that was
+    least   the least distance to a violation, in `unit`; below 0 if violated, None if no cycle had a distance
+    cycle   the cycle with that distance
     """
 
     laws: tuple[BrokenLaw, ...]
@@ -59,9 +60,9 @@ class JudgedLaw:
 
 @dataclass(frozen=True)
 class SourceClock:
-    """How far a source's records came behind the latest time of another source, ms; below 0 where they were the latest.
+    """Lag of a source's records behind the latest time of another source, in ms; below 0 if they were the latest.
 
-    `least_ms` that is far above 0 means a clock that is behind, or a delay of every record.
+    A `least_ms` far above 0 means that the clock of the source is behind, or that every record is delayed.
     """
 
     source: str
@@ -72,11 +73,11 @@ class SourceClock:
 
 @dataclass(frozen=True)
 class Judged:
-    """All laws of a target on one recording.
+    """The results of all laws of a target on one recording.
 
-    laws      what was judged
-    unjudged  laws of which this recording shows nothing
-    clocks    of a recording of single records: the lags of sources
+    laws      the laws that were checked
+    unjudged  the laws that this recording cannot check
+    clocks    of a recording of single records: the lags of its sources
     """
 
     target: str
@@ -89,12 +90,12 @@ class Judged:
 
     @property
     def every(self) -> tuple[JudgedLaw, ...]:
-        """What was judged, the law of one clock included."""
+        """All laws that were checked, the law of one clock included."""
         return self.laws if self.one_clock is None else (*self.laws, self.one_clock)
 
     @property
     def broken(self) -> list[JudgedLaw]:
-        """What was violated in some cycle."""
+        """The laws that were violated in some cycle."""
         return [one for one in self.every if one.breaches]
 
 
@@ -106,19 +107,19 @@ def judge_recording(target: Target, path: Path, *, period_ms: int | None = None,
     around = seen(target.system)
     asked = _asked(around, with_truth=whole)
     found = _Judging(asked, around).on(trace)
-    told = {law for one in found for law in one.laws}
-    unjudged = tuple(law for one in around.stated if (law := broken(one)) not in told)
-    if period_ms is None:  # steps have lost the times of their records
+    checked = {law for one in found for law in one.laws}
+    unjudged = tuple(law for one in around.stated if (law := broken(one)) not in checked)
+    if period_ms is None:  # steps do not hold the times of their records
         return Judged(target.name, len(trace.steps), whole, found, (*unjudged, CLOCK_LAW))
     return Judged(target.name, len(trace.steps), whole, found, unjudged, *_clocks(target, path, period_ms))
 
 
-# ------------------------------------------------------------------ what is asked, cycle by cycle
+# ------------------------------------------------------------------ the conditions, cycle by cycle
 
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """A condition to be judged: of one clause or two, with its distance."""
+    """A condition to be checked: one clause or two, with its distance."""
 
     clauses: tuple[Stated, ...]
     by: By
@@ -126,14 +127,14 @@ class _Asked:
     distance: Distance
 
     def breach(self, values: Mapping[Var, Value], by: int) -> Breach:
-        """Return its breach in a cycle with these values, by this distance."""
+        """Return the breach of the condition in a cycle with these values and this distance."""
         read = {var: values[var] for var in variables([self.term])}
         laws = tuple(map(broken, self.clauses))
         return Breach(laws, self.distance.told(by), self.distance.unit.name, read_values(read))
 
 
 def _asked(around: Seen, *, with_truth: bool) -> list[_Asked]:
-    """What a recording with the truth, or without it, can be asked."""
+    """Return the conditions that a recording can check, with the truth or without it."""
     observables = [one for one in around.observables if len(one.clauses) > 1 or not with_truth]
     stated = around.stated if with_truth else ()
     return [*(_clause(around, one) for one in stated), *map(_observable, observables)]
@@ -150,7 +151,7 @@ def _observable(one: Observable) -> _Asked:
 
 
 class _Judging:
-    """Judges the conditions in every cycle of a run, by generated code that the interpreter checks now and then."""
+    """Checks the conditions in every cycle of a run, by generated code that the interpreter checks on samples."""
 
     def __init__(self, asked: Sequence[_Asked], around: Seen) -> None:
         self._asked, self._around = asked, around
@@ -161,11 +162,11 @@ class _Judging:
         self._remember = Quick(list(around.memory.values()))
 
     def on(self, trace: Trace) -> tuple[JudgedLaw, ...]:
-        """Return what was asked, judged in every cycle of the run."""
+        """Return the result of each condition over all cycles of the run."""
         found = [_Found() for _ in self._asked]
         for cycle, values in enumerate(self._cycles(trace), 1):
-            told = self._judge(values)
-            for one, so_far, holds, by in zip(self._asked, found, told[::2], told[1::2], strict=True):
+            results = self._judge(values)
+            for one, so_far, holds, by in zip(self._asked, found, results[::2], results[1::2], strict=True):
                 so_far.near(cycle, one.distance.told(int(by)))
                 if not holds:
                     seen_by_inputs = one.by != "truth" or self._is_seen(one.clauses[0], values)
@@ -173,12 +174,12 @@ class _Judging:
         return tuple(so_far.law(one) for one, so_far in zip(self._asked, found, strict=True))
 
     def _is_seen(self, clause: Stated, values: Mapping[Var, Value]) -> bool:
-        """Return whether something observable of the clause is violated in this cycle too."""
+        """Return whether an observable condition of the clause is violated in this cycle too."""
         holds = dict(zip(self._around.observables, self._seen(values), strict=True))
         return not all(holds[one] for one in self._shown_by_inputs[clause])
 
     def _cycles(self, trace: Trace) -> Iterator[dict[Var, Value]]:
-        """The values of each cycle: state before it, inputs, state after it, and what an observer remembers."""
+        """Yield the values of each cycle: state before it, inputs, state after it, and the memory of the observers."""
         system, before = trace.system, trace.initial
         memory = dict(self._around.first)
         for step in trace.steps:
@@ -195,19 +196,19 @@ class _Judging:
 
 @dataclass
 class _Found:
-    """What was found so far of one condition."""
+    """The result so far of one condition."""
 
     least: int | None = None
     cycle: int | None = None
     breaches: list[AtCycle] = field(default_factory=list)
 
     def near(self, cycle: int, by: int | None) -> None:
-        """Take the distance of a cycle, where it has one."""
+        """Take the distance of a cycle into account, if it has one."""
         if by is not None and (self.least is None or by < self.least):
             self.least, self.cycle = by, cycle
 
     def law(self, one: _Asked) -> JudgedLaw:
-        """Return it as it is told."""
+        """Return the final result."""
         laws = tuple(map(broken, one.clauses))
         return JudgedLaw(laws, one.by, one.distance.unit.name, self.least, self.cycle, tuple(self.breaches))
 
@@ -216,7 +217,7 @@ class _Found:
 
 
 def _clocks(target: Target, path: Path, period_ms: int) -> tuple[tuple[SourceClock, ...], JudgedLaw]:
-    """The lags of the sources of a recording of single records, and whether they tell the time of one clock."""
+    """Return the lags of the sources of a recording of single records, and the result of the law of one clock."""
     clocks, found, latest_ms = SourceClocks(), _Found(), 0
     for source, time_ms in recorded_times(target, path):
         latest_ms = max(latest_ms, time_ms)
@@ -227,7 +228,7 @@ def _clocks(target: Target, path: Path, period_ms: int) -> tuple[tuple[SourceClo
         found.near(cycle, lag.distance_ms(period_ms))
         if lag.distance_ms(period_ms) < 0:
             found.breaches.append(AtCycle(cycle, lag.breach(period_ms), seen=True))
-    told = tuple(
+    lags = tuple(
         SourceClock(source, clocks.least[source], lag.lag_ms, lag.behind) for source, lag in clocks.greatest.items()
     )
-    return told, JudgedLaw((CLOCK_LAW,), "inputs", "ms", found.least, found.cycle, tuple(found.breaches))
+    return lags, JudgedLaw((CLOCK_LAW,), "inputs", "ms", found.least, found.cycle, tuple(found.breaches))

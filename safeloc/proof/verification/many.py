@@ -1,8 +1,8 @@
-"""Several targets at once: each is conducted by a process of its own, and all processes share the same slots.
+"""Several targets at once: a process for each target, and slots at the processors that all processes share.
 
 The longest targets begin first. Progress is reported at once; all findings of a target arrive when it is done. All processes
-are forked before any findings arrive: a process that holds the findings of many targets is ten times as large, and each
-fork of it, and each fork of that, would cost as much more.
+are forked before any findings arrive: a process that holds the findings of many targets is ten times as large, and so would
+be every process that is forked from it.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class _Failed:
 
 @dataclass
 class _Conductor:
-    """The process of one target: it waits until it is told to begin through its pipe."""
+    """The process of one target; it waits for a message in its pipe before it begins."""
 
     target: Target
     process: ForkProcess
@@ -118,11 +118,12 @@ def verify_targets(
 ) -> dict[str, list[Finding]]:
     """Verify several targets and return all findings by target; at most `jobs` processes compute at a time.
 
-    look_in  where findings of an earlier run may be; of an unchanged target these are returned (safeloc.proof.cache). None
-             looks at nothing that was found before this run
-    keep_in  where findings, and the answers of solvers, are kept
+    look_in  store with findings of earlier runs, which are returned for unchanged targets (safeloc.proof.cache); None: earlier
+             findings are not used
+    keep_in  store for the findings, and for the answers of solvers
 
-    What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.
+    An error of a target (StreamError for a recording that it cannot take, EngineError) is raised here, and the other targets are
+    ended.
     """
     keeping = look_in is not None or keep_in is not None
     questions = {target: asked(target, "verified", plan) for target in targets} if keeping else {}
@@ -144,7 +145,7 @@ def verify_targets(
 def _found_before(
     store: Store | None, questions: Mapping[Target, Asked], on_event: OnEvent
 ) -> Iterator[tuple[str, list[Finding]]]:
-    """Findings of unchanged targets, by name."""
+    """Yield the findings of unchanged targets, by name."""
     for target, question in questions.items():
         findings = found_before(store, question)
         if findings is not None:
@@ -155,7 +156,9 @@ def _found_before(
 def _conducted(
     waiting: Sequence[Target], plan: Plan, jobs: int, slots: Slots, on_event: OnEvent
 ) -> Iterator[tuple[Target, Plain, float]]:
-    """Each target's findings as plain data, and its seconds, as they are complete; as many targets at a time as there are slots."""
+    """Yield each target with its findings as plain data and its seconds, when complete; at most `jobs` targets at a
+    time.
+    """
     left, running = list[_Conductor](), list[_Conductor]()
     try:
         for target in waiting:
@@ -187,7 +190,7 @@ def _forked(target: Target, plan: Plan, jobs: int, slots: Slots, others: Sequenc
 
 
 def _received(one: _Conductor, on_event: OnEvent) -> Plain | None:
-    """Pass on a message of a target's process; return its findings when it is done. Its error is raised here."""
+    """Pass on a message of a target's process, or return its findings when it is done; an error of it is raised here."""
     try:
         said: Any = one.pipe.recv()
     except EOFError:
@@ -213,11 +216,11 @@ def _received(one: _Conductor, on_event: OnEvent) -> Plain | None:
 def _conduct(
     target: Target, plan: Plan, jobs: int, slots: Slots, pipe: Connection, inherited: Sequence[Connection]
 ) -> None:
-    """Verify one target as soon as the parent sends the start; every process that computes has a place, this one too.
+    """Verify one target as soon as the parent sends the start; every process that computes holds a slot, this one too.
 
     inherited  the parent's ends of pipes: closed here, so that this process notices when the parent is gone
     """
-    gc.freeze()  # the collector never walks through what is inherited, which would copy every page of it
+    gc.freeze()  # keeps the collector away from inherited objects, since visiting them would copy every page
     signal.signal(signal.SIGTERM, _leave)
     for one in inherited:
         one.close()
@@ -252,7 +255,7 @@ def _verified(target: Target, plan: Plan, jobs: int, pipe: Connection) -> _Done 
         return _Done(pack_findings(findings, target.system))
     except SafelocError as error:
         return _Failed(error)
-    except Exception as error:  # not swallowed: the parent raises it, and where it came from is known here only
+    except Exception as error:  # not swallowed: the parent raises it, but only this process knows its traceback
         traceback.print_exception(error)
         return _Failed(EngineError(f"{target.name}: {type(error).__name__}: {error}"))
 

@@ -13,7 +13,7 @@ PROC = Path("/proc")
 
 
 class Memory:
-    """Samples the memory of this process and all its child processes; `most_bytes` is the maximum.
+    """Samples the memory of this process and of all its descendants; `most_bytes` is the maximum.
 
     Shared memory counts once. 0 if the system does not provide the figures.
     """
@@ -39,20 +39,20 @@ class Memory:
 
 
 def taken_bytes(process: int) -> int:
-    """Return the memory of a process and of all that come of it, now."""
+    """Return the memory, in bytes, that a process and all its descendants use now."""
     return sum(map(_own_bytes, (process, *descendants(process))))
 
 
 def _own_bytes(process: int) -> int:
-    """Return the memory of a process, with its part of shared memory (Pss); 0 if it has ended."""
+    """Return the memory of a process in bytes, with its part of shared memory (Pss); 0 if it has ended."""
     with suppress(OSError, ValueError, StopIteration):
-        told = (PROC / str(process) / "smaps_rollup").read_text().splitlines()
-        return 1024 * int(next(line for line in told if line.startswith("Pss:")).split()[1])
+        lines = (PROC / str(process) / "smaps_rollup").read_text().splitlines()
+        return 1024 * int(next(line for line in lines if line.startswith("Pss:")).split()[1])
     return 0
 
 
 def descendants(process: int) -> list[int]:
-    """Return the processes that come of a process, and of these."""
+    """Return the ids of all descendants of a process."""
     children: dict[int, list[int]] = {}
     for path in PROC.glob("[0-9]*/stat"):
         with suppress(OSError, ValueError):

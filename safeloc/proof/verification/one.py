@@ -1,4 +1,4 @@
-"""One target from its properties to its findings: proofs, obligations, property tests, replays of what ships with it."""
+"""One target from its properties to its findings: proofs, obligations, property tests, replays of its recordings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
 OnPhase = Callable[[str, int], None]
-"""Hears what begins, in words, and how many findings are expected of it."""
+"""Callback for the start of a phase: its description, and the expected number of findings."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,9 @@ class Plan:
     """The effort for one target.
 
     limits    bounds of the provers, for each property
-    examples  runs of the property tests; steps: of one stretch of such a run, at most; seed: of these runs
+    examples  number of runs of the property tests
+    steps     greatest length of one stretch of such a run
+    seed      seed of these runs
     """
 
     limits: Limits
@@ -51,12 +53,12 @@ class Work:
 
         StreamError for a recording that the target cannot take, EngineError where solvers contradict each other.
         """
-        findings = self._told(nothing_asked(self.target)) + self.proved(self.target.properties, plan.limits)
-        owed = self.obliged(plan.limits)
-        findings += [*owed, *self.tested(plan, owed)]
+        findings = self._announced(nothing_asked(self.target)) + self.proved(self.target.properties, plan.limits)
+        obliged = self.obliged(plan.limits)
+        findings += [*obliged, *self.tested(plan, obliged)]
         for stream in self.target.streams:
             self.on_phase(f"replaying {stream.name}", len(self.target.properties))
-            findings += self._told(replay_stream(self.target, stream)[1])
+            findings += self._announced(replay_stream(self.target, stream)[1])
         return findings
 
     def proved(self, properties: Sequence[Property], limits: Limits) -> list[Finding]:
@@ -72,8 +74,8 @@ class Work:
         )
 
     def obliged(self, limits: Limits) -> list[Finding]:
-        """Prove the obligations, which every machine has without anybody writing a property."""
-        self.on_phase(f"obligations of {self.target.name}", owed(self.target))
+        """Prove the obligations that every machine has without any declared property."""
+        self.on_phase(f"obligations of {self.target.name}", obligation_count(self.target))
         return obligations(
             self.target.system,
             limits,
@@ -83,34 +85,37 @@ class Work:
             properties=self.target.properties,
         )
 
-    def tested(self, plan: Plan, owed: Sequence[Finding]) -> list[Finding]:
-        """Run the property tests, also from along witnesses and shipped streams, so that deep modes and cases are tested."""
+    def tested(self, plan: Plan, obliged: Sequence[Finding]) -> list[Finding]:
+        """Run the property tests, given the findings of the obligations.
+
+        Runs also start along witnesses and shipped streams, so that deep modes and cases are tested.
+        """
         self.on_phase(f"testing {self.target.name}", len(self.target.properties))
         system, properties = self.target.system, self.target.properties
-        kept = [one.result.witness for one in owed if isinstance(one.result, Proved)]
+        shown = [one.result.witness for one in obliged if isinstance(one.result, Proved)]
         witnesses = [
-            run for run in kept if run is not None and not run.system.whole
-        ]  # of the whole, of no machine in it
+            run for run in shown if run is not None and not run.system.whole
+        ]  # of the composition, not of one machine alone
         streams = [whole_run(self.target, path) for path in self.target.streams]
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
-        return self._told(tests)
+        return self._announced(tests)
 
     def _recordings(self) -> list[Recording]:
         return [Recording(stream.first, stream.steps) for stream in map(read_steps, self.target.streams)]
 
-    def _told(self, findings: list[Finding]) -> list[Finding]:
+    def _announced(self, findings: list[Finding]) -> list[Finding]:
         for one in findings:
             self.on_finding(one)
         return findings
 
 
 def claims(target: Target, properties: Sequence[Property]) -> int:
-    """Estimate the number of findings from proving these."""
+    """Estimate the number of findings from proving these properties and all lemmas."""
     return len(properties) + sum(len(machine.lemmas) for machine in target.machines)
 
 
-def owed(target: Target) -> int:
+def obligation_count(target: Target) -> int:
     """Estimate the number of obligations: one of each kind, and one for each mode and transition."""
     return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
 
@@ -118,4 +123,4 @@ def owed(target: Target) -> int:
 def expected(target: Target) -> int:
     """Estimate the number of findings of all phases."""
     tests, replays = len(target.properties), len(target.streams) * len(target.properties)
-    return claims(target, target.properties) + owed(target) + tests + replays
+    return claims(target, target.properties) + obligation_count(target) + tests + replays

@@ -1,7 +1,7 @@
 """Findings as plain data (what JSON can hold), to be sent between processes and kept in files.
 
-Runs travel whole, states and outputs included, so that nothing has to be run again; each is written once, however many
-findings share it. The invariant of a proof stays behind: its certificates say it.
+Runs are stored with states and outputs, so that nothing has to be run again; a run that several findings share is stored
+once. The invariant of a proof is left out: the certificates hold it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def pack_findings(findings: Sequence[Finding], system: TransitionSystem) -> Plai
 
 
 def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
-    """Return the findings again; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
+    """Rebuild the findings; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
     systems = {"whole": system, "board": without_ghosts(system)}
     systems |= {f"part {part.name}": part.alone for part in system.parts}
     traces = [_unpacked_trace(one, systems[one["system"]]) for one in packed["traces"]]
@@ -41,7 +41,7 @@ def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
 
 
 class _Packing:
-    """Runs and replays that were met, each with its place in the data."""
+    """The runs and replays packed so far, each with its index in the data."""
 
     def __init__(self, system: TransitionSystem) -> None:
         self.traces: list[Plain] = []
@@ -50,10 +50,10 @@ class _Packing:
             frozenset(var.name for var in one.inputs): kind
             for kind, one in (("board", without_ghosts(system)), ("whole", system))
         }
-        self._met: dict[int, tuple[object, int]] = {}  # what was met is held, so that no other gets its identity
+        self._met: dict[int, tuple[object, int]] = {}  # holds each object, so that no other gets its id
 
     def finding(self, finding: Finding) -> Plain:
-        """One row; what it shares with others by number."""
+        """Return one row; shared runs and replays are given by index."""
         row = {field.name: getattr(finding, field.name) for field in fields(finding) if field.name not in _OWN}
         replayed = finding.replayed
         return {

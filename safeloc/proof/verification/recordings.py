@@ -22,22 +22,22 @@ from safeloc.target import Target
 def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStream, Sequence[Fault]]:
     """Return one step every `period_ms`, with its number as its line, and every fault found by the border.
 
-    Names, ranges and silence are those of a Controller (docs/embedding.md); beside that a recording may hold ghosts of
-    the machine, as values. StreamError for what is no recording, InputError for a leap of time.
+    Names, ranges and silent machines are treated as by a Controller (docs/embedding.md). In addition a recording may
+    contain values of ghosts. StreamError for a file that is no recording, InputError for a leap of time.
     """
     hearing, ghosts = Hearing(target), _ghosts(target, period_ms)
-    said = [_known(hearing, ghosts, number, record) for number, record in enumerate(read_raw(path))]
+    records = [_known(hearing, ghosts, number, record) for number, record in enumerate(read_raw(path))]
     channels = [*hearing.channels, *ghosts.values()]
-    made = list(cycles(said, period_ms, channels=channels, places=lambda name: _places(hearing, ghosts, name)))
-    heard = [_heard(hearing, ghosts, cycle) for cycle in made]
-    faults = [fault for cycle, (_, unheard) in zip(made, heard, strict=True) for fault in (*cycle.faults, *unheard)]
-    return StepStream(tuple(step for step, _ in heard), tuple(cycle.number for cycle in made)), faults
+    made = list(cycles(records, period_ms, channels=channels, places=lambda name: _places(hearing, ghosts, name)))
+    steps = [_step_of(hearing, ghosts, cycle) for cycle in made]
+    faults = [fault for cycle, (_, untaken) in zip(made, steps, strict=True) for fault in (*cycle.faults, *untaken)]
+    return StepStream(tuple(step for step, _ in steps), tuple(cycle.number for cycle in made)), faults
 
 
 def recorded_times(target: Target, path: Path) -> Iterator[tuple[str, int]]:
     """Yield source and time of each measurement of a recording of single records, in the order of arrival.
 
-    What no machine of the target hears, what cannot be read, and the truth are of no source.
+    Records for which the target has no input, unreadable records and the truth are left out.
     """
     hearing = Hearing(target)
     for number, record in enumerate(read_raw(path)):
@@ -57,7 +57,7 @@ def _ghosts(target: Target, period_ms: int) -> Ghosts:
 
 
 def _places(hearing: Hearing, ghosts: Ghosts, name: str) -> Iterable[object]:
-    """The inputs that a name means; a ghost has one name only."""
+    """Return the inputs that a name stands for; a ghost has one name only."""
     return (name,) if name in ghosts else hearing.places(name)
 
 
@@ -69,21 +69,21 @@ def _known(hearing: Hearing, ghosts: Ghosts, number: int, record: Record | Unusa
     return Unusable(record.time_ms, found.channel, found.reason, found.detail) if isinstance(found, Fault) else found
 
 
-def _heard(hearing: Hearing, ghosts: Ghosts, cycle: Cycle) -> tuple[dict[str, Value], tuple[Fault, ...]]:
-    """The step: what the machines hear by the full names of their inputs, the ghosts, and the truth; and what they do not.
+def _step_of(hearing: Hearing, ghosts: Ghosts, cycle: Cycle) -> tuple[dict[str, Value], tuple[Fault, ...]]:
+    """Return the step (inputs by full name, ghosts, and remarks), and the faults of values that no machine takes.
 
-    A machine that may be told nothing, and was told nothing or not enough, has the neutral values of a silent device.
+    A machine that may be silent, and got no value or too few, has the neutral values of a silent device.
     """
     own = {name: value for name, value in cycle.inputs.items() if name not in ghosts}
-    told, unheard = hearing.heard(hearing.told(own))
-    row, inputs = hearing.row(told), hearing.system.inputs
-    silent = [at for _, needed in hearing.silent.values() for at in needed if at not in told]
-    step = {inputs[at].name: row[at] for at in (*silent, *told)}
-    said = {name: value for name, value in cycle.inputs.items() if name in ghosts and isinstance(value, int)}
-    return {**step, **said, **cycle.remarks}, unheard
+    taken, untaken = hearing.heard(hearing.told(own))
+    row, inputs = hearing.row(taken), hearing.system.inputs
+    silent = [at for _, needed in hearing.silent.values() for at in needed if at not in taken]
+    step = {inputs[at].name: row[at] for at in (*silent, *taken)}
+    truth = {name: value for name, value in cycle.inputs.items() if name in ghosts and isinstance(value, int)}
+    return {**step, **truth, **cycle.remarks}, untaken
 
 
 def counted(faults: Sequence[Fault]) -> dict[str, str]:
-    """`channel: reason` -> how often, the most frequent first."""
+    """Return how often each `channel: reason` occurred, the most frequent first."""
     found = Counter(f"{fault.channel}: {fault.reason.value}" for fault in faults)
     return {what: str(number) for what, number in found.most_common()}

@@ -58,7 +58,7 @@ class Row:
         )
 
     def cells(self) -> dict[str, str]:
-        """Return the cells, column -> text."""
+        """Return the text of each cell by its column."""
         outputs = {
             name: "" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
             for name, value in self.outputs.items()
@@ -68,7 +68,7 @@ class Row:
 
 
 def as_table(rows: Sequence[Row]) -> list[str]:
-    """Plain lines under a heading, in columns; rows have the same columns."""
+    """Return the rows as lines of a table under a heading; all rows have the same columns."""
     cells = [row.cells() for row in rows]
     widths = {name: max(len(name), *(len(row[name]) for row in cells)) for name in cells[0]}
     lines = [{name: name for name in widths}, *cells]
@@ -78,15 +78,15 @@ def as_table(rows: Sequence[Row]) -> list[str]:
 def replay_stream(
     target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None
 ) -> tuple[list[Row], list[Finding]]:
-    """Replay a stream; return rows and findings. StreamError with file and line for a step the machine cannot take, or
-    without any step.
+    """Replay a stream; return rows and findings.
 
-    With `period_ms` the file holds single records, and what the border refused of them is a finding of its own. `run`
-    is the id of a result, and the file one of a report's traces: the run that shows it is replayed.
+    With `period_ms` the file holds single records, and a finding of its own counts those that the border refused. With `run`,
+    the id of a result, the file holds traces of a report, and the run of that result is replayed.
 
-    A stream with the ghosts of the machine in it is checked against every property. One without them (a real
-    recording) is checked against those that do not speak of the truth; `truth_mm`, where the stream has it, is
-    compared with the reported interval, if the machine reports one.
+    A stream with the ghosts of the machine is checked against every property. One without them (a real recording) is checked
+    against the properties that do not read the truth; its `truth_mm`, if it has that, is compared with the reported interval, if
+    the machine reports one. StreamError, with file and line, for a step that the machine cannot take and for a stream without
+    steps.
     """
     started = time.monotonic()
     stream, faults = read_recording(target, path, period_ms=period_ms, run=run)
@@ -112,7 +112,7 @@ def replay_stream(
 def read_recording(
     target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None
 ) -> tuple[StepStream, Sequence[Fault] | None]:
-    """Return the steps of a recording for this target, and what the border refused of single records.
+    """Return the steps of a recording for this target, and the faults of single records (None without `period_ms`).
 
     The arguments are those of `replay_stream`. StreamError for a recording without steps, or of another machine.
     """
@@ -124,13 +124,13 @@ def read_recording(
 
 
 def _steps(path: Path, run: str | None) -> StepStream:
-    """A recording; of a file of runs the one that is asked for."""
+    """Read a recording, or the requested run of a file of runs."""
     return read_steps(path) if run is None else read_runs(path).stream(run)
 
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """The checks on a target's recordings: the system that they run, and the applicable properties."""
+    """The checks on a target's recordings: the system to run, and the properties that apply."""
 
     system: TransitionSystem
     properties: Sequence[Property]
@@ -142,7 +142,7 @@ _ASKED: weakref.WeakKeyDictionary[Target, dict[bool, _Asked]] = weakref.WeakKeyD
 
 
 def _asked(target: Target, *, whole: bool) -> _Asked:
-    """The whole system, or as it runs on board; worked out once for all recordings of a target."""
+    """Return the checks on the whole system, or on the system on board; made once for all recordings of a target."""
     known = _ASKED.setdefault(target, {})
     if whole not in known:
         system = target.system if whole else without_ghosts(target.system)
@@ -154,7 +154,7 @@ def _asked(target: Target, *, whole: bool) -> _Asked:
 
 
 def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[Finding]:
-    """The findings, the first of them with a note of what was not checked."""
+    """Return the findings; the first one gets a note of the properties that were not checked."""
     if not unchecked:
         return list(findings)
     names = "; ".join(prop.name for prop in unchecked)
@@ -163,11 +163,14 @@ def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[F
 
 
 def _nothing_checked(target: Target, path: Path, unchecked: Sequence[Property], started: float) -> Finding:
-    """Neither a property nor the truth: no news of the recording, and not good news."""
+    """Return the finding that neither a property nor the true position could be checked, which is no success."""
     ghosts = "every property reads ghosts, and the stream has none; simulate a stream, or record the true position as truth_mm"
-    said, name = "something of the recording was checked", f"{target.name}/replay/{name_of(path)}: nothing checked"
+    statement, name = (
+        "the replay checks a property or the true position",
+        f"{target.name}/replay/{name_of(path)}: nothing checked",
+    )
     why, seconds = NotAsked(ghosts if unchecked else reason(target)), time.monotonic() - started
-    return Finding(name, target.name, "replay", said, why, f"replay of {path.name}", seconds)
+    return Finding(name, target.name, "replay", statement, why, f"replay of {path.name}", seconds)
 
 
 def _number(unchecked: Sequence[Property]) -> str:
@@ -178,13 +181,13 @@ def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
     """Refuse a stream whose header names another machine."""
     if stream.machine not in ("", target.name):
         raise StreamError(
-            f"{path}:1: a stream for machine {stream.machine!r}, and {target.name!r} is replayed; "
-            "take the machine of the stream, or leave `machine` out of the header."
+            f"{path}:1: the stream is for machine {stream.machine!r}, not for {target.name!r}; "
+            "replay it with that machine, or remove `machine` from the header."
         )
 
 
 def whole_run(target: Target, path: Path) -> Trace | None:
-    """Return a stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
+    """Return a stream with the ghosts of the machine, as a run of the machine; None for a stream without them."""
     stream = read_steps(path)
     _refuse_other(target, path, stream)
     return run_of(target.system, path, stream) if is_whole(target, stream) else None

@@ -16,14 +16,14 @@ def nothing_asked(target: Target) -> list[Finding]:
 
 
 def nothing_tested(target: Target) -> list[Finding]:
-    """Return one finding where nothing is left that a test could break; else none."""
+    """Return one finding if the target has no property that a test could break; else none."""
     if any(prop.kind != "reachable" for prop in target.properties):
         return []
     return [unasked(target, "test", "nothing tested", reason(target))]
 
 
 def reason(target: Target) -> str:
-    """Return the reason why a run leaves nothing to check: no property, or only `reachable` ones."""
+    """Return the reason why a run has nothing to check: there is no property, or only `reachable` ones."""
     if not target.properties:
         return target.unasked or NO_PROPERTY
     number = len(target.properties)
