@@ -42,7 +42,7 @@ def test_what_was_looked_for_is_said(call: Call, tmp_path: Path, declared: str, 
     called = call("test", door(tmp_path, declared), *BRIEF)
     assert called.code == 3
     assert "not asked door/test/nothing tested" in called.out
-    assert f"door.py: {'`properties` was looked for, and ' if 'there is' in said else ''}{said}" in called.out
+    assert f"door.py: {'there is no `properties`, but ' if 'there is' in said else ''}{said}" in called.out
     assert called.out.splitlines()[-1] == "not asked: there was no property to check: 1 not asked"
 
 
