@@ -1,4 +1,6 @@
-"""Property tests for any machine: what fails is found and replays, what holds is held, and faults are no excuse."""
+"""Property tests for any machine: false properties are violated by a run that replays, true ones are held, also after
+faults.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +59,7 @@ def test_a_forgotten_remainder_is_found_with_every_seed(seed: int) -> None:
 
 
 def test_statistics_are_reported() -> None:
-    """What a held property rests on: runs, steps, the deepest run, and what fired; few steps are given up."""
+    """A held property comes with the runs, steps, deepest run and fired transitions; few steps are given up."""
     example = EXAMPLES[0]
     (finding,) = run_tests(example.system, [example.holds], examples=60, steps=40, seed=0)
     assert isinstance(finding.result, Held)

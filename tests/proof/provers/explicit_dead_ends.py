@@ -21,7 +21,7 @@ HIGHEST = 4
 
 
 def dead_end(system: TransitionSystem) -> int | None:
-    """Steps of the shortest run into a dead end (-1: there is no first state); None if no state that runs come to is one."""
+    """Length of the shortest run into a dead end (-1: there is no first state); None if no reachable state is one."""
     allowed, inputs = Program([environment(system)]), list(_every(system.inputs))
     level, depth = set(_first(system)), 0
     seen = set(level)
@@ -57,7 +57,9 @@ def _every(variables: tuple[Var, ...]) -> Iterator[dict[Var, Value]]:
 
 
 def random_system(seed: int) -> TransitionSystem:
-    """A machine of two counters and a flag, a number, a flag and an optional input, whose assumption speaks of all of them."""
+    """A machine of two counters and a flag, with a number, a flag and an optional input; its assumption reads all of
+    them.
+    """
     draw = random.Random(seed)
     x, y, on = number("x", COUNT, 0, HIGHEST), number("y", COUNT, 0, HIGHEST), boolean("on")
     k, go, told = number("k", COUNT, draw.choice((-1, 0, 1)), 2), boolean("go"), optional("o", COUNT, 0, 2)

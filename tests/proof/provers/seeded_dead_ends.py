@@ -1,4 +1,4 @@
-"""Small machines whose assumption leads into a dead end after so many steps, each with a twin in which it is mended.
+"""Small machines whose assumption leads into a dead end after a known number of steps, each with a repaired twin.
 
 A declaration gets `mended` and returns the system; broken and mended differ in one term or range.
 """
@@ -30,7 +30,7 @@ class Seed:
 
 
 def counter(last: int, allowed: int) -> TransitionSystem:
-    """Counts every step, up to `last`; assumed is that it stays within `allowed`."""
+    """Counts every step, up to `last`; the assumption is that it stays within `allowed`."""
     x = number("x", COUNT, 0, 200)
     up = Transition("up", S, S, TRUE, {x: minimum(x + 1, last)})
     return lower(
@@ -47,22 +47,22 @@ def counter(last: int, allowed: int) -> TransitionSystem:
 
 
 def late(mended: bool) -> TransitionSystem:
-    """Nothing is lawful once 80 is reached."""
+    """No inputs are lawful once 80 is reached."""
     return counter(79 if mended else 200, 79)
 
 
 def soon(mended: bool) -> TransitionSystem:
-    """Nothing is lawful once 5 is reached."""
+    """No inputs are lawful once 5 is reached."""
     return counter(4 if mended else 5, 4)
 
 
 def very_late(mended: bool) -> TransitionSystem:
-    """Nothing is lawful once 100 is reached."""
+    """No inputs are lawful once 100 is reached."""
     return counter(99 if mended else 100, 99)
 
 
 def mode(mended: bool) -> TransitionSystem:
-    """In the second mode more is asked of an input than its range has."""
+    """In the second mode the assumption requires more of an input than its range has."""
     now = current_mode(TWO)
     asked = now.eq(TWO[1]).implies(K + K > (5 if mended else 6))
     return lower(
@@ -79,7 +79,7 @@ def mode(mended: bool) -> TransitionSystem:
 
 
 def third_mode(mended: bool) -> TransitionSystem:
-    """What is asked in the third mode contradicts itself."""
+    """In the third mode the assumption contradicts itself."""
     now, x = current_mode((A, B, C)), number("x", COUNT, 0, 9)
     rows = [Transition("on", A, B, GO), Transition("count", B, B, x < 4, {x: x + 1}), Transition("off", B, C, rank=1)]
     asked = now.eq(C).implies(K.eq(3) & (GO if mended else K < 2))
@@ -97,7 +97,7 @@ def third_mode(mended: bool) -> TransitionSystem:
 
 
 def error(mended: bool) -> TransitionSystem:
-    """An error that grows in every step and must stay within 100."""
+    """An error grows in every step and must stay within 100."""
     e, total = number("e", COUNT, 0 if mended else 1, 3), number("total", COUNT, 0, 100)
     rows = [Transition("add", S, S, TRUE, {total: total + e})]
     return lower(
@@ -114,7 +114,7 @@ def error(mended: bool) -> TransitionSystem:
 
 
 def apart(mended: bool) -> TransitionSystem:
-    """Two sums that must stay near each other, of which one always gains on the other."""
+    """Two sums must stay near each other, and one always gains on the other."""
     u, v = number("u", COUNT, 1, 2), number("v", COUNT, 0, 2 if mended else 0)
     gap = number("gap", COUNT, -10, 10)
     rows = [Transition("add", S, S, TRUE, {gap: gap + u - v})]
@@ -132,7 +132,7 @@ def apart(mended: bool) -> TransitionSystem:
 
 
 def battery(mended: bool) -> TransitionSystem:
-    """Something is told at least every third step, and each time costs one of five charges."""
+    """An input is present at least every third step, and each time uses one of five charges."""
     o, gap, charge = optional("o", COUNT, 1, 9), number("gap", COUNT, 0, 3), number("charge", COUNT, 0, 5)
     spent = charge if mended else charge - 1
     rows = [
@@ -154,7 +154,7 @@ def battery(mended: bool) -> TransitionSystem:
 
 
 def rising(mended: bool) -> TransitionSystem:
-    """Every value told is above the last one."""
+    """Every value of the input is above the last one."""
     o, last = optional("o", COUNT, 0, 9), number("last", COUNT, 0, 9)
     rows = [Transition("told", S, S, o.present, {last: o.value})]
     above = o.value >= last if mended else o.value > last
@@ -172,7 +172,7 @@ def rising(mended: bool) -> TransitionSystem:
 
 
 def end_of_line(mended: bool) -> TransitionSystem:
-    """A train that cannot stand still, on a line that ends."""
+    """A train that cannot stand still runs on a line that ends."""
     step, truth = number("step", COUNT, 0 if mended else 10, 20), number("truth", COUNT, 0, 100)
     return lower(
         Machine(
@@ -187,7 +187,7 @@ def end_of_line(mended: bool) -> TransitionSystem:
 
 
 def brakes(mended: bool) -> TransitionSystem:
-    """A train that may run so fast that it cannot stop before the end of the line."""
+    """A train may run so fast that it cannot stop before the end of the line."""
     speed, faster, truth = number("speed", COUNT, 0, 5), number("next", COUNT, 0, 5), number("truth", COUNT, 0, 30)
     can_stop: Bool = truth + faster + faster * 5 <= 30 if mended else truth + faster <= 30
     return lower(
@@ -203,7 +203,7 @@ def brakes(mended: bool) -> TransitionSystem:
 
 
 def one_way(mended: bool) -> TransitionSystem:
-    """What moves by one in every step, and never turns, comes to the end of its range."""
+    """A position that moves by one in every step, and never turns, reaches the end of its range."""
     y, d, held = number("y", COUNT, -20, 20), number("d", COUNT, -1, 1), number("held", COUNT, -1, 1)
     rows = [Transition("move", S, S, TRUE, {y: y + d, held: d})]
     moves = d.ne(0) & (held.eq(0) | d.eq(held))
@@ -263,7 +263,7 @@ def window(mended: bool) -> TransitionSystem:
 
 
 def parity(mended: bool) -> TransitionSystem:
-    """A flag has to tell both whether a count is even and whether it is a third one."""
+    """A flag has to say both that a count is even and that it is a multiple of three."""
     two, three = number("two", COUNT, 0, 1), number("three", COUNT, 0, 2)
     rows = [
         Transition("count", S, S, TRUE, {two: ite(two.eq(1), 0 * two, two + 1), three: ite(three.eq(2), 0 * three, three + 1)})
@@ -283,7 +283,7 @@ def parity(mended: bool) -> TransitionSystem:
 
 
 def doomed_early(mended: bool) -> TransitionSystem:
-    """What is chosen in the first step is forbidden 50 steps later."""
+    """A choice in the first step is forbidden 50 steps later."""
     x, y = number("x", COUNT, 0, 50), number("y", COUNT, 0, 3)
     rows = [
         Transition("choose", S, S, x.eq(0), {x: 1 + 0 * x, y: K}),
@@ -325,7 +325,7 @@ def nested(mended: bool) -> TransitionSystem:
 
 
 def wired(mended: bool) -> TransitionSystem:
-    """What a later machine assumes of an earlier one that nobody makes keep it."""
+    """A later machine assumes a property of an earlier one that no machine guarantees."""
     a, q, b, j = number("a", COUNT, 0, 9), number("q", COUNT, 0, 9), number("b", COUNT, 0, 9), boolean("j")
     first = Machine(
         "first", (S,), [GO], {a: 0}, {}, [Transition("up", S, S, TRUE, {a: minimum(a + 1, 3 if mended else 9)})]
@@ -343,7 +343,7 @@ def wired(mended: bool) -> TransitionSystem:
 
 
 def owing(mended: bool) -> TransitionSystem:
-    """The later machine is owed what it assumes; the earlier one's own assumption ends."""
+    """The later machine's assumption is discharged; the earlier one's own assumption ends."""
     a, q, b = number("a", COUNT, 0, 20), number("q", COUNT, 0, 20), number("b", COUNT, 0, 20)
     step = number("step", COUNT, 0 if mended else 1, 2)
     add = Transition("add", S, S, TRUE, {a: a + step})
@@ -369,7 +369,7 @@ def owing(mended: bool) -> TransitionSystem:
 
 
 def at_odds(mended: bool) -> TransitionSystem:
-    """Two machines that ask opposite things of a movement that they share, from the fifteenth step on."""
+    """Two machines require opposite things of a movement that they share, from the fifteenth step on."""
     step, x, j = number("step", COUNT, -5, 5), number("x", COUNT, 0, 15), boolean("j")
     g = number("g", COUNT, 0, 1)
     up = Transition("up", S, S, TRUE, {x: minimum(x + 1, 15)})
@@ -383,7 +383,7 @@ def at_odds(mended: bool) -> TransitionSystem:
 
 
 def open_start(mended: bool) -> TransitionSystem:
-    """A first state may be chosen from which the end is near."""
+    """A first state may be chosen that is near the end."""
     y = number("y", COUNT, 0, 100)
     rows = [Transition("up", S, S, TRUE, {y: minimum(y + 1, 100)})]
     asked = TRUE if mended else y < 40

@@ -1,4 +1,4 @@
-"""A machine of one variable, in variants that are wrong in one way each."""
+"""A machine of one variable, in variants with one fault each."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ SAME = LEFT.eq(RIGHT)
 
 
 def pair(lemmas: Mapping[str, Bool] | None = None, *, behind: bool = False) -> Machine:
-    """Two counters in step with each other; `behind` is the fault of starting the second one a step late."""
+    """Two counters in step with each other; `behind` is the fault that the second one starts a step late."""
     return Machine(
         name="pair",
         modes=(ONLY,),
@@ -82,5 +82,5 @@ FULL_TOGETHER = RIGHT.eq(10).implies(LEFT.eq(10))
 
 
 def told(facts: Iterable[Fact]) -> set[str]:
-    """Facts as they are called for people."""
+    """Facts by their names for people."""
     return {str(fact) for fact in facts}

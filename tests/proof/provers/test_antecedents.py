@@ -1,4 +1,4 @@
-"""Cases that properties speak of: found, excluded or left open; what never occurs makes a proof vacuous."""
+"""Cases of properties: found, excluded or left open; a case that never occurs makes a proof vacuous."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ IN_A, IN_B, IN_C = (GATE.mode.eq(mode) for mode in (A, B, C))
 
 
 def proved(prop: Property, system: TransitionSystem | None = None) -> Finding:
-    """What is found of one property."""
+    """The verdict on one property."""
     (finding,) = prove(lower(GATE) if system is None else system, [prop], Limits(seconds=20))
     return finding
 
@@ -69,7 +69,7 @@ def proved(prop: Property, system: TransitionSystem | None = None) -> Finding:
     ids=lambda value: value.name if isinstance(value, Property) else "",
 )
 def test_what_never_occurs_is_vacuous(prop: Property, words: str) -> None:
-    """A proof that requires nothing is not called one, and the case is named."""
+    """A proof that requires nothing is Vacuous, and the case is named."""
     finding = proved(prop)
     assert isinstance(finding.result, Vacuous)
     assert finding.result.reason.startswith(words)
@@ -90,12 +90,12 @@ def test_what_never_occurs_is_vacuous(prop: Property, words: str) -> None:
     ids=lambda prop: prop.name,
 )
 def test_what_occurs_stays_proved(prop: Property) -> None:
-    """A case that occurs, and what has none, leave the proof as it is."""
+    """A case that occurs leaves the proof as it is, and so does a property without cases."""
     assert "proved" == word(proved(prop).result)
 
 
 def test_what_the_assumption_forbids_is_vacuous_under_it_only() -> None:
-    """A case is looked for under what the property relies on."""
+    """A case is searched under the assumption that the property relies on."""
     system = lower(gate(assumption=X <= 5))
     mode = system.machines[0].mode
     relies, free = (
@@ -106,7 +106,7 @@ def test_what_the_assumption_forbids_is_vacuous_under_it_only() -> None:
 
 
 def test_what_is_given_counts() -> None:
-    """The further assumption of a property may keep its own case from occurring."""
+    """The further assumption of a property may exclude its own case."""
     given = always("given", IN_B.implies(N >= 1), further_assumption=X <= 5)
     assert ["vacuous", "proved"] == [
         word(one.result) for one in prove(lower(GATE), [given, always("not", IN_B.implies(N >= 1))], Limits(seconds=20))
@@ -114,7 +114,7 @@ def test_what_is_given_counts() -> None:
 
 
 def test_a_recording_shows_what_a_search_does_not() -> None:
-    """A case 40 steps deep is found in a recording; without it neither found nor excluded, and told so."""
+    """A case 40 steps deep is found in a recording; without one it is reported as neither found nor excluded."""
     prop = always("deep", N.eq(40).implies(GATE.mode.ne(C)))
     quick = Limits(depth=5, seconds=5)
     recording = Recording({}, [{"x": 4}] * 41)
@@ -127,7 +127,7 @@ def test_a_recording_shows_what_a_search_does_not() -> None:
 
 
 def test_a_recording_counts_as_far_as_it_keeps_what_is_relied_on() -> None:
-    """After a step that breaks the assumption nothing is seen, but of what needs no assumption."""
+    """After a step that breaks the assumption only cases of unconditional properties count."""
     system = lower(gate(assumption=X <= 8))
     mode = system.machines[0].mode
     props = [
@@ -142,12 +142,12 @@ def test_a_recording_counts_as_far_as_it_keeps_what_is_relied_on() -> None:
 
 
 def obligation(findings: list[Finding]) -> Finding | None:
-    """The one on cases, if there is one."""
+    """The obligation about cases, if there is one."""
     return next((one for one in findings if one.id == "gate/obligation/antecedents"), None)
 
 
 def test_all_cases_are_one_obligation() -> None:
-    """Proved where all occur; vacuous with those that never do; undecided with those neither found nor excluded."""
+    """Proved if all occur, vacuous with those that never do, undecided with those neither found nor excluded."""
     good, bad = always("good", IN_B.implies(N >= 1)), always("bad", IN_C.implies(N >= 1))
     open_ = always("open", N.eq(500).implies(GATE.mode.ne(C)))
     for props, verdict, seconds in (([good], Proved, 10), ([good, bad], Vacuous, 10), ([good, bad, open_], Unknown, 1)):
@@ -161,7 +161,7 @@ def test_all_cases_are_one_obligation() -> None:
 
 
 def test_witnesses_are_handed_on() -> None:
-    """The runs of a search are known afterwards, for property tests to begin with."""
+    """The runs of a search are stored, for property tests to begin with."""
     system, prop = lower(GATE), always("occurs", IN_B.implies(N >= 1))
     assert [] == found(system, [prop]).runs()
     prove(system, [prop], Limits(seconds=20))
@@ -170,7 +170,7 @@ def test_witnesses_are_handed_on() -> None:
 
 
 def test_properties_of_one_name_are_told_apart() -> None:
-    """Cases are kept by property, not by name."""
+    """Cases are stored by property, not by name."""
     system = lower(GATE)
     one, other = always("it", IN_B.implies(N >= 1)), always("it", IN_C.implies(N >= 1))
     outcomes = search(system, [*cases(one), *cases(other)], Limits(seconds=10))
@@ -178,7 +178,9 @@ def test_properties_of_one_name_are_told_apart() -> None:
 
 
 def test_of_a_machine_by_itself() -> None:
-    """An inherited property whose case the whole does not come to in time: the machine alone does, in those words."""
+    """The composition does not reach an inherited property's case in time; the machine alone does, and the finding says
+    so.
+    """
     first, second = _teller(), _hearer()
     whole = compose("both", [first, second], {HEARD: first.output("told")})
     own = always("own", second.mode.eq(HIGH).implies(second.mode.ne(LOW)), unconditional=True)
@@ -206,7 +208,7 @@ def test_of_a_machine_by_itself() -> None:
     ],
 )
 def test_what_a_wired_constant_decides_is_no_part(claim: Callable[[Bool, Num], Bool], told: str) -> None:
-    """Of the hearer, which is always LOW and hears 60: the rest of the property is what it says of the whole."""
+    """The listener is always LOW and its input 60: the property says only the rest about the composition."""
     first, second = _teller(), _never_high()
     whole = compose("both", [first, second], {HEARD: as_num(60, COUNT)})
     prop = whole.inherited(second, always("own", claim(second.mode.eq(LOW), HEARD)))
@@ -230,14 +232,14 @@ TURNS = number("turns", COUNT, 0, 3)
 
 
 def _never_high() -> Machine:
-    """HIGH where `turns` is 1, which is 0 and 2 in turn: excluded by what comes to a state, not by one step."""
+    """HIGH if `turns` is 1, while it alternates between 0 and 2: excluded by reachable states, not by one step."""
     turn = ite(TURNS >= 2, TURNS - 2, TURNS + 2)
     rows = [Transition("up", LOW, HIGH, TURNS.eq(1)), Transition("turn", LOW, LOW, TRUE, {TURNS: turn}, rank=1)]
     return Machine("hearer", (LOW, HIGH), [HEARD], {TURNS: 0}, {}, rows)
 
 
 def test_a_few_steps_beside_a_recording() -> None:
-    """A case too deep for the search, and not in the recording, is found by going on from where that came to."""
+    """A case too deep for the search, and not in the recording, is found a few steps from a state of the recording."""
     prop = always("beside", DEEP_CASE.implies(N > 39))
     recording = Recording({}, [{"x": 4}] * 45)
     (seen,) = search(lower(DEEP), cases(prop), Limits(depth=3, seconds=10), [recording])
@@ -263,7 +265,7 @@ DEEP_CASE = DEEP.mode.eq(B) & (N >= 40)
 
 
 def test_a_run_from_a_first_state_that_the_environment_excludes() -> None:
-    """A case of an unconditional property, found from there: the property tests follow it, and for that property only."""
+    """The case of an unconditional property is found from there; property tests follow the run for that property only."""
     (only,) = modes("ONLY")
     place, truth = number("place", COUNT, 0, 9), number("truth", COUNT, 0, 9)
     known_at_first = {"state": {place: ANY}, "world": World(ghosts={truth: 0}, moves={truth: truth})}

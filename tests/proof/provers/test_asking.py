@@ -42,7 +42,7 @@ def test_the_same_limit_ends_at_the_same_place(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_a_slow_clock_changes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a machine five times as slow the same is decided."""
+    """A machine five times as slow gives the same answers."""
     now = time.monotonic
     monkeypatch.setattr(time, "monotonic", lambda: 5 * now())
     ends, solver = deadline(1.0), new_solver()
@@ -53,14 +53,14 @@ def test_a_slow_clock_changes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_the_clock_is_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What counts nothing, such as a solver that hangs, is ended after some times the limit."""
+    """A solver that hangs counts no effort; the clock ends it after several times the limit."""
     now, ends = time.monotonic(), deadline(1.0)
     monkeypatch.setattr(time, "monotonic", lambda: now + CLOCK + 1)
     assert ends.passed
 
 
 def test_effort_of_a_part_is_effort_of_the_whole() -> None:
-    """A part that has used its share leaves so much less to what comes after it."""
+    """The effort of a part is no longer there for the parts after it."""
     whole, part = deadline(2.0), deadline(1.0)
     spend(1.5)
     assert part.passed
@@ -68,7 +68,7 @@ def test_effort_of_a_part_is_effort_of_the_whole() -> None:
 
 
 def test_nothing_is_asked_where_nothing_is_left() -> None:
-    """A limit of 0 means `no limit` to z3, so it is never told one."""
+    """z3 never gets a limit of 0, which means `no limit` to it."""
     solver = new_solver()
     assert ask(solver, 0.0) == z3.unknown
     assert units(1e-9) == 1
@@ -77,7 +77,7 @@ def test_nothing_is_asked_where_nothing_is_left() -> None:
 
 
 def test_cvc5_counts_as_well() -> None:
-    """What cvc5 did is effort of this process, and its limit is one of its own resources."""
+    """The work of cvc5 counts as effort of this process, and its limit is one of its own resources."""
     level, before = NumVar("level", ONE, 0, 10), limits.effort()
     assert certify(Query("q", [level > 1], {"above 0": level > 0}), seconds=5.0).undecided == ()
     assert limits.effort() > before

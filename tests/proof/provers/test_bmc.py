@@ -1,4 +1,4 @@
-"""Bounded search: shortest traces, honest limits, and nothing that the interpreter does not confirm."""
+"""Bounded search: it finds shortest traces, reports its limits, and the interpreter confirms every result."""
 
 import pytest
 import z3
@@ -24,7 +24,7 @@ def test_a_first_state_can_violate() -> None:
 
 
 def test_reachable_yields_the_shortest_witness() -> None:
-    """What can be reached is proved by a run that reaches it."""
+    """A reachable state is proved by a run that reaches it."""
     verdict = bmc(observe(system(counter()), reachable("high", MODE.eq(HIGH))), Limits())
     assert isinstance(verdict, Proved)
     assert verdict.witness is not None
@@ -41,7 +41,7 @@ def test_reachable_within_the_depth_limit_only() -> None:
 
 
 def test_no_time_is_unknown() -> None:
-    """Out of time is neither proved nor violated, and says how deep the search came."""
+    """Without time the verdict is Unknown, with the depth reached."""
     verdict = bmc(goal(counter(), LEVEL <= 9), Limits(seconds=1e-6))
     assert isinstance(verdict, Unknown)
     assert verdict.depth == -1
@@ -68,7 +68,7 @@ def test_a_trace_that_breaks_nothing_is_found_out(monkeypatch: pytest.MonkeyPatc
 
 
 def test_an_unlucky_seed_is_not_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is not decided with one seed is asked once more with another one."""
+    """A question that one seed does not decide is asked again with another seed."""
     seeds: list[int] = []
     monkeypatch.setattr(module, "new_solver", lambda seed: seeds.append(seed) or new_solver(seed))
     monkeypatch.setattr(deepening, "ask", lambda *given: z3.unknown if seeds[-1] == 7 else ask(*given))

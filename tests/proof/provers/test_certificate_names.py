@@ -1,4 +1,4 @@
-"""Certificates of one report never share a name: each says which whole it is of."""
+"""Certificates of one report never share a name: each names its system."""
 
 from __future__ import annotations
 
@@ -41,6 +41,6 @@ def test_one_machine_in_two_wholes() -> None:
 
 
 def test_every_shipped_system_has_a_name_of_its_own() -> None:
-    """Two targets that were named alike would write over each other's evidence."""
+    """Two targets of one name would overwrite each other's evidence."""
     names = [entry.make(entry.config()).system.name for entry in ENTRIES.values()]
     assert len(names) == len(set(names)), sorted(names)

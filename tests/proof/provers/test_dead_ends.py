@@ -1,4 +1,4 @@
-"""That every state has a lawful next step: dead ends are found wherever they are, and proved absent where there are none."""
+"""Dead ends: they are found wherever they are, and proved absent if there are none."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ RANDOM = 60
 
 @pytest.mark.parametrize("name", SEEDS)
 def test_a_seeded_dead_end_is_found(name: str) -> None:
-    """By the shortest run, after which the interpreter knows no lawful inputs either."""
+    """The shortest run into it is found, and the interpreter finds no lawful inputs after it either."""
     seed = SEEDS[name]
     system = seed.make(False)
     assert seed.depth == dead_end(system)
@@ -47,7 +47,7 @@ def test_a_seeded_dead_end_is_found(name: str) -> None:
 
 @pytest.mark.parametrize("name", SEEDS)
 def test_a_mended_machine_is_proved_to_last(name: str) -> None:
-    """With certificates that cvc5 confirms."""
+    """The proof comes with certificates that cvc5 confirms."""
     system = SEEDS[name].make(True)
     assert dead_end(system) is None
     verdict = lasts(system, LIMITS)
@@ -59,7 +59,7 @@ def test_a_mended_machine_is_proved_to_last(name: str) -> None:
 
 @pytest.mark.parametrize("seed", range(RANDOM))
 def test_random_machines_are_judged_as_by_enumeration(seed: int) -> None:
-    """Proved where no state that runs come to is a dead end, violated by a shortest run where one is."""
+    """Proved if no reachable state is a dead end, violated by a shortest run otherwise."""
     system = random_system(seed)
     steps, verdict = dead_end(system), lasts(system, LIMITS)
     if steps is None:
@@ -70,7 +70,7 @@ def test_random_machines_are_judged_as_by_enumeration(seed: int) -> None:
 
 
 def machine(assumption: Bool, *, first: object = 0, initially: Bool = TRUE) -> Machine:
-    """Counts every step, up to 20; or, told to, from where it likes."""
+    """Counts every step, up to 20; or jumps to where it likes if an input says so."""
     up = Transition("up", S, S, TRUE, {X: minimum(X + 1, 20)})
     return Machine(
         "m",
@@ -90,7 +90,7 @@ def machine(assumption: Bool, *, first: object = 0, initially: Bool = TRUE) -> M
     ids=["contradiction", "not at first", "no first state"],
 )
 def test_no_run_at_all_is_no_run(assumption: Bool, initially: Bool) -> None:
-    """There is no run to show where none begins."""
+    """If no run begins, the violation comes without a run."""
     verdict = lasts(lower(machine(assumption, first=ANY, initially=initially)), LIMITS)
     assert isinstance(verdict, Violated)
     assert verdict.trace is None
@@ -98,7 +98,7 @@ def test_no_run_at_all_is_no_run(assumption: Bool, initially: Bool) -> None:
 
 
 def test_a_first_state_may_be_a_dead_end() -> None:
-    """Where other first states are none: the run has no steps."""
+    """Other first states are none: the run to it has no steps."""
     verdict = lasts(lower(machine(X < 20, first=ANY)), LIMITS)
     assert isinstance(verdict, Violated)
     assert verdict.trace is not None
@@ -107,7 +107,7 @@ def test_a_first_state_may_be_a_dead_end() -> None:
 
 
 def test_a_recorded_run_into_a_dead_end_is_found() -> None:
-    """Also where no search comes there in time."""
+    """It is found even if no search reaches it in time."""
     far = number("far", COUNT, 0, 10_000)
     go = number("go", COUNT, 0, 1)
     rows = [Transition("up", S, S, TRUE, {far: minimum(far + go, 10_000)})]
@@ -134,12 +134,12 @@ def test_a_recorded_run_into_a_dead_end_is_found() -> None:
 
 
 def kept(system: TransitionSystem) -> dict[str, Obligation]:
-    """The obligations of the assumption by name."""
+    """The obligations about the assumption, by name."""
     return {one.name: one for one in assumption_kept(system, LIMITS)}
 
 
 def test_a_dead_end_that_can_be_avoided_does_not_end_the_assumption() -> None:
-    """One run goes on for ever, and is shown; another one comes to a dead end, and is shown as well."""
+    """One run goes on for ever, another one reaches a dead end; both are shown."""
     only_zero = Machine(
         "m",
         (S,),
@@ -160,7 +160,7 @@ def test_a_dead_end_that_can_be_avoided_does_not_end_the_assumption() -> None:
 
 
 def test_an_assumption_that_ends_in_every_run_does_not_last() -> None:
-    """It is told with the run, and so is the dead end."""
+    """The violation comes with the run, and so does the dead end."""
     found = kept(lower(machine(X < 7)))
     for name in ("assumption lasts", "dead ends"):
         verdict = found[name].verdict
@@ -171,7 +171,7 @@ def test_an_assumption_that_ends_in_every_run_does_not_last() -> None:
 
 
 def test_one_run_that_ends_is_no_evidence_that_all_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A ring of twenty-one states, longer than the search, that can be left for a dead end: the ring was not excluded."""
+    """A ring of twenty-one states can be left for a dead end; it is longer than the search, so it is not excluded."""
     monkeypatch.setattr(assumption, "ROUND_STEPS", 6)
     rows = [
         Transition("leave", S, S, GO & X.eq(3), {X: 20 + 0 * X}),
@@ -202,7 +202,7 @@ def test_one_run_that_ends_is_no_evidence_that_all_do(monkeypatch: pytest.Monkey
 
 
 def test_an_assumption_that_lasts_is_proved_to() -> None:
-    """By certificates, not by a run."""
+    """Certificates prove it, not a run."""
     found = kept(lower(machine(X <= 20)))
     for name in ("assumption lasts", "dead ends"):
         verdict = found[name].verdict
@@ -214,12 +214,12 @@ def test_an_assumption_that_lasts_is_proved_to() -> None:
 
 
 def small(further: Bool) -> Property:
-    """A property that holds only where its further assumption keeps x small."""
+    """A property that holds only while its further assumption keeps x small."""
     return always("x is never 20", X < 20, further_assumption=further)
 
 
 def test_a_further_assumption_that_dies_is_told_as_vacuous() -> None:
-    """With the run into its end, however late that is."""
+    """The verdict comes with the run into its end, however late that is."""
     for last in (7, 19):
         (found,) = prove(lower(machine(TRUE)), [small(X < last)], LIMITS)
         assert isinstance(found.result, Vacuous)
@@ -238,7 +238,7 @@ def test_a_further_assumption_that_lasts_is_part_of_the_proof() -> None:
 
 
 def test_a_further_assumption_that_nobody_can_judge_leaves_a_proof_open(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Proved would say more than is known."""
+    """The verdict is Unknown: Proved would say more than is known."""
     monkeypatch.setattr("safeloc.proof.provers.dead_ends.lasts", lambda *_args, **_more: Unknown("no time", 3))
     verdict = prove_one(observe(lower(machine(TRUE)), small(X < 7)), LIMITS)
     assert isinstance(verdict, Unknown)
@@ -247,7 +247,7 @@ def test_a_further_assumption_that_nobody_can_judge_leaves_a_proof_open(monkeypa
 
 @pytest.mark.parametrize("further", [GO & ~GO, FALSE], ids=["contradiction", "false"])
 def test_engines_by_themselves_do_not_prove_from_a_contradiction(further: Bool) -> None:
-    """They say that nothing is said."""
+    """They report that the proof would be empty."""
     goal = observe(lower(machine(TRUE)), always("x is 0", X <= 0, further_assumption=further))
     for engine in (kinduction, spacer, prove_one):
         verdict = engine(goal, LIMITS)
@@ -256,6 +256,6 @@ def test_engines_by_themselves_do_not_prove_from_a_contradiction(further: Bool) 
 
 
 def test_what_is_unreachable_under_a_contradiction_is_vacuous() -> None:
-    """No run comes there, since there is no run."""
+    """No run reaches the goal, since no run exists."""
     goal = observe(lower(machine(TRUE)), reachable("x is 9", X.eq(9), further_assumption=GO & ~GO))
     assert isinstance(prove_one(goal, LIMITS), Vacuous)

@@ -1,4 +1,4 @@
-"""Drawn runs: what they come to is confirmed, what cannot be is not found, and the same seed draws the same."""
+"""Drawn runs: reached goals are confirmed, impossible ones are not found, and the same seed draws the same runs."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ MACHINE = Machine(
 
 
 def goals(system: TransitionSystem) -> dict[str, Goal]:
-    """One for each mode."""
+    """One goal for each mode."""
     return {one.label: observe(system, reachable(one.label, MACHINE.mode.eq(one))) for one in MACHINE.modes}
 
 
 def test_what_runs_come_to_under_the_assumption_is_found_with_a_run_that_shows_it() -> None:
-    """The fault is not, since the assumption excludes it; the runs are those of the interpreter, and lawful."""
+    """The runs are the interpreter's, and lawful; the fault is not found, since the assumption excludes it."""
     system = lower(MACHINE)
     wanted = goals(system)
     found = drawn(list(wanted.values()))
@@ -56,14 +56,14 @@ def test_what_runs_come_to_under_the_assumption_is_found_with_a_run_that_shows_i
 
 
 def test_without_the_assumption_the_fault_is_found() -> None:
-    """In a run that keeps the assumption for a while, or in one that never does."""
+    """A run that satisfies the assumption for a while finds it, or one that never does."""
     broken = without_assumption(goals(lower(MACHINE))["BROKEN"])
     [trace] = drawn([broken]).values()
     assert trace.steps[-1].inputs["x"] > 900
 
 
 def test_the_same_seed_draws_the_same() -> None:
-    """Whoever repeats a proof gets the same witnesses."""
+    """A repeated proof gets the same witnesses."""
     first, second = (
         {
             goal.prop.name: (run.initial, run.steps)
@@ -75,7 +75,7 @@ def test_the_same_seed_draws_the_same() -> None:
 
 
 def test_nothing_is_drawn_for_nothing_and_where_no_run_begins() -> None:
-    """No goals, no runs; a machine without a first state has none either."""
+    """Without goals there are no runs, nor for a machine without a first state."""
     assert drawn([]) == {}
     off, on = modes("OFF", "ON")
     doomed = lower(

@@ -1,4 +1,6 @@
-"""What is proved of nothing is not called proved: contradictory further assumptions, assumptions that end, misdeclared properties."""
+"""A proof about no run is not called a proof: contradictory further assumptions, assumptions that end, wrong
+declarations.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ NEVER_B = GATE.mode.eq(B)
 
 @pytest.mark.parametrize("further", [(X > 5) & (X < 5), FALSE], ids=["contradiction", "false"])
 def test_a_contradictory_further_assumption_proves_nothing(further: Bool) -> None:
-    """Neither a proof nor a test stands on steps that cannot be."""
+    """Steps that cannot exist give neither a proof nor a test."""
     prop = never("b", NEVER_B, further_assumption=further)
     (proof,) = prove(lower(GATE), [prop], Limits())
     assert isinstance(proof.result, Vacuous)
@@ -36,7 +38,7 @@ def test_a_contradictory_further_assumption_proves_nothing(further: Bool) -> Non
 
 
 def test_a_further_assumption_is_reported() -> None:
-    """A verdict never says `none` where the property relies on something."""
+    """The reported assumption is never `none` if the property relies on one."""
     assert NO_ASSUMPTION == never("b", NEVER_B, unconditional=True).relies_on
     free = never("b", NEVER_B, further_assumption=X <= 5, unconditional=True)
     assert "further assumption in every step: (<= x 5)" == free.relies_on
@@ -65,7 +67,7 @@ def _counting(limit: int) -> Machine:
 
 
 def test_an_assumption_that_ends_is_found() -> None:
-    """A run after which nothing lawful follows is shown: what comes later would be proved of nothing."""
+    """A run without any lawful next step is shown: no proof covers what comes after it."""
     (last,) = [f for f in obligations(lower(_counting(7)), Limits()) if f.id.endswith("assumption lasts")]
     assert isinstance(last.result, Violated)
     assert last.result.trace is not None
@@ -89,14 +91,14 @@ def test_an_assumption_that_ends_is_found() -> None:
     ],
 )
 def test_misdeclared_properties_are_refused(wrong: dict[str, object], message: str) -> None:
-    """However a property is made, what is wrong with it is said where it is declared."""
+    """Every way to make a property refuses a wrong declaration, with its place."""
     fields: dict[str, object] = {"name": "p", "kind": "within", "term": NEVER_B, **wrong}
     with pytest.raises(PropertyError, match=rf"test_empty\.py:\d+: property .*: .*{message}"):
         Property(**fields)  # type: ignore[arg-type]
 
 
 def test_a_bare_truth_value_is_refused_by_name() -> None:
-    """`always("p", True)` and `never("p", True)` say what to write."""
+    """The messages for `always("p", True)` and `never("p", True)` say what to write instead."""
     for make in (always, never):
         with pytest.raises(
             PropertyError, match="its term is True, not a truth-valued term; a constant is written TRUE"
@@ -105,13 +107,13 @@ def test_a_bare_truth_value_is_refused_by_name() -> None:
 
 
 def test_numbers_that_are_no_member_are_refused() -> None:
-    """A comparison with a number that the enumeration does not have is a slip, not a property."""
+    """A comparison with a number outside the enumeration is a mistake, and is refused."""
     with pytest.raises(UnitError, match=r"7 is no member of enumeration mode: A, B\."):
         GATE.mode.eq(7)
 
 
 def test_no_name_of_a_property_is_taken_by_the_base() -> None:
-    """Certificates are named by their content, so that a property may be called like a part of the base."""
+    """Certificates are named by their content, so a property may have the name of a part of the base."""
     [finding] = prove(lower(GATE), [never("always", NEVER_B, further_assumption=X <= 5)], Limits())
     assert isinstance(finding.result, Proved)
     assert len(finding.result.certificates) == 6  # base and property, start and step; that it lasts, and by what inputs

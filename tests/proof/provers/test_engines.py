@@ -1,4 +1,4 @@
-"""Every engine on every example machine: what holds is never violated, what fails is never proved."""
+"""Every engine on every example machine: a true property is never violated, a false one never proved."""
 
 import pytest
 
@@ -17,7 +17,7 @@ LIMITS = Limits(depth=12, seconds=20.0)
 
 @EVERY
 def test_kinduction_proves_what_holds(example: Example) -> None:
-    """The property that holds is proved for streams of any length, and cvc5 confirms every certificate."""
+    """The true property is proved for streams of any length, and cvc5 confirms every certificate."""
     proved = require_proved(kinduction(observe(example.system, example.holds), LIMITS))
     assert proved.engine == f"{proved.depth}-induction"
     assert proved.rechecked == (ENGINE,)
@@ -26,7 +26,7 @@ def test_kinduction_proves_what_holds(example: Example) -> None:
 
 @EVERY
 def test_kinduction_does_not_prove_what_fails(example: Example) -> None:
-    """The property that fails stays undecided: induction finds no runs."""
+    """The false property stays undecided: induction finds no runs."""
     verdict = kinduction(observe(example.system, example.fails), LIMITS)
     assert isinstance(verdict, Unknown)
     assert verdict.depth < example.fails_depth
@@ -47,7 +47,7 @@ def test_bmc_finds_the_shortest_violation(example: Example) -> None:
 
 @EVERY
 def test_bmc_never_proves(example: Example) -> None:
-    """Bounded search of a property that holds ends undecided, at its depth limit."""
+    """Bounded search of a true property ends undecided, at its depth limit."""
     verdict = bmc(observe(example.system, example.holds), Limits(depth=4, seconds=20.0))
     assert isinstance(verdict, Unknown)
     assert (verdict.reason, verdict.depth) == ("depth limit of 4 steps", 4)

@@ -1,4 +1,4 @@
-"""The falsifier: deep bugs are found, every finding replays, and machines without a bug are left in peace."""
+"""The falsifier: it finds deep bugs, every finding replays, and machines without a bug are never violated."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def test_deep_bugs_are_found(bug: DeepBug) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("bug", [bug for bug in DEEP_BUGS if bug.name not in QUICK], ids=lambda bug: bug.name)
 def test_all_deep_bugs_are_found(bug: DeepBug) -> None:
-    """The whole set, up to 201 steps deep."""
+    """The whole set of bugs is found, up to 201 steps deep."""
     _found(bug)
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples(example: Example) -> None:
-    """What fails is found; what holds is never called violated."""
+    """A false property is violated; a true one never is."""
     assert isinstance(falsify(observe(example.system, example.fails), Limits(seconds=10)), Violated)
     assert isinstance(falsify(observe(example.system, example.holds), Limits(seconds=0.3)), Unknown)

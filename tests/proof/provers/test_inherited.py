@@ -1,4 +1,4 @@
-"""Assume-guarantee: a machine's own facts hold in a whole that keeps what it assumes, and in no other."""
+"""Assume-guarantee: a machine's own facts hold in a composition that guarantees its assumption, and in no other."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def number_of(machine: Machine) -> NumVar:
 
 
 def test_facts_of_each_machine_hold_in_the_whole() -> None:
-    """Nothing is owed beyond ranges: the follower's facts come under the whole's names."""
+    """Only ranges have to be guaranteed: the follower's facts hold under the composition's names."""
     known = base(Chain(discharge=False).whole.system)
     assert "source: below the limit" in told(known.always)
     assert "follower: within what is assumed" in told(known.facts)
@@ -81,7 +81,7 @@ def test_facts_of_each_machine_hold_in_the_whole() -> None:
 
 
 def test_what_is_owed_is_proved_and_used() -> None:
-    """A follower that assumes what the source keeps: the contract is proved, and then the follower's facts."""
+    """The source guarantees the follower's assumption: the contract is proved, and then the follower's facts."""
     chain = Chain(limit=5, assumed=5)
     known = base(chain.whole.system)
     assert told(known.kept) == {"what follower is owed is kept"}
@@ -90,14 +90,14 @@ def test_what_is_owed_is_proved_and_used() -> None:
 
 
 def test_what_is_owed_is_not_assumed() -> None:
-    """The whole's assumption does not hold what the machines owe each other."""
+    """The composition's assumption does not contain what its machines guarantee to each other."""
     chain = Chain()
     assert variables([chain.whole.system.assume]) == []
     assert variables([lower(chain.follower).assume]) != []
 
 
 def test_a_contract_that_is_broken_is_shown_by_a_run() -> None:
-    """The source goes up to 10, the follower assumes 5: violated, with a run; and its facts are not used."""
+    """The source rises to 10, the follower assumes 5: violated, with a run; the follower's facts are not used."""
     chain = Chain(limit=10, assumed=5)
     kept = chain.whole.of(chain.follower)
     prop = always("remembered", kept.bool(chain.kept <= 5))
@@ -109,7 +109,7 @@ def test_a_contract_that_is_broken_is_shown_by_a_run() -> None:
 
 
 def test_a_contract_that_is_kept_is_a_finding() -> None:
-    """It is told like a lemma, with the text that was re-checked."""
+    """A proved contract is reported like a lemma, with the text that was re-checked."""
     chain = Chain(limit=5, assumed=5)
     findings = {one.id: one.result for one in prove(chain.whole.system, [], Limits())}
     proved = findings["chain/lemma/what follower is owed is kept"]
@@ -118,7 +118,7 @@ def test_a_contract_that_is_kept_is_a_finding() -> None:
 
 
 def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
-    """The follower hears up to 4, the source tells up to 10: what holds for all inputs in range holds no more."""
+    """The follower's input goes up to 4, the source up to 10: facts for all inputs in range are not inherited."""
     chain = Chain(limit=10, assumed=10, widest=4, discharge=False)
     known = base(chain.whole.system)
     assert "what follower hears is in range" in told(known.refuted)
@@ -126,7 +126,7 @@ def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
 
 
 def owed_by_clause(limit: int, assumed: int) -> Composition:
-    """The chain, whose follower is owed a low level; that the truth is low is still assumed."""
+    """The chain in which the source has to guarantee the clause of a low level; that the truth is low is still assumed."""
     chain = Chain(limit=limit, assumed=assumed, discharge=False)
     clauses = {"the truth is low": chain.next_truth <= 5, "the level is low": chain.seen <= assumed}
     follower = changed(chain.follower, clauses=clauses)
@@ -135,7 +135,7 @@ def owed_by_clause(limit: int, assumed: int) -> Composition:
 
 
 def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
-    """Only the truth's part is still assumed of the whole, and both together give the follower's facts."""
+    """The composition still assumes only the part about the truth; both together give the follower's facts."""
     whole = owed_by_clause(limit=5, assumed=5)
     known = base(whole.system)
     assert [var.name for var in variables([whole.system.assume])] == ["follower.next_truth"]
@@ -145,14 +145,14 @@ def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
 
 
 def test_a_clause_that_is_not_kept_loses_the_facts() -> None:
-    """The source goes up to 10, the clause says 5: not proved, and nothing of the follower under it is used."""
+    """The source rises to 10, the clause says 5: not proved, and no fact of the follower under it is used."""
     known = base(owed_by_clause(limit=10, assumed=5).system)
     assert {"what follower is owed is kept", "follower: within what is assumed"} <= told(known.refuted)
     assert not known.kept
 
 
 def test_what_cannot_be_owed_is_refused() -> None:
-    """A machine that is not part of the whole, and a clause that the machine does not have."""
+    """A machine outside the composition, and a clause that the machine does not have, are refused."""
     chain = Chain(discharge=False)
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
     with pytest.raises(
@@ -169,7 +169,7 @@ def test_what_cannot_be_owed_is_refused() -> None:
 
 @pytest.mark.parametrize("limit", [4, 5])
 def test_a_state_term_follows_from_facts_alone(limit: int) -> None:
-    """A property of every state that the facts imply needs no step: it is proved from them."""
+    """A property of states that follows from the facts needs no step: it is proved from them."""
     chain = Chain(limit=limit, assumed=5)
     prop = always("remembered", chain.whole.of(chain.follower).bool(chain.kept <= 5))
     [result] = [one.result for one in prove(chain.whole.system, [prop], Limits()) if one.kind == "property"]

@@ -1,4 +1,4 @@
-"""What a machine keeps whatever it hears is kept in every whole in which it hears no more than that."""
+"""A machine's property for all inputs in range holds in every composition that keeps its inputs in range."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ IDLE, BUSY = modes("IDLE", "BUSY")
 
 
 class Follower:
-    """A source that rises as it likes, and a follower that takes at most half of what it hears."""
+    """A source that rises as it likes, and a follower that takes at most half of its input."""
 
     def __init__(self, *, may_hear: int = 20, assumed: int | None = None) -> None:
         self.step, self.level = number("step", MM, 0, 20), number("level", MM, 0, 20)
@@ -55,13 +55,13 @@ class Follower:
         return always("small", self.kept - before(self.kept) <= 10, unconditional=True)
 
     def finding(self, prop: Property) -> Finding:
-        """What the provers say of it, of the whole."""
+        """The finding of the provers for the composition."""
         (found,) = [one for one in prove(self.whole.system, [prop], Limits(seconds=10)) if one.id.endswith(prop.name)]
         return found
 
 
 def test_the_machine_by_itself_is_asked() -> None:
-    """The finding is of the whole, and says how it was proved."""
+    """The finding is about the composition, and says that the machine alone was proved."""
     chain = Follower()
     found = chain.finding(chain.whole.inherited(chain.follower, chain.small()))
     assert found.id == "chain/property/follower: small"
@@ -75,7 +75,7 @@ def test_the_machine_by_itself_is_asked() -> None:
 
 
 def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:
-    """By itself the machine hears no more than 8, and rises by no more than 4; in the whole it hears 20."""
+    """The machine's input goes up to 8, so it rises by at most 4; in the composition the input is 20."""
     chain = Follower(may_hear=8)
     four = always("four", chain.kept - before(chain.kept) <= 4, unconditional=True)
     found = chain.finding(chain.whole.inherited(chain.follower, four))
@@ -83,7 +83,7 @@ def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:
 
 
 def test_it_is_the_same_property() -> None:
-    """On a run it is judged as one written over the whole would be, the state before the step included."""
+    """On a run the verdict is that of a property written over the composition, the state before the step included."""
     chain = Follower()
     asked = chain.whole.inherited(chain.follower, chain.small())
     into = chain.whole.of(chain.follower)
@@ -101,7 +101,7 @@ def test_it_is_the_same_property() -> None:
 
 
 def test_what_is_given_something_more_is_refused() -> None:
-    """The whole may not keep that, and a run to somewhere is not kept in every step."""
+    """A property with a further assumption, or one of kind `reachable`, is not inherited."""
     chain = Follower()
     for prop in (replace(chain.small(), further_assumption=chain.heard <= 4), reachable("small", chain.kept > 4)):
         with pytest.raises(ModelError, match=r"^follower: 'small' is not an `always` without further assumption"):
@@ -110,7 +110,7 @@ def test_what_is_given_something_more_is_refused() -> None:
 
 @pytest.mark.parametrize(("assumed", "kept"), [(20, True), (10, False)])
 def test_what_a_machine_assumes_has_to_be_owed_and_kept(assumed: int, kept: bool) -> None:
-    """The source tells up to 20: a follower that is owed no more than 10 does not pass that on to the whole."""
+    """The source goes up to 20: a follower whose contract says at most 10 passes nothing on to the composition."""
     chain = Follower(assumed=assumed)
     half = always("half", chain.kept <= assumed // 2)
     found = chain.finding(chain.whole.inherited(chain.follower, half))
@@ -119,7 +119,7 @@ def test_what_a_machine_assumes_has_to_be_owed_and_kept(assumed: int, kept: bool
 
 
 def test_nothing_is_taken_for_granted_where_the_base_was_not_proved() -> None:
-    """What a machine hears has to be shown to be in range; that nothing speaks against it is not enough."""
+    """A machine's inputs have to be proved in range; it is not enough that nothing contradicts it."""
     chain = Follower()
     remember(chain.whole.system, Base({}, {}, {}, {}, 1_000))
     found = chain.finding(chain.whole.inherited(chain.follower, chain.small()))

@@ -1,4 +1,4 @@
-"""k-induction: what it proves, what it needs for it, and what it must not use."""
+"""k-induction: the properties that it proves, the facts that it needs, and those that it must not use."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ def test_a_declared_lemma_makes_a_property_inductive() -> None:
 
 
 def test_a_wrong_lemma_is_not_assumed() -> None:
-    """A lemma that would imply the claim, but does not hold, proves nothing."""
+    """A false lemma that would imply the claim proves nothing."""
     verdict = kinduction(goal(pair({"in step": SAME}, behind=True), FULL_TOGETHER & SAME), Limits())
     assert isinstance(verdict, Unknown)
 
 
 def test_a_contradictory_lemma_is_not_assumed() -> None:
-    """From a lemma that never holds everything would follow; nothing does."""
+    """A lemma that never holds would imply everything; nothing is proved from it."""
     verdict = kinduction(goal(counter(lemmas={"nonsense": (LEVEL < 0)}), LEVEL <= 3), Limits())
     assert isinstance(verdict, Unknown)
 
 
 def test_a_broken_guard_makes_the_proof_fail() -> None:
-    """The claim that is proved of the right machine is not proved of the wrong one."""
+    """The claim is proved of the right machine and not of the wrong one."""
     require_proved(kinduction(goal(counter(), LEVEL <= 10), ONE))
     assert isinstance(kinduction(goal(counter(stride=2), LEVEL <= 10), Limits()), Unknown)
 
@@ -69,14 +69,14 @@ def test_conjuncts_are_asked_one_by_one() -> None:
 
 
 def test_an_unconditional_property_uses_no_assumption() -> None:
-    """What holds only under the assumption is proved with it, and not without it."""
+    """A property that needs the assumption is proved with it, and not without it."""
     machine = counter(assumption=~TICK, lemmas={"rests": LEVEL.eq(0)})
     require_proved(kinduction(goal(machine, LEVEL <= 3), ONE))
     assert isinstance(kinduction(goal(machine, LEVEL <= 3, unconditional=True), ONE), Unknown)
 
 
 def test_a_helper_is_proved_with_the_property() -> None:
-    """A response time is proved with the help of a lemma over the time waited, which is proved too."""
+    """A lemma over the time waited helps to prove a response time, and is proved too."""
     lowered = system(counter())
     silent = within("soon", 3, LEVEL.eq(10), LEVEL >= 10, helper=lambda waited: waited <= 0)
     require_proved(kinduction(observe(lowered, silent), ONE))
@@ -85,7 +85,7 @@ def test_a_helper_is_proved_with_the_property() -> None:
 
 
 def test_no_time_is_unknown() -> None:
-    """Out of time is undecided, with the reason."""
+    """Without time the verdict is Unknown, with the reason."""
     verdict = kinduction(goal(counter(), LEVEL <= 10), Limits(seconds=1e-6))
     assert isinstance(verdict, Unknown)
     assert "undecided" in verdict.reason

@@ -10,7 +10,7 @@ from safeloc.proof.provers.limits import Limits, deadline, milliseconds
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan, math.inf])
 def test_time_limits_are_positive_and_finite(seconds: float) -> None:
-    """No limit means anything but a positive finite time."""
+    """A time limit that is not positive and finite is refused."""
     with pytest.raises(InputError, match="it must be positive and finite"):
         Limits(seconds=seconds)
 
@@ -23,7 +23,7 @@ def test_depths_are_sensible(wrong: dict[str, int]) -> None:
 
 
 def test_no_time_is_never_unlimited_time() -> None:
-    """Solvers read 0 ms as `no limit`, so the least that is ever asked for is 1 ms."""
+    """The least limit for a solver is 1 ms, since 0 ms means `no limit`."""
     assert milliseconds(0.0) == 1
     assert milliseconds(0.0001) == 1
 

@@ -1,4 +1,4 @@
-"""Certificates hold the hypotheses that a proof needs, and no others; what is kept of that is never believed."""
+"""Certificates hold only the hypotheses that a proof needs; a cached core is never trusted."""
 
 from __future__ import annotations
 
@@ -121,7 +121,9 @@ def _text_of(whole: Query[str]) -> str:
 
 
 def test_a_proof_tells_what_it_needs() -> None:
-    """Whoever has the goal proved need not ask again; a goal that does not follow has a countermodel and no core."""
+    """The proof of the goals gives the core at no extra cost; a goal that does not follow has a countermodel and no
+    core.
+    """
     whole, wrong = query(ORDERED & (C < 7), A > 3, goal=A < C), query(ORDERED, goal=C < A)
     assert {} == unproved(whole, 10.0)
     assert 2 == len(core_of(whole) or ())

@@ -1,4 +1,4 @@
-"""Free obligations: kept by every example machine, and each broken by a machine with that one fault."""
+"""Free obligations: every example machine satisfies all, and each is violated by a machine with one fault."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _found(machine: Machine, limits: Limits = LIMITS) -> dict[str, Finding]:
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_every_example_keeps_its_obligations(example: Example) -> None:
-    """All obligations of all examples hold; each mode and each transition is there, with a witness."""
+    """All obligations of all examples hold; each mode and each transition has a witness."""
     findings = obligations(example.system, LIMITS, jobs=2)
     assert [finding.id for finding in findings if word(finding.result) != "proved"] == []
     names = {finding.id.split("/", 2)[2] for finding in findings}
@@ -43,7 +43,7 @@ def test_every_example_keeps_its_obligations(example: Example) -> None:
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_witnesses_are_streams_that_run(example: Example) -> None:
-    """Every witness, run again, ends with what it is the witness of."""
+    """Every witness, run again, ends in the mode or transition that it shows."""
     for finding in obligations(example.system, LIMITS):
         assert isinstance(finding.result, Proved)
         kind, _, transition = finding.id.split("/", 2)[2].partition(": ")
@@ -65,7 +65,7 @@ def test_a_range_that_is_left_comes_with_a_run() -> None:
 
 
 def test_a_ghost_may_leave_its_range_only_where_the_assumption_lets_it() -> None:
-    """Ghosts are judged under the assumption, the machine's own variables without it."""
+    """Ranges of ghosts are checked under the assumption, those of the machine's own variables without it."""
     truth, moved = number("truth", COUNT, 0, 5), number("moved", COUNT, -1, 1)
     parts = {"name": "walk", "modes": modes("ONLY"), "inputs": [GO], "state": {}, "outputs": {}, "transitions": []}
     world = {"ghosts": {truth: 0}, "choices": [moved], "moves": {truth: truth + moved}}
@@ -129,7 +129,9 @@ def test_overlapping_guards_are_shown_with_values() -> None:
 
 
 def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
-    """What no input can cause is dead; what only a broken assumption causes is a defence, with its witness."""
+    """A transition that no input causes is dead; one that only a broken assumption causes is a defence, with its
+    witness.
+    """
     machine = Machine(
         name="guarded",
         modes=(ONE, TWO),
@@ -151,7 +153,7 @@ def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
 
 
 def test_what_is_too_deep_is_unknown() -> None:
-    """A mode that the depth limit does not reach is undecided, not dead."""
+    """A mode beyond the depth limit is undecided, not dead."""
     ticks = number("ticks", COUNT, 0, 900)
     deep = Machine(
         name="deep",
@@ -189,7 +191,9 @@ def test_the_assumption_can_be_kept_in_motion() -> None:
 
 
 def test_what_moves_in_a_known_run_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The solver's questions do not grow with the inputs; what must stand still is still the only one named."""
+    """The number of questions does not grow with the inputs; the only input that must stand still is still the only one
+    named.
+    """
     asked = list[object]()
     checked = assumption.ask
     monkeypatch.setattr(assumption, "ask", lambda *given: asked.append(given) or checked(*given))
@@ -216,7 +220,7 @@ def test_what_moves_in_a_known_run_is_not_asked_for(monkeypatch: pytest.MonkeyPa
 
 
 def test_reading_an_absent_input_is_violated() -> None:
-    """A guard that reads the value without asking for its presence is found, with the values that show it."""
+    """A guard that reads the value without testing its presence is found, with the values that show it."""
     reading = optional("reading", COUNT, 0, 9)
     seen = number("seen", COUNT, 0, 9)
 
@@ -249,7 +253,7 @@ def test_a_check_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_findings_are_told_as_they_come() -> None:
-    """Each finding is announced once, from however many processes."""
+    """Each finding is announced once, however many processes there are."""
     told: list[Finding] = []
     findings = obligations(system(counter()), LIMITS, jobs=2, on_finding=told.append)
     assert sorted(finding.id for finding in told) == sorted(finding.id for finding in findings)

@@ -1,4 +1,4 @@
-"""The same question of two processes is asked once; who waits has put its place back, and its clock stands."""
+"""Two processes ask a question only once; the one that waits has given its slot back, and its clock stands still."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TEXT = to_smtlib(QUESTION)
 
 
 def ask(places: Slots, pipe: Connection) -> None:
-    """Ask both solvers, with a place; tell how often z3 was asked, and whether all follows."""
+    """Ask both solvers, with a slot; return the number of questions to z3, and whether all goals follow."""
     asked = list[str]()
     ours = implication._failures
 
@@ -46,7 +46,7 @@ def ask(places: Slots, pipe: Connection) -> None:
 
 
 def test_who_waits_gives_its_place_and_asks_nothing(tmp_path: Path) -> None:
-    """The place is free while it waits; then the answer is known, and the place is its own again until it ends."""
+    """The slot is free during the wait; then the answer is in the cache, and the process holds a slot until it ends."""
     places = Slots(1)
     here, there = FORK.Pipe()
     with kept_in(Store(tmp_path)):
@@ -65,7 +65,7 @@ def test_who_waits_gives_its_place_and_asks_nothing(tmp_path: Path) -> None:
 
 
 def wait_until_told(places: Slots, pipe: Connection) -> None:
-    """Wait for a turn, and end when told to, as a process does whose run is interrupted."""
+    """Wait for a turn and end at a signal, as a process does whose run is interrupted."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))
     places.take()
     with sharing(places):
@@ -74,7 +74,7 @@ def wait_until_told(places: Slots, pipe: Connection) -> None:
 
 
 def test_who_is_told_to_end_while_it_waits_ends(tmp_path: Path) -> None:
-    """It does not wait for a place, which others may keep for long."""
+    """It does not wait for a slot, which others may hold for long."""
     places = Slots(1)
     here, there = FORK.Pipe()
     with kept_in(Store(tmp_path)), alone_in_asking("z3", TEXT):
@@ -89,13 +89,13 @@ def test_who_is_told_to_end_while_it_waits_ends(tmp_path: Path) -> None:
 
 
 def test_without_a_cache_nobody_waits() -> None:
-    """There is nothing in which the other's answer could be found."""
+    """There is no place where the other process's answer could be found."""
     with alone_in_asking("z3", TEXT), alone_in_asking("z3", TEXT):
         assert {} == unproved(QUESTION, 10)
 
 
 def test_a_stopped_clock_ends_no_work() -> None:
-    """A deadline whose clock would be over while it stands has as much left as before."""
+    """A deadline has as much left after its clock stood still as before."""
     ends = deadline(0.05 / CLOCK)
     before = ends.left
     with clock_stopped():

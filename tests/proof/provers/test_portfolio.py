@@ -1,4 +1,4 @@
-"""The portfolio: the right verdict whichever engine finds it, in order, in time, from several processes."""
+"""The portfolio: it gives the right verdict whichever engine finds it, in order, in time, from several processes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SAME_LEVEL = LEVEL.eq(LEVEL)
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_every_example_is_decided(example: Example) -> None:
-    """What holds is proved and what fails is violated, in processes as in this one."""
+    """True properties are proved and false ones violated, in processes as in this one."""
     findings = prove(example.system, [example.holds, example.fails], LIMITS, jobs=2)
     results = [finding.result for finding in findings if finding.kind == "property"]
     assert [word(result) for result in results] == ["proved", "violated"]
@@ -47,7 +47,7 @@ def test_every_example_is_decided(example: Example) -> None:
 
 
 def test_findings_are_in_order_and_told_as_they_come() -> None:
-    """Lemmas first, then properties as given; each is announced exactly once."""
+    """Lemmas come first, then properties as given; each is announced exactly once."""
     told: list[Finding] = []
     properties = [always(f"at most {most}", most >= LEVEL) for most in (10, 11, 12)]
     lowered = system(counter(lemmas={"high from 5": MODE.eq(HIGH).iff(LEVEL > 4)}))
@@ -62,7 +62,7 @@ def test_findings_are_in_order_and_told_as_they_come() -> None:
 
 
 def test_a_wrong_lemma_is_reported_with_a_run() -> None:
-    """A lemma that fails is Violated, with the run that breaks it, and no property rests on it."""
+    """A false lemma is Violated, with the run that breaks it, and no property relies on it."""
     lowered = system(counter(lemmas={"wrong": LEVEL <= 6}))
     lemma, claim = prove(lowered, [always("claim", LEVEL <= 6)], LIMITS)
     assert isinstance(lemma.result, Violated)
@@ -72,21 +72,21 @@ def test_a_wrong_lemma_is_reported_with_a_run() -> None:
 
 
 def test_a_lemma_that_is_true_but_not_inductive_is_reported() -> None:
-    """Nothing breaks it and nothing proves it: undecided, and why."""
+    """No run breaks it and no proof is found: undecided, with the reason."""
     [lemma] = prove(system(pair({"too weak": FULL_TOGETHER})), [], LIMITS)
     assert isinstance(lemma.result, Unknown)
     assert lemma.result.reason.startswith("not used: does not follow, for example when")
 
 
 def test_spacer_decides_what_induction_cannot() -> None:
-    """The engines take turns: without its lemma the claim falls to Spacer."""
+    """The engines take turns: without its lemma the claim is left to Spacer."""
     verdict = prove_one(goal(pair(), FULL_TOGETHER), LIMITS)
     assert isinstance(verdict, Proved)
     assert verdict.engine == "spacer"
 
 
 def test_a_broken_guard_is_shown_by_a_run() -> None:
-    """The fault gives a run, not merely the end of the proof."""
+    """The fault gives a run, not only a missing proof."""
     verdict = prove_one(goal(pair({"in step": SAME}, behind=True), SAME), LIMITS)
     assert isinstance(verdict, Violated)
     assert verdict.trace is not None
@@ -106,7 +106,7 @@ def test_reachable_is_proved_by_a_witness_and_refuted_by_induction() -> None:
 
 
 def test_reachable_without_the_assumption() -> None:
-    """What the assumption excludes is unreachable under it, and reached where the property asks for none."""
+    """A state that the assumption excludes is unreachable under it, and reached by an unconditional property."""
     properties = [
         reachable("under it", MODE.eq(HIGH)),
         reachable("without it", MODE.eq(HIGH), unconditional=True),
@@ -116,13 +116,13 @@ def test_reachable_without_the_assumption() -> None:
 
 
 def test_too_little_time_is_unknown() -> None:
-    """Within limits that are too small for anything, nothing is claimed."""
+    """Within limits that are too small for anything, the verdict is Unknown."""
     for finding in prove(system(pair({"in step": SAME})), [always("claim", FULL_TOGETHER)], Limits(seconds=1e-6)):
         assert isinstance(finding.result, Unknown)
 
 
 def test_a_hanging_engine_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A solver that ignores its time limit costs its own property only."""
+    """A solver that ignores its time limit leaves only its own property undecided."""
 
     def hangs(goal: Goal, limits: Limits) -> Verdict:
         del limits
@@ -160,7 +160,7 @@ def test_names_must_be_distinct() -> None:
 
 
 def test_the_base_of_another_process_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The base is proved in a process once, and serves the next call without another."""
+    """The base is proved once, in a process, and serves the next call without another one."""
     lowered: TransitionSystem = system(counter())
     first, _ = module.proved_base(lowered, LIMITS)
     monkeypatch.setattr(module, "in_processes", lambda *_: pytest.fail("proved twice"))
@@ -178,7 +178,7 @@ def test_a_base_that_never_comes_proves_nothing(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_requirements_and_assumption_are_handed_on() -> None:
-    """A finding carries what the property states."""
+    """A finding has the property's requirements and assumption."""
     claim = always("claim", LEVEL <= 10, statement="never too full", requirements=("MRK-1",), assumption="none")
     [finding] = prove(system(counter()), [claim], LIMITS)
     assert (finding.statement, finding.requirements, finding.assumption) == ("never too full", ("MRK-1",), "none")

@@ -1,4 +1,4 @@
-"""A protection level is confirmed by a solver, and one that is too small is refuted with errors that show it."""
+"""A solver confirms a protection level, and refutes one that is too small with errors that exceed it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BOUNDS = {"G01": 7_000, "G02": 700, "G03": 1}
 
 
 def test_the_level_is_proved_to_the_last_digit() -> None:
-    """3 000 + 1 000 + 1: that level holds; one less does not, and the errors that lead beyond it are named."""
+    """The level 3 000 + 1 000 + 1 holds; one less does not, and errors that exceed it are named."""
     assert isinstance(protected(SHARES, BOUNDS, 4_001), Proved)
     broken = protected(SHARES, BOUNDS, 4_000)
     assert isinstance(broken, Violated)
@@ -23,6 +23,6 @@ def test_the_level_is_proved_to_the_last_digit() -> None:
 
 
 def test_a_share_without_a_bound_is_refused() -> None:
-    """A satellite of unknown error has no protection level."""
+    """A satellite of unknown error has no protection level, so an error names it."""
     with pytest.raises(InputError, match="no bound for G02"):
         protected(SHARES, {"G01": 1, "G03": 1}, 10)

@@ -1,4 +1,4 @@
-"""Ranges and lemmas are proved before they are used; what cannot be proved is named and never assumed."""
+"""Ranges and lemmas are proved before they are used; an unproved one is named and never assumed."""
 
 from dataclasses import replace
 
@@ -32,27 +32,27 @@ def test_a_wrong_lemma_is_dropped_and_named() -> None:
 
 
 def test_a_lemma_that_rests_on_a_wrong_one_falls_with_it() -> None:
-    """Nothing is kept whose proof used what was dropped."""
+    """A lemma whose proof used a dropped one is dropped too."""
     lemmas = {"wrong": LEVEL <= 9, "rests on it": MODE.eq(LOW) | (LEVEL <= 9)}
     known = base(system(counter(lemmas=lemmas)))
     assert told(known.refuted) == {"wrong", "rests on it"}
 
 
 def test_a_range_that_is_left_is_refuted() -> None:
-    """A counter that runs on past its range has no proved range."""
+    """The range of a counter that runs past it is not proved."""
     known = base(system(counter(stride=2)))
     assert told(known.refuted) == {"range of level"}
 
 
 def test_a_lemma_under_the_assumption_is_kept_apart() -> None:
-    """What holds only while the environment keeps its word is no fact for all inputs."""
+    """A lemma that holds only under the assumption is no fact for all inputs."""
     known = base(system(counter(lemmas={"never counts": LEVEL.eq(0)}, assumption=~TICK)))
     assert told(known.facts) == {"never counts"}
     assert "never counts" not in told(known.always)
 
 
 def test_too_little_time_is_no_refutation_and_is_tried_again() -> None:
-    """With no time nothing is proved; with time the same system's base is proved after all."""
+    """Without time nothing is proved; with time the base of the same system is."""
     lowered = system(counter())
     hurried = base(lowered, seconds=1e-6)
     assert all(isinstance(why, Undecided) for why in hurried.refuted.values())
@@ -70,7 +70,7 @@ def test_the_base_is_proved_once_per_system(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_what_cvc5_cannot_confirm_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    """z3's word alone makes no fact."""
+    """A fact needs cvc5's confirmation besides z3's proof."""
 
     def doubtful(query: object, **options: object) -> Certificate:
         honest = certify(query, **options)  # type: ignore[arg-type] # handed on as it came

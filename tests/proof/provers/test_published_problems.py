@@ -87,7 +87,7 @@ def farmer() -> tuple[Goal, int]:
 
 
 def bridge(*, cheaper: bool) -> tuple[Goal, int | None]:
-    """Four people cross a bridge with one torch: 15 minutes suffice (violated), and no less does (valid)."""
+    """Four people cross a bridge with one torch: 15 minutes are enough (violated), and no less is (valid)."""
     people = {boolean(f"{name}_moves"): boolean(name) for name in "abcd"}
     torch, cost = boolean("torch"), number("cost", COUNT, 0, 200)
     slowest: Num = as_num(0, COUNT)
@@ -151,14 +151,14 @@ INVALID: dict[str, Callable[[], tuple[Goal, int | None]]] = {
 
 @pytest.mark.parametrize("name", VALID)
 def test_published_as_valid(name: str) -> None:
-    """We prove what its authors call valid, for runs of any length."""
+    """A problem that its authors call valid is proved, for runs of any length."""
     goal, _ = VALID[name]()
     assert word(prove_one(goal, Limits(depth=10, seconds=60.0))) == "proved"
 
 
 @pytest.mark.parametrize("name", INVALID)
 def test_published_as_invalid(name: str) -> None:
-    """We find what its authors call invalid, in the least number of steps."""
+    """A problem that its authors call invalid is violated, in the least number of steps."""
     goal, steps = INVALID[name]()
     verdict = bmc(goal, Limits(depth=15, seconds=60.0))
     assert isinstance(verdict, Violated)

@@ -1,4 +1,4 @@
-"""cvc5 decides every certificate from its text, and a text that does not prove is an error."""
+"""cvc5 decides every certificate from its text, and a text that proves nothing is an error."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_a_sound_query_is_confirmed() -> None:
 
 
 def test_a_goal_that_does_not_follow_is_an_error() -> None:
-    """cvc5 contradicting z3 must stop everything."""
+    """If cvc5 contradicts z3, everything stops with an error."""
     wrong = Query("wrong", [X > 3], {"above 2": X > 2, "above 4": X > 4})
     with pytest.raises(
         EngineError, match=r"wrong-[0-9a-f]{16}\.smt2: cvc5 does not confirm the proof: answers \['unsat', 'sat'\]"
@@ -57,7 +57,7 @@ CORRUPTED: dict[str, Callable[[str], str]] = {
 
 @pytest.mark.parametrize("how", CORRUPTED)
 def test_a_corrupted_certificate_is_caught(how: str) -> None:
-    """A text that was tampered with is refused, whatever was done to it."""
+    """A changed text is refused, whatever the change."""
     [text] = [text for file, text in _proof().certificates.items() if file.startswith("pair-claim-step-")]
     corrupted = CORRUPTED[how](text)
     assert corrupted != text
@@ -67,7 +67,7 @@ def test_a_corrupted_certificate_is_caught(how: str) -> None:
 
 
 def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ranges, lemmas and the property itself all go through cvc5: each text of the verdict was decided."""
+    """cvc5 decides each text of the verdict: ranges, lemmas and the property itself."""
     decided: list[str] = []
 
     def listening(file: str, text: str, **how: object) -> list[str]:
@@ -81,14 +81,14 @@ def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_lying_encoding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If z3 is asked the wrong question and says `proved`, cvc5 reads the right one and contradicts."""
+    """If z3 gets a wrong question and says `proved`, cvc5 reads the right one and contradicts."""
     monkeypatch.setattr(prover, "unproved", lambda *_: {})
     with pytest.raises(EngineError, match="cvc5 does not confirm the proof"):
         kinduction(goal(counter(), LEVEL <= 9), Limits())
 
 
 def test_out_of_time_is_undecided_not_confirmed() -> None:
-    """A goal that cvc5 had no time for is named, and is not confirmed."""
+    """A goal for which cvc5 has no time is named as undecided."""
     assert certify(SOUND, seconds=0.0).undecided == ("above 2", "above 0")
 
 
@@ -101,19 +101,19 @@ HARD = """(set-logic QF_NIA)
 
 
 def test_a_question_broken_off_is_unknown() -> None:
-    """When the time is up within a question cvc5 says `unknown (TIMEOUT)`: undecided, and no contradiction."""
+    """If time ends within a question, cvc5 says `unknown (TIMEOUT)`: undecided, and no contradiction."""
     assert recheck("hard", HARD, 1, seconds=0.05) == ["unknown"]
 
 
 def test_file_names_are_plain() -> None:
-    """Whatever a property is called, its certificate has a portable file name, and one text has one name."""
+    """Any name of a property gives a portable file name, and one text has one name."""
     assert file_name("odometry: M1/M2 after 5 %", "") == "odometry--M1-M2-after-5---e3b0c44298fc1c14.smt2"
     assert file_name("a" * 999, "x").startswith("a" * 150 + "-")
     assert file_name("a/b", "one") != file_name("a/b", "two")
 
 
 def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What cvc5 leaves undecided among other goals is asked once more, alone and with other options."""
+    """A goal that cvc5 leaves undecided among others is asked for again, alone and with other options."""
     asked: list[tuple[int, bool]] = []
 
     def answers(file: str, text: str, expected: int, **how: object) -> list[str]:

@@ -1,4 +1,4 @@
-"""Recorded runs as witnesses: what they show counts, as far as they keep the assumption, and nothing beyond."""
+"""Recorded runs as witnesses: they count up to the first step that breaks the assumption, and no further."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def system() -> TransitionSystem:
 
 
 def full(made: TransitionSystem) -> Goal:
-    """It gets full, after more steps than a short search takes."""
+    """The goal of mode FULL, which is deeper than a short search reaches."""
     return observe(made, reachable("full", COUNTER.mode.eq(FULL)))
 
 
@@ -60,33 +60,33 @@ def test_the_shortest_recorded_run_counts() -> None:
 
 
 def test_what_breaks_the_assumption_ends_a_recording() -> None:
-    """Neither a step that breaks the assumption, nor one out of range, nor what comes after it is taken."""
+    """A step that breaks the assumption or is out of range does not count, nor does any later one."""
     for wrong in (9, 11):
         assert {} == shown([full(system())], [recording(wrong, *[8] * 60)])
         assert lasting(system(), [recording(*[8] * 10, wrong, *[8] * 60)], 11) is None
 
 
 def test_a_first_state_that_cannot_be_is_no_recording() -> None:
-    """`initially` excludes it: nothing is shown, nothing lasts."""
+    """If `initially` excludes the first state, the recording shows nothing and lasts for no step."""
     wrong = recording(*[8] * 60, start=1)
     assert {} == shown([full(system())], [wrong])
     assert lasting(system(), [wrong], 5) is None
 
 
 def test_how_long_a_recording_lasts() -> None:
-    """As many steps as were asked for, of the first recording that has them."""
+    """The result has as many steps as asked for, from the first recording that has them."""
     run = lasting(system(), [recording(1, 2), recording(*[8] * 60)], 20)
     assert run is not None
     assert 20 == len(run.steps)
 
 
 def test_no_goals() -> None:
-    """Nothing asked, nothing shown."""
+    """Without goals nothing is shown."""
     assert {} == shown([], [recording(8)])
 
 
 def test_a_deep_mode_is_witnessed_by_a_recording() -> None:
-    """What a search of ten steps does not come to is reached with the recording, and undecided without."""
+    """A mode beyond a search of ten steps is reached with the recording, and undecided without it."""
     made, limits = system(), Limits(depth=10, seconds=10)
     with_it = _named(obligations(made, limits, recordings=[recording(*[8] * 60)]))
     assert isinstance(with_it["mode deep FULL"].result, Proved)

@@ -1,4 +1,4 @@
-"""Counterexamples lose what they do not need, and stay counterexamples."""
+"""Counterexamples lose the steps and inputs that they do not need, and stay counterexamples."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_the_assumption_stays_kept() -> None:
 
 
 def test_a_harmless_stream_is_refused() -> None:
-    """What does not break the property is not called a counterexample."""
+    """A stream that does not break the property is not called a counterexample."""
     with pytest.raises(EngineError, match="does not break it"):
         shortened(_goal(60), {}, _stream(20))
 

@@ -1,4 +1,4 @@
-"""Places at the processors: never more tasks at a time than places, whoever starts them."""
+"""Slots at the processors: there are never more tasks at a time than slots, whichever process starts them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from safeloc.proof.provers.workers import Task, in_processes
 
 
 def test_places_are_taken_and_given_back() -> None:
-    """Two places: a third is not to be had until one is given back."""
+    """Of two slots a third one cannot be had until one is given back."""
     places = Slots(2)
     assert [True, True, False] == [places.try_take() for _ in range(3)]
     places.give()
@@ -19,14 +19,14 @@ def test_places_are_taken_and_given_back() -> None:
 
 
 def timed(seconds: float) -> tuple[float, float]:
-    """When a task began and ended."""
+    """The times at which a task began and ended."""
     began = time.monotonic()
     time.sleep(seconds)
     return began, time.monotonic()
 
 
 def test_tasks_wait_for_a_place() -> None:
-    """Four tasks that may go four at a time, and two places, one of them this process's own: two at a time at most."""
+    """Four tasks may run four at a time, but two slots, one of them this process's own, allow two at a time."""
     places = Slots(2)
     places.take()
     tasks = [Task(f"task {number}", partial(timed, 0.2), 30.0) for number in range(4)]

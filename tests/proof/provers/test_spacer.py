@@ -1,4 +1,4 @@
-"""Spacer: invariants found without lemmas, read back, and confirmed by others."""
+"""Spacer: it finds invariants without lemmas, which are translated back and confirmed by other solvers."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def test_it_finds_the_invariant_that_induction_would_need() -> None:
 
 
 def test_a_violation_is_left_to_bounded_search() -> None:
-    """What Spacer claims to fail is undecided until a run shows it."""
+    """A violation that Spacer claims is undecided until a run shows it."""
     verdict = spacer(goal(counter(), LEVEL <= 9), LIMITS)
     assert isinstance(verdict, Unknown)
     assert verdict.reason == "spacer claims a violation; bounded search has to show it"
 
 
 def test_a_wrong_invariant_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An invariant that does not imply the claim is refused by the fresh queries."""
+    """The new queries refuse an invariant that does not imply the claim."""
 
     def too_weak(*_: object) -> Bool:
         return TRUE
@@ -61,7 +61,7 @@ def test_z3_alone_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_unconditional_property_uses_no_assumption() -> None:
-    """Facts that hold only under the assumption are kept out where the property allows none."""
+    """Facts that hold only under the assumption are not used for an unconditional property."""
     machine = counter(assumption=~TICK, lemmas={"rests": LEVEL.eq(0)})
     require_proved(spacer(goal(machine, LEVEL <= 3), LIMITS))
     assert isinstance(spacer(goal(machine, LEVEL <= 3, unconditional=True), LIMITS), Unknown)

@@ -1,4 +1,4 @@
-"""Whatever keeps a solver from answering is Unknown with its reason: never proved, never violated."""
+"""If a solver does not answer, the verdict is Unknown with the reason: never proved, never violated."""
 
 from __future__ import annotations
 
@@ -46,18 +46,18 @@ def tired(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def no_time(query: Query, *_: object) -> Mapping[str, Undecided]:
-    """What `unproved` says of every goal when the time is up."""
+    """The result of `unproved` for every goal when the time is up."""
     return {name: Undecided("solver: limit reached") for name in query.goals}
 
 
 def said(verdict: Verdict) -> tuple[str, int]:
-    """Reason and depth of what must be Unknown."""
+    """Reason and depth of a verdict that has to be Unknown."""
     assert isinstance(verdict, Unknown)
     return verdict.reason, verdict.depth
 
 
 def only(found: Any) -> Obligation:
-    """The one obligation."""
+    """The only obligation."""
     (one,) = found
     assert isinstance(one, Obligation)
     return one
@@ -65,14 +65,14 @@ def only(found: Any) -> Obligation:
 
 @pytest.mark.usefixtures("tired")
 def test_bounded_search_says_why_it_ended() -> None:
-    """With the depth that was clean before."""
+    """The verdict gives the depth that was searched completely."""
     verdict = bmc(goal(counter(), LEVEL <= 10), Limits())
     assert said(verdict) == ("solver: limit reached", -1)
 
 
 @pytest.mark.usefixtures("tired")
 def test_an_implication_without_an_answer_is_undecided() -> None:
-    """Neither shown nor refuted."""
+    """It is neither shown nor refuted."""
     assert unproved(Query("q", [LEVEL > 1], {"above 0": LEVEL > 0}), 1.0) == {
         "above 0": Undecided("solver: limit reached")
     }
@@ -89,7 +89,7 @@ def test_an_assumption_without_an_answer_is_undecided() -> None:
 
 
 def test_an_undecided_induction_step_is_no_refutation(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The depth is the one that was proved to be clean."""
+    """The depth is the one for which the start was proved."""
     answers = iter([{}, {"claim": Undecided("solver: limit reached")}])
     monkeypatch.setattr(kinduction_module, "unproved", lambda *_: next(answers))
     verdict = kinduction(goal(counter(), LEVEL <= 9), Limits())
@@ -97,7 +97,7 @@ def test_an_undecided_induction_step_is_no_refutation(monkeypatch: pytest.Monkey
 
 
 def test_a_range_that_no_run_leaves_and_no_induction_shows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where no engine finds the missing fact: two counters that only start together: without that fact as a lemma the range is left open, not called broken."""
+    """Two counters only start together: without that fact as a lemma the range is undecided, not violated."""
     (on,) = modes("ON")
     a, b = number("a", COUNT, 0, 10), number("b", COUNT, 0, 10)
     machine = Machine(
@@ -115,7 +115,7 @@ def test_a_range_that_no_run_leaves_and_no_induction_shows(monkeypatch: pytest.M
 
 
 def test_a_divisor_that_is_not_positive_is_told() -> None:
-    """Terms do not let it be written; a system built by hand could hold it."""
+    """Terms do not allow it, but a system that is built by hand could hold one: it is a violation."""
     own = system(counter())
     broken = replace(own, next={**own.next, LEVEL: FloorDiv(LEVEL, 0, COUNT)})
     verdict = only(arithmetic.division(broken, Limits())).verdict
@@ -133,7 +133,7 @@ def test_an_overlap_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPat
 
 
 def test_an_absence_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each question that stayed open is named."""
+    """Each undecided question is named."""
     (on,) = modes("ON")
     distance, way = optional("distance", COUNT, 0, 9), number("way", COUNT, 0, 9)
     go = Transition("go", on, on, distance.value > 3, {way: distance.value})
@@ -146,13 +146,13 @@ def test_an_absence_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPat
 
 
 def test_what_cannot_be_reached_nor_excluded_is_undecided() -> None:
-    """Neither a run nor a proof within these limits."""
+    """Within these limits there is neither a run nor a proof."""
     (finding,) = prove(lower(pair()), [reachable("apart", ~FULL_TOGETHER)], Limits(depth=3, seconds=10, induction=1))
     assert said(finding.result) == ("depth limit of 3 steps", 3)
 
 
 def test_a_search_for_nothing_is_over() -> None:
-    """And one without time has found nothing at no depth."""
+    """A search without goals is complete; one without time has searched no depth."""
     assert first_runs([], Limits(depth=7)).depth == 7
     high = observe(system(counter()), reachable("ten", LEVEL.eq(10)))
     runs = first_runs([high], Limits(seconds=1e-9))
@@ -163,7 +163,7 @@ def test_a_search_for_nothing_is_over() -> None:
 
 
 def test_spacer_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An exception of the solver is a reason."""
+    """An exception of the solver becomes the reason."""
 
     def fails(*_: object) -> None:
         raise z3.Z3Exception("out of memory")
@@ -174,14 +174,14 @@ def test_spacer_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(("reason", "read"), [(b"canceled", "time limit"), ("", "undecided"), ("odd", "odd")])
 def test_spacer_gives_up(monkeypatch: pytest.MonkeyPatch, reason: str | bytes, read: str) -> None:
-    """In words that a person reads."""
+    """The reason is in words that a person can read."""
     monkeypatch.setattr(z3.Fixedpoint, "query", lambda *_: z3.unknown)
     monkeypatch.setattr(z3.Fixedpoint, "reason_unknown", lambda _: reason)
     assert said(spacer(goal(pair(), FULL_TOGETHER), Limits())) == (f"spacer: {read}", -1)
 
 
 def test_an_invariant_that_cannot_be_read_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It could not be re-checked either."""
+    """It could not be re-checked, so the verdict is Unknown."""
 
     def strange(*_: object) -> None:
         raise UnreadableError("a quantifier")
@@ -199,7 +199,7 @@ def test_an_answer_of_another_shape_is_an_error(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_true_is_read_as_true() -> None:
-    """The simplest invariant."""
+    """The invariant `true` is translated back."""
     read = read_bool(z3.BoolVal(True), {})
     assert isinstance(read, Truth)
     assert read.value
@@ -209,20 +209,20 @@ def test_true_is_read_as_true() -> None:
 
 
 def test_a_first_state_that_violates_is_a_run_of_no_step() -> None:
-    """Replayed like every other."""
+    """It is replayed like every other run."""
     trace = replayed(goal(counter(), LEVEL > 0), {}, [{"tick": True}])
     assert trace is not None
     assert trace.steps == ()
 
 
 def test_a_found_run_outside_the_ranges_is_an_error() -> None:
-    """The solver and the interpreter must agree on what may come in."""
+    """Solver and interpreter must agree on the ranges of inputs."""
     with pytest.raises(EngineError, match=r"^a run of counter that a solver found is not admissible: "):
         admissible_run(system(counter()), {}, [{"tick": 7}])
 
 
 def test_a_found_run_that_breaks_the_assumption_is_an_error() -> None:
-    """It would show nothing."""
+    """Such a run would show nothing."""
     lawful = lower(counter(assumption=~TICK))
     with pytest.raises(EngineError, match=r"^a run of counter that a solver found breaks the assumption in step 2\.$"):
         admissible_run(lawful, {}, [{"tick": False}, {"tick": True}])
@@ -236,7 +236,7 @@ def test_a_result_of_another_shape_is_a_defect() -> None:
 
 
 def test_a_system_that_cannot_fork_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Terms are too deep to be sent to another process."""
+    """Terms are too deep to be sent to another process, so an error says that forking is needed."""
     monkeypatch.setattr(multiprocessing, "get_all_start_methods", lambda: ["spawn"])
     with pytest.raises(EngineError, match=r"^proving needs an operating system that can fork processes"):
         list(in_processes([], 1))

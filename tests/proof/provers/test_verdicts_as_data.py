@@ -1,4 +1,4 @@
-"""What is sent between processes arrives as it was."""
+"""Data sent between processes arrive unchanged."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _sent(verdict: Verdict, example: Example) -> Verdict:
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_proofs_arrive_whole(example: Example) -> None:
-    """Invariant, engine, depth, certificates: all as sent."""
+    """Invariant, engine, depth and certificates are as sent."""
     target = observe(example.system, example.holds)
     proved = kinduction(target, Limits())
     assert isinstance(proved, Proved)
@@ -56,14 +56,14 @@ def test_traces_arrive_whole(example: Example) -> None:
 
 
 def test_unknown_arrives_whole() -> None:
-    """Reason and depth are kept."""
+    """Reason and depth are as sent."""
     arrived = _sent(Unknown("why", 7), EXAMPLES[0])
     assert isinstance(arrived, Unknown)
     assert (arrived.reason, arrived.depth) == ("why", 7)
 
 
 def test_vacuous_arrives_whole() -> None:
-    """Reason and run are kept."""
+    """Reason and run are as sent."""
     found = bmc(observe(EXAMPLES[0].system, EXAMPLES[0].fails), Limits(depth=12))
     assert isinstance(found, Violated)
     arrived = _sent(Vacuous("its end", found.trace), EXAMPLES[0])
@@ -75,7 +75,7 @@ def test_vacuous_arrives_whole() -> None:
 
 
 def test_what_is_true_by_construction_arrives() -> None:
-    """A proof that needed no solver says so on arrival."""
+    """A proof without a solver still says so."""
     arrived = _sent(Proved(None, "construction", by_construction="divisors are positive constants"), EXAMPLES[0])
     assert isinstance(arrived, Proved)
     assert arrived.by_construction == "divisors are positive constants"
@@ -93,7 +93,7 @@ def test_deep_terms_are_sent_without_recursion() -> None:
 
 
 def test_a_base_arrives_whole() -> None:
-    """Facts by name, what was refuted and why, certificates and time."""
+    """Facts by key, refuted facts with reasons, certificates and time are as sent."""
     lowered = system(pair({"wrong": LEFT < 3}))
     known = base(lowered)
     arrived = unpack_base(pickle.loads(pickle.dumps(pack_base(known))), ranges_and_lemmas(lowered))

@@ -53,14 +53,16 @@ def owed(system: TransitionSystem) -> dict[str, Finding]:
 
 
 def said(system: TransitionSystem, *properties: Property) -> list[str]:
-    """The verdicts on properties, as words."""
+    """The verdicts on properties, in words."""
     found = prove(system, properties, LIMITS)
     return [word(finding.result) for finding in found if finding.kind == "property"]
 
 
 @pytest.mark.parametrize("ghostly", [False, True])
 def test_a_helper_that_reads_an_input_is_refused(ghostly: bool) -> None:
-    """d01: it would be a hypothesis about one step's input and a goal about the other's. A ghost's input alike."""
+    """d01: as a hypothesis it would be about one step's input, as a goal about the next one's. A ghost's input is
+    refused too.
+    """
     armed, heard, pushed = boolean("armed"), number("i", ONE, 0, 1), number("pushed", ONE, 0, 1)
     arm = Transition("arm", S, S, (heard >= 1) & ~armed, {armed: True})
     made = lower(Machine("m", (S,), [heard], {armed: False}, {}, [arm], world=World(choices=[pushed])))
@@ -86,14 +88,16 @@ def test_a_helper_that_reads_an_input_is_refused(ghostly: bool) -> None:
     ],
 )
 def test_a_helper_speaks_of_states(helper: object) -> None:
-    """d01: nor past operators, values before the step, what fired, variables of others, or what is no truth value."""
+    """d01: a helper also has no past operators, values before the step, fired transitions or foreign variables, and is
+    Boolean.
+    """
     prop = within("p", 1, X > 3, X < 3, helper=helper)  # type: ignore[arg-type] # wrong on purpose
     with pytest.raises(PropertyError, match="its helper"):
         observe(lower(follower()), prop)
 
 
 def test_an_inherited_property_is_proved_as_it_was_made() -> None:
-    """d02: changed afterwards, it is a claim like any other; as it was made, the machine by itself is asked."""
+    """d02: unchanged, it is proved on the machine alone; changed afterwards, it is proved like any other."""
     made = follower("a", clauses={"low": ANYTHING <= 3})
     whole = compose("w", [made], {})
     honest = whole.inherited(made, always("x is at most 3", X <= 3))
@@ -107,7 +111,7 @@ def test_an_inherited_property_is_proved_as_it_was_made() -> None:
 
 
 def test_an_inherited_property_holds_in_the_first_state_too() -> None:
-    """d29: where an input is wired, what a machine says of it speaks of state, and of the first state as well."""
+    """d29: with a wired input a machine's property becomes one of states, so it has to hold in the first state as well."""
     first = follower("a", inputs=[number("i", ONE, 1, 9)], transitions=[])
     heard = number("q", ONE, 0, 9)
     second = Machine(
@@ -163,14 +167,14 @@ def tied(**changes: object) -> Machine:
 
 
 def test_on_board_nothing_is_known_of_the_truth_at_the_start() -> None:
-    """d04: a range that rests on where the truth begins is no range for all inputs."""
+    """d04: a range that relies on the true start is not proved for all inputs."""
     found = owed(lower(tied()))
     assert isinstance(found["range of x"].result, Violated)
     assert run(without_ghosts(lower(tied())), [{"go": True}], first={"x": 5}).steps[-1].state["x"] == 25
 
 
 def test_an_unconditional_property_starts_on_board_too() -> None:
-    """d04: the same of a property that is required whatever the environment does; under the assumption it holds."""
+    """d04: nor does an unconditional property know the true start; under the assumption it holds."""
     made = lower(tied())
     x = made.variable("x")
     assert isinstance(x, Num)
@@ -179,7 +183,7 @@ def test_an_unconditional_property_starts_on_board_too() -> None:
 
 
 def test_no_term_is_lost_where_texts_are_cut() -> None:
-    """d05: terms of one text, cut after 200 nodes, are asked one by one; so the run that leaves 64 bits is found."""
+    """d05: terms of one text, cut after 200 nodes, are decided one by one; so the run that leaves 64 bits is found."""
     small, high = number("x", ONE, 0, 10), number("y", ONE, 0, 2**62)
     term: Num = small
     for _ in range(270):
@@ -194,7 +198,7 @@ def test_no_term_is_lost_where_texts_are_cut() -> None:
 
 
 def test_long_texts_and_names_are_no_failure() -> None:
-    """d06, d07: a long term that may overflow and long names of rows are told, and nothing else is lost."""
+    """d06, d07: a long term that may overflow and long names of rows are reported, and nothing else is lost."""
     wide = [number(f"quantity_number_{n}", ONE, 0, 2**62) for n in range(6)]
     total: Num = wide[0]
     for one in wide[1:]:
@@ -215,7 +219,7 @@ def test_a_source_named_twice_is_refused() -> None:
 
 
 def test_a_lemma_named_as_a_range_is_a_lemma() -> None:
-    """d09: the range is asked all the same."""
+    """d09: the range itself is checked all the same."""
     up = Transition("up", S, S, GO, {X: X + 1})
     made = lower(Machine("m", (S,), [GO], {X: 0}, {}, [up], lemmas={"range of x": X >= 0}))
     assert word(owed(made)["range of x"].result) == "violated"
@@ -241,7 +245,7 @@ def test_targets_of_one_name_are_told_apart() -> None:
 
 
 def test_names_that_meet_in_a_composition_are_refused() -> None:
-    """d12, d18: two lemmas, or two variables, of one name in the whole."""
+    """d12, d18: two lemmas, or two variables, of one name in the composition are refused."""
     second = Machine("a: b", (T,), [OTHER], {Y: 0}, {}, [Transition("s", T, T, TRUE, {Y: OTHER})], lemmas={"l": Y <= 9})
     with pytest.raises(ModelError, match="two machines give the lemma 'a: b: l'"):
         compose("w", [follower("a", lemmas={"b: l": X <= 1}), second], {})
@@ -252,7 +256,7 @@ def test_names_that_meet_in_a_composition_are_refused() -> None:
 
 
 def test_overflow_rests_on_no_range_that_is_not_proved() -> None:
-    """d13: x doubles without end; its declared range says nothing of the machine word."""
+    """d13: x doubles without end; its declared range does not show that it fits 64 bits."""
     wide = number("x", ONE, 0, 100)
     made = lower(
         Machine("m", (S,), [GO], {wide: 1}, {"x": wide}, [Transition("double", S, S, GO, {wide: wide + wide})])
@@ -262,7 +266,7 @@ def test_overflow_rests_on_no_range_that_is_not_proved() -> None:
 
 
 def test_ghosts_overflow_under_the_assumption_or_not_at_all() -> None:
-    """d14: a run that breaks the assumption is none."""
+    """d14: a run that breaks the assumption is no violation."""
     far, kind, push = number("g", ONE, 0, 2**62), number("h", ONE, 0, 10), number("p", ONE, 0, 2**62)
     swing = ite(kind.eq(0), as_num(2, ONE), ite(kind.eq(2), as_num(0, ONE), kind))
     moves = {far: minimum(far + push + push, 5), kind: swing}
@@ -296,7 +300,7 @@ def test_first_values_are_judged_exactly_or_not_at_all() -> None:
 
 
 def test_a_first_state_that_is_hard_to_guess_is_no_failure() -> None:
-    """d16: the search for deep bugs starts from the one that the solver knows."""
+    """d16: the search for deep bugs then starts from the solver's first state."""
     a, b, c = number("a", ONE, 0, 10**9), number("b", ONE, 0, 10**9), number("c", ONE, 0, 10**9)
     hard = (a * 3 + b * 7).eq(7654321) & (a > b * 2) & floor_div(a, 1000).eq(b)
     up = Transition("up", S, S, GO, {c: minimum(c + 1, 10**9)})
@@ -306,7 +310,7 @@ def test_a_first_state_that_is_hard_to_guess_is_no_failure() -> None:
 
 
 def test_certificates_are_named_by_their_content() -> None:
-    """d19: a property called like a machine's own proof takes nobody's place."""
+    """d19: a property with the name of a machine's own proof replaces no other certificate."""
     made = Machine("A", (S,), [GO], {X: 0}, {}, [Transition("s", S, S, GO, {X: minimum(X + 1, 8)})])
     whole = compose("w", [made], {})
     claim = ~previous(whole.of(made).bool(X < 0))
@@ -319,7 +323,7 @@ def test_certificates_are_named_by_their_content() -> None:
 
 
 def test_odd_words_are_refused_with_their_place() -> None:
-    """d22: bars, newlines and past operators end with a message, never with a failure of our own."""
+    """d22: bars, newlines and past operators give a message with the place, never an internal error."""
     place = r"test_ways_in\.py:\d+"
     with pytest.raises(PropertyError, match=rf"{place}: property 'x \| y': a name is without \| and"):
         always("x | y", X >= 0)
@@ -334,7 +338,7 @@ def test_odd_words_are_refused_with_their_place() -> None:
 
 
 def test_rows_that_meet_in_no_reachable_state_exclude_each_other() -> None:
-    """d23: x is 0 or 2 in every run; what the first look finds at 3 no run comes to."""
+    """d23: x is 0 or 2 in every run; the overlap that one step finds at 3 is reached by no run."""
     small = number("x", ONE, 0, 4)
     rows = [
         Transition("even", S, S, small.one_of(0, 2) & GO, {small: ite(small.eq(0), as_num(2, ONE), as_num(0, ONE))}),
@@ -347,7 +351,7 @@ def test_rows_that_meet_in_no_reachable_state_exclude_each_other() -> None:
 
 
 def test_a_shared_optional_input_reaches_every_machine() -> None:
-    """d24: interpreter, numpy, C and provers hear the same."""
+    """d24: interpreter, numpy, C and provers give every machine the same input."""
     heard = optional("o", ONE, 0, 9)
     first = Machine("a", (S,), [heard], {X: 0}, {}, [Transition("s", S, S, heard.present, {X: heard.value})])
     second = Machine("b", (T,), [heard], {Y: 0}, {}, [Transition("s", T, T, heard.present, {Y: heard.value})])
@@ -366,7 +370,7 @@ def test_a_shared_optional_input_reaches_every_machine() -> None:
 
 
 def test_what_is_dead_in_the_whole_is_told() -> None:
-    """d25: an alarm that the machine by itself can raise, and the whole never."""
+    """d25: a transition that fires in the machine alone, but never in the composition, is reported as dead in it."""
     calm, alarm = modes("CALM", "ALARM")
     heard = number("q", ONE, 0, 9)
     second = Machine("b", (calm, alarm), [heard], {}, {}, [Transition("raise", calm, alarm, heard > 5)])
@@ -383,7 +387,9 @@ def test_what_is_dead_in_the_whole_is_told() -> None:
 
 
 def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the length of its run; and where the whole was not searched in time, no number of steps is told of it."""
+    """The method gives the length of the machine's run, and no number of steps if the composition was not searched in
+    time.
+    """
     calm, alarm = modes("CALM", "ALARM")
     heard = number("q", ONE, 0, 9)
     second = Machine("b", (calm, alarm), [heard], {}, {}, [Transition("raise", calm, alarm, heard > 5)])
@@ -408,7 +414,7 @@ def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pyte
 
 
 def test_a_violated_unconditional_property_comes_with_its_run() -> None:
-    """A run from a first state that the environment would not allow is replayed as it was found."""
+    """A run from a first state that the environment excludes is replayed as it was found."""
     made = lower(tied())
     x = made.variable("x")
     assert isinstance(x, Num)

@@ -1,4 +1,4 @@
-"""Rules for inputs: from one state and lawful inputs of it to terms that are lawful in many."""
+"""Witness functions: from one state with lawful inputs to terms that are lawful in many states."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ X, Y, ON = number("x", COUNT, -90, 90), number("y", COUNT, 3, 90), boolean("on")
 
 
 def rule(condition: Bool, state: dict[NumVar, int], inputs: dict[Expr, Value]) -> dict[Expr, Expr]:
-    """What is made of lawful inputs in one state."""
+    """The witness function made from lawful inputs in one state."""
     free = [X, Y, ON]
     made = Generalisation(condition, free).witness(dict(state), {**at_rest(free), **inputs}, eager=True)  # type: ignore[dict-item]
     return dict(made)
 
 
 def test_at_rest_nothing_is_told_and_numbers_are_near_zero() -> None:
-    """Three is the nearest that the range has."""
+    """Optional inputs are absent, and three is the value of the range nearest to zero."""
     assert {X: 0, Y: 3, ON: False} == at_rest([X, Y, ON])
 
 
@@ -68,7 +68,7 @@ def test_an_input_is_solved_for(name: str) -> None:
 
 
 def test_what_is_broken_by_a_rule_is_seen_by_the_cover() -> None:
-    """A rule is only tried: where it is not lawful another one is learned, and where nothing is, that is said."""
+    """If a witness function is not lawful in a state, another one is learned; if no inputs are, the result says so."""
     group = Group([X, Y, ON], X.eq(ite(S > T, S, T)) & in_range([X, Y]) & (ON | (S < 40)))
     for s, t in ((1, 2), (2, 1), (45, 1)):
         assert group.learn({S: s, T: t}, 10) is Learned.COVERED
@@ -79,7 +79,7 @@ def test_what_is_broken_by_a_rule_is_seen_by_the_cover() -> None:
 
 
 def test_an_absent_input_has_the_value_of_absence() -> None:
-    """What is not told is not made up."""
+    """An absent input gets no other value."""
     told = optional("o", COUNT, 2, 9)
     group = Group([told.value, told.present], (told.present | told.value.eq(2)) & (~told.present | (told.value >= S)))
     assert group.learn({S: 5}, 10) is Learned.COVERED
@@ -89,7 +89,7 @@ def test_an_absent_input_has_the_value_of_absence() -> None:
 
 @pytest.mark.parametrize("name", ["window", "rounded", "third_mode"])
 def test_few_rules_serve_many_states(name: str) -> None:
-    """A machine of a hundred states needs three at most."""
+    """A machine of a hundred states needs three witness functions at most."""
     system = SEEDS[name].make(True)
     cover = Cover(system)
     facts = [in_range(system.state)]
@@ -99,7 +99,7 @@ def test_few_rules_serve_many_states(name: str) -> None:
 
 
 def test_a_certificate_says_what_it_is_of_and_speaks_of_state_only() -> None:
-    """No input is left in it."""
+    """Its terms read no input."""
     system = SEEDS["window"].make(True)
     verdict = lasts(system, Limits(seconds=30))
     assert isinstance(verdict, Proved)
@@ -109,7 +109,7 @@ def test_a_certificate_says_what_it_is_of_and_speaks_of_state_only() -> None:
 
 
 def test_rules_are_put_in_the_place_of_inputs() -> None:
-    """Every group's goal is its condition under one of its rules."""
+    """The goal of each group is its condition under one of its witness functions."""
     condition = (X >= S) & in_range([X])
     group = Group([X], condition)
     assert group.learn({S: 7}, 10) is Learned.COVERED

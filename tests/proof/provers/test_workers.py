@@ -1,4 +1,4 @@
-"""Work in processes: answers come back, and nothing hangs or dies unnoticed."""
+"""Tasks in processes: answers arrive, and no process hangs or dies unnoticed."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_process_that_dies_is_noticed() -> None:
 
 
 def test_an_exception_is_raised_and_the_rest_is_ended() -> None:
-    """What goes wrong in a task is an error of the whole, not a missing answer."""
+    """An exception in a task is raised here, and is no missing answer."""
     tasks = [Task("fails", _fail, 30.0), Task("sleeps", lambda: time.sleep(600), 600.0)]
     started = time.monotonic()
     with pytest.raises(EngineError, match=r"^fails: ValueError: no such solver$"):

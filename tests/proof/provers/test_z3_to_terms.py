@@ -1,4 +1,4 @@
-"""z3 terms read back mean what they meant."""
+"""z3 terms translated back keep their meaning."""
 
 from __future__ import annotations
 
@@ -41,6 +41,6 @@ def test_a_term_read_back_has_the_same_value(term: z3.BoolRef, left: int, right:
     "term", [x / y == 1, z3.ToReal(x) > 0, z3.Int("unknown") == 0, z3.Exists([y], y == x)], ids=str
 )
 def test_what_the_language_does_not_have_is_refused(term: z3.BoolRef) -> None:
-    """Division by a variable, reals, unknown names and quantifiers are not guessed at."""
+    """Division by a variable, reals, unknown names and quantifiers are refused, not guessed."""
     with pytest.raises(UnreadableError):
         read_bool(term, NAMES)

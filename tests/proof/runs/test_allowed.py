@@ -1,4 +1,4 @@
-"""Where a condition holds along a variable: against trying every value."""
+"""Segments in which a condition holds along a variable: they agree with trying every value."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_segments_are_exactly_where_it_holds(term: Bool, x: int, y: int, flag: b
 
 @given(st.lists(st.integers(0, 40), max_size=8), st.lists(st.integers(0, 40), max_size=8))
 def test_common_is_the_intersection(first: list[int], second: list[int]) -> None:
-    """What two lists of segments share is what both contain."""
+    """The common part of two lists of segments holds exactly the values that are in both."""
 
     def segments(points: list[int]) -> list[tuple[int, int]]:
         ordered = sorted(set(points))
@@ -51,7 +51,7 @@ def test_common_is_the_intersection(first: list[int], second: list[int]) -> None
 
 
 def test_a_condition_without_variables() -> None:
-    """Constants are judged as they are, and what is true anyway is no part of a conjunction."""
+    """Constants are evaluated as they are, and a term that is always true is no part of a conjunction."""
     assert Condition(TRUE).holds({})
     assert not Condition(~TRUE).holds({})
     assert [] == falsifiable(TRUE)
@@ -62,7 +62,7 @@ def test_a_condition_without_variables() -> None:
 
 @given(st.integers(-60, 60), st.integers(-60, 60), st.booleans())
 def test_slack_is_negative_exactly_where_it_fails(x: int, y: int, flag: bool) -> None:
-    """The distance to failing has the sign of the verdict; it is infinite for what is purely logical."""
+    """The distance to failing is negative exactly if the term fails; it is infinite for purely logical terms."""
     values = {X: x, Y: y, FLAG: flag}
     for term in CONDITIONS:
         assert evaluate([term], values)[0] == (Slack(term)(values) >= 0)

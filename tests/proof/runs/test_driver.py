@@ -1,4 +1,4 @@
-"""Driven runs: what they count, when a property is required, and how a known run is gone on with."""
+"""Driven runs: their statistics, the steps in which a property is required, and the continuation of known runs."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_broken_assumption_ends_what_relies_on_it() -> None:
 
 
 def test_what_a_property_is_given_counts_for_it_alone() -> None:
-    """A run that breaks one property's further assumption still has to keep the others."""
+    """A run that breaks the further assumption of one property still has to satisfy the others."""
     bound, free = always("bound", N <= 3, further_assumption=N < 2), always("free", N <= 3)
     for props, culprit in (([bound], None), ([bound, free], free)):
         driver = Driver(_counter(), props, [run(_counter(), _pressed(5))])
@@ -76,7 +76,7 @@ def test_what_a_property_is_given_counts_for_it_alone() -> None:
 
 
 def test_a_known_run_is_gone_on_with() -> None:
-    """`follow` starts anywhere along a run; observers of the properties come along with it."""
+    """`follow` starts anywhere along a run, with the observers of the properties in the right state."""
     late = within("answered", 6, P, ~P)
     driver = Driver(_counter(), [late], [run(_counter(), _pressed(6))])
     driver.follow(0, share=0.5)
@@ -92,7 +92,7 @@ def test_a_known_run_is_gone_on_with() -> None:
 
 
 def test_a_known_run_that_breaks_a_property_says_so() -> None:
-    """A violation along a run of the corpus is found at the step where it happens."""
+    """A violation along a known run is found in the step in which it happens."""
     never_two = always("at most one", N <= 1)
     driver = Driver(_counter(), [never_two], [run(_counter(), _pressed(9))])
     driver.follow(0)
@@ -102,7 +102,9 @@ def test_a_known_run_that_breaks_a_property_says_so() -> None:
 
 
 def test_what_a_known_run_breaks_is_found_without_searching() -> None:
-    """One run of each known one is enough, wherever along it a search would have begun; other properties are searched on."""
+    """Following each known run once finds its violation, wherever a search would begin; other properties are searched
+    on.
+    """
     corpus = [run(_counter(), _pressed(times)) for times in (3, 45, 5, 49)]
     deep, holds = always("at most forty", N <= 40), always("at most fifty", N <= 50)
     driver = Driver(_counter(), [deep, holds], corpus)
@@ -120,14 +122,14 @@ def test_a_first_state_that_breaks_a_property_says_so() -> None:
 
 
 def test_edges_tell_how_near_a_run_is() -> None:
-    """The edge of a numeric property is its distance to failing; a logical one has none."""
+    """The edge of a numeric property is its distance to failing; a logical property has none."""
     driver = Driver(_counter(), [always("few", N <= 40), always("logical", P | ~P)], [run(_counter(), _pressed(8))])
     driver.follow(0)
     assert {"few": -32.0} == driver.edges()
 
 
 def test_statistics_for_a_report() -> None:
-    """Notes name what fired and what never did, and the rate includes drawing and repair."""
+    """Notes name the transitions that fired and those that never did; the rate includes drawing and repair."""
     driver = Driver(_counter(), [always("few", N <= 50)])
     for seed in range(4):
         driver.drive("steady", 25, seed)

@@ -1,4 +1,4 @@
-"""Repaired inputs keep the assumption, also where its parts pull at the same input; first states satisfy `initially`."""
+"""Repaired inputs satisfy the assumption, even if several parts restrict one input; first states satisfy `initially`."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_coupled_parts_are_repaired_together(truth: int, seed: int) -> None:
 
 
 def test_most_readings_survive_repair() -> None:
-    """Leaving a measurement out is the last resort."""
+    """A measurement is left out only as the last resort."""
     system, draw, kept = _coupled(), random.Random(1), 0
     repair = Repair(system)
     for _ in range(200):
@@ -79,7 +79,7 @@ def test_most_readings_survive_repair() -> None:
 
 
 def test_nothing_lawful_is_said_so() -> None:
-    """Where no inputs at all keep the assumption, there are none."""
+    """If no inputs satisfy the assumption, the repair returns none."""
     flag = boolean("flag")
     machine = Machine(
         "never",
@@ -101,7 +101,7 @@ def test_drawn_stretches_become_lawful(example: Example) -> None:
 
 
 def test_odometry_becomes_lawful() -> None:
-    """So for the odometry machine, whose assumption has many parts."""
+    """The same is true of the odometry machine, whose assumption has many parts."""
     _all_lawful(lower(odometry.machine()), steps=30)
 
 
@@ -124,7 +124,7 @@ def _first(system: TransitionSystem) -> list[int | bool]:
 
 @given(st.integers(0, 2**16))
 def test_first_states_satisfy_initially(seed: int) -> None:
-    """What is open at the start is chosen so that `initially` holds, also when it begins far out."""
+    """Open initial variables are chosen so that `initially` holds, even if they begin far from zero."""
     system = _coupled()
     chosen = first_state(system, random.Random(seed), adventurous=1.0)
     assert set(chosen) == {"truth_nm"}
@@ -132,7 +132,7 @@ def test_first_states_satisfy_initially(seed: int) -> None:
 
 
 def test_a_first_state_is_drawn_anew() -> None:
-    """Repairs may run in circles between the ends of ranges; then another draw begins, and one is found each time."""
+    """Repairs may go round between the ends of ranges; then another draw begins, and each time one succeeds."""
     low, high = number("low_mm", MM, -100, 100), number("high_mm", MM, -100, 100)
     machine = Machine(
         "ends",
@@ -150,7 +150,7 @@ def test_a_first_state_is_drawn_anew() -> None:
 
 
 def test_no_first_state_is_wrong_input() -> None:
-    """A machine that cannot start says so."""
+    """A machine without a possible first state is refused with that reason."""
     open_, other = number("open_mm", MM, 0, 5), number("other_mm", MM, 0, 5)
     machine = Machine(
         "stuck",

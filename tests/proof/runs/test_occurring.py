@@ -1,4 +1,4 @@
-"""Cases counted beside driven runs: what never occurred was not tested, and a run without a first state says so."""
+"""Cases counted in driven runs: a case that never occurred was not tested, and a missing first state is reported."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SYSTEM = lower(COUNTER)
 
 
 def outcome_of(prop: Property, corpus: list[Trace] | None = None, system: TransitionSystem = SYSTEM) -> Result:
-    """What property tests say of one property."""
+    """The result of property tests for one property."""
     (finding,) = run_tests(system, [prop], examples=10, steps=10, seed=0, corpus=corpus or [])
     return finding.result
 
@@ -59,7 +59,7 @@ SECOND = [{"p": True}, {"p": True}, {"p": False}]
     ids=lambda value: value.name if isinstance(value, Property) else str(value),
 )
 def test_how_often_a_case_occurred(prop: Property, expected: int) -> None:
-    """State, values before, inputs, what fired, past operators: each is counted in the steps in which it holds."""
+    """State, values before, inputs, fired transitions, past operators: each counts in the steps in which it holds."""
     driver = Driver(SYSTEM, [prop])
     for number_, record in enumerate(SECOND):
         assert number_ == driver.statistics.steps
@@ -68,7 +68,7 @@ def test_how_often_a_case_occurred(prop: Property, expected: int) -> None:
 
 
 def test_what_never_occurred_was_not_tested() -> None:
-    """Vacuous, naming the case and the number of steps; a known run that comes there makes it a test."""
+    """The verdict is vacuous, with the case and the number of steps; a known run that reaches the case makes it a test."""
     deep = always("deep", N.eq(30).implies(N > 29), unconditional=True)
     result = outcome_of(deep)
     assert isinstance(result, Vacuous)
@@ -78,7 +78,7 @@ def test_what_never_occurred_was_not_tested() -> None:
 
 
 def test_a_case_counts_only_while_the_property_is_required() -> None:
-    """After the assumption is broken a case has not occurred for what relies on it."""
+    """After a breach of the assumption, no case counts for a property that relies on it."""
     corpus = [run(SYSTEM, [{"p": True}] * 7)]
     result = outcome_of(always("relies", N.eq(7).implies(N > 6)), corpus)
     assert isinstance(result, Vacuous)
@@ -86,14 +86,14 @@ def test_a_case_counts_only_while_the_property_is_required() -> None:
 
 
 def test_a_name_that_a_user_takes_is_no_matter() -> None:
-    """Properties may be called as the observers of cases are: nothing is mixed up."""
+    """A property may have the name of a case's observer: nothing is mixed up."""
     props = [within("case 1", 3, P, ~P | P), always("case 2", previous(P).implies(N >= 1))]
     found = run_tests(SYSTEM, props, examples=10, steps=10, seed=0)
     assert [True, True] == [isinstance(one.result, Held) for one in found]
 
 
 def test_what_a_machine_keeps_by_itself_is_noted() -> None:
-    """Of an inherited property a case that the whole does not come to is a note, not a verdict."""
+    """For an inherited property, a case that the composition does not reach gives a note, not a verdict."""
     whole = compose("whole", [COUNTER], {})
     prop = whole.inherited(COUNTER, always("deep", N.eq(30).implies(N > 29), unconditional=True))
     (finding,) = run_tests(whole.system, [prop], examples=3, steps=5, seed=0)
@@ -108,7 +108,7 @@ HARD = Machine(
 
 
 def test_no_first_state_is_undecided() -> None:
-    """Where no first state is found each property is undecided with that reason, and the run goes on."""
+    """Without a first state every property is undecided with that reason, and the tests go on."""
     props = [always("one", A <= B), within("two", 2, P, ~P)]
     found = run_tests(lower(HARD), props, examples=3, steps=5, seed=0)
     assert ["hard/test/one", "hard/test/two"] == [one.id for one in found]
@@ -120,7 +120,7 @@ def test_no_first_state_is_undecided() -> None:
 
 
 def test_a_known_run_has_a_first_state() -> None:
-    """Where none is found but a run is known, runs begin as that one does."""
+    """If no first state is found but a run is known, runs begin like the known one."""
     lucky = Machine(
         "lucky",
         (ON,),

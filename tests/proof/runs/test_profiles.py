@@ -1,4 +1,4 @@
-"""Stretches of inputs: always within range, repeatable from their seed, and each kind does what its name says."""
+"""Stretches of inputs: they are in range and repeatable from their seed, and each kind does what its name says."""
 
 from __future__ import annotations
 
@@ -79,14 +79,14 @@ def test_every_member_occurs() -> None:
 
 
 def test_what_the_machine_knows_is_repeated() -> None:
-    """A waiting identity and the present place are met exactly by many readings, which uniform draws never do."""
+    """Many readings meet an expected identity and the present position exactly, which uniform draws never do."""
     rows = [row for seed in range(60) for row in _drawn("random", seed)]
     assert 20 < sum(row["marker"] == 741 for row in rows)
     assert 20 < sum(row["place_mm"] == 123_456 for row in rows)
 
 
 def test_the_environment_leans_to_one_side() -> None:
-    """With a lean, what is picked within the allowed interval is the same end in the whole stretch."""
+    """With a lean, each value picked in the stretch is at the same end of the allowed interval."""
     for seed in range(20):
         profile = Profile(SYSTEM, "steady", random.Random(seed), random.Random(seed))
         picked = {profile.pick(WHEEL, low, low + 10) - low for low in range(0, 100, 10)}
@@ -96,7 +96,7 @@ def test_the_environment_leans_to_one_side() -> None:
 
 
 def test_ends_are_ends() -> None:
-    """`ends` gives the ends of the range and rest, up to what repeats the state."""
+    """`ends` gives the ends of the range and rest, except for inputs that repeat the state."""
     rows = [row["wheel_mm"] for seed in range(40) for row in _drawn("ends", seed)]
     assert 0.8 < sum(value in (-500, 0, 500) for value in rows) / len(rows)
     assert isinstance(WHEEL, NumVar)

@@ -1,4 +1,4 @@
-"""Runs on generated code: what the interpreter gives, and an error where generated code would give anything else."""
+"""Runs on generated code: they equal the interpreter's, and a difference is an error."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ ROWS = [{name: cell for name, cell in step.items() if name in INPUTS} for step i
 
 
 def test_the_same_run() -> None:
-    """States, outputs, what fired, and the kinds of values."""
+    """States, outputs, fired transitions and the types of values are the same."""
     right, found = run(TARGET.system, ROWS, first=STREAM.first), quick_run(TARGET.system, ROWS, first=STREAM.first)
     assert repr(right.steps) == repr(found.steps)
     assert right.initial == found.initial
 
 
 def test_the_same_verdicts() -> None:
-    """Every property, with what never happened."""
+    """Every property has the same verdict, with the cases that never occurred."""
     trace = run(TARGET.system, ROWS, first=STREAM.first)
     asked = [prop for prop in TARGET.properties if prop.kind != "reachable"]
     assert repr(check_all(trace, asked)) == repr(Checks(TARGET.system, asked, Quick)(trace))
 
 
 def test_the_same_refusal() -> None:
-    """An input that is missing."""
+    """A missing input is refused, as by the interpreter."""
     with pytest.raises(InputError, match="is missing"):
         quick_run(TARGET.system, [{}], first=STREAM.first)
 
 
 def test_wrong_code_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At the first time, and in the sample later on."""
+    """A difference in the first step or in a sampled later step is an error."""
     x = NumVar("x", ONE, 0, 9)
     right = quick.compiled_terms
     monkeypatch.setattr(quick, "compiled_terms", lambda reads, terms: lambda row: [row[0] + (row[0] > 3)])

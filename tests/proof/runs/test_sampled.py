@@ -1,4 +1,4 @@
-"""Runs to check a back end by come from every source there is, keep what they promise, and are the same again."""
+"""Runs for checking a back end: every source gives some, each run is of the promised kind, and they can be repeated."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from tests.examples import EXAMPLES, build_odometer
 
 
 def test_every_source_is_used() -> None:
-    """Recorded streams, the simulation, a lawful run and one of any inputs, each no longer than asked for."""
+    """There are recorded streams, the simulation, a lawful run and one of any inputs, each at most as long as asked
+    for.
+    """
     target = load_target("odometry")
     runs = sampled_runs(target, steps=40)
     names = [*map(name_of, target.streams), "simulated", "lawful", "any inputs in range"]
@@ -28,7 +30,7 @@ def test_runs_are_of_what_runs_on_board() -> None:
 
 
 def test_the_same_seed_gives_the_same_runs() -> None:
-    """And another one others."""
+    """The same seed repeats the runs, and another seed gives others."""
     system = EXAMPLES[0].system
     assert drawn_run(system, 3, 50, lawful=True) == drawn_run(system, 3, 50, lawful=True)
     assert drawn_run(system, 3, 50, lawful=True) != drawn_run(system, 4, 50, lawful=True)

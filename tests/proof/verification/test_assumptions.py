@@ -1,4 +1,6 @@
-"""The laws of the worlds on recordings: none is broken by a lawful one, and a breach is named, with the truth or without."""
+"""The laws of the worlds on recordings: a lawful recording breaks none, and a breach is named, with the truth or
+without.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ BROKEN = {SLIDE.name}
 
 
 def by_name(judged: Judged) -> Mapping[str, JudgedLaw]:
-    """What was judged, by the names of its laws."""
+    """The results by the names of their laws."""
     return {" / ".join(map(str, one.laws)): one for one in judged.every}
 
 
@@ -35,7 +37,7 @@ def changed(path: Path, to: Path, cycle: int, **cells: int) -> Path:
 
 
 def require_lawful(name: str) -> None:
-    """No shipped recording of the machine shows a breach, but for those of one."""
+    """Check that no shipped recording of the machine shows a breach, except the one named."""
     target = load_target(name)
     found = {path.name: judge_recording(target, path) for path in target.streams}
     assert BROKEN.intersection(found) == {name for name, judged in found.items() if judged.broken}
@@ -44,19 +46,19 @@ def require_lawful(name: str) -> None:
 
 @pytest.mark.parametrize("name", QUICK)
 def test_a_lawful_recording_breaks_nothing(name: str) -> None:
-    """With the truth every law is judged, and what inputs show beside it."""
+    """With the truth every law is checked, and beside it the conditions that inputs show."""
     require_lawful(name)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in ENTRIES if name not in QUICK])
 def test_no_lawful_recording_breaks_anything(name: str) -> None:
-    """The same of every other shipped machine."""
+    """The recordings of every other shipped machine break no law either."""
     require_lawful(name)
 
 
 def test_a_breach_that_only_the_truth_shows(tmp_path: Path) -> None:
-    """The vehicle truly runs back at 40 m/s in one cycle, and no unit says so: four units are wrong together."""
+    """The vehicle truly runs back at 40 m/s in one cycle, and no unit reports it: four units are wrong together."""
     target = load_target("odometry")
     path = changed(REVERSAL, tmp_path / "run.jsonl", 300, true_step_nm=-4_000_000_000)
     laws = by_name(judge_recording(target, path))
@@ -75,7 +77,7 @@ def test_a_breach_that_only_the_truth_shows(tmp_path: Path) -> None:
 
 
 def test_a_breach_that_inputs_show_is_told_apart(tmp_path: Path) -> None:
-    """A switch that is told behind the vehicle: no truth is needed to see it."""
+    """A switch is reported behind the vehicle: this breach is seen without the truth."""
     target = load_target("turn_off")
     path = changed(target.streams[0], tmp_path / "run.jsonl", 20, switch_position_mm=-900_000)
     law = by_name(judge_recording(target, path))["turn_off: a switch is told while it lies ahead"]
@@ -87,7 +89,7 @@ def test_a_breach_that_inputs_show_is_told_apart(tmp_path: Path) -> None:
 
 
 def test_a_recording_and_a_controller_tell_the_same() -> None:
-    """Of a real slide, without the truth: the same laws in the same cycles, by as much."""
+    """For a real slide, without the truth, both report the same laws in the same cycles with the same distances."""
     target = load_target("odometry")
     judged = judge_recording(target, SLIDE)
     told = {(at.cycle, tuple(map(str, one.laws)), at.breach.distance) for one in judged.laws for at in one.breaches}
@@ -105,7 +107,7 @@ def test_a_recording_and_a_controller_tell_the_same() -> None:
 
 
 def test_what_a_recording_does_not_show_is_not_judged() -> None:
-    """Without the truth most laws say nothing of it; they are told, not passed over."""
+    """Without the truth most laws cannot be checked; they are listed, not passed over."""
     judged = judge_recording(load_target("odometry"), SLIDE)
     assert not judged.with_truth
     assert {"the vehicle is as long as told", "stray readings are rare"} < {law.name for law in judged.unjudged}
@@ -113,7 +115,7 @@ def test_what_a_recording_does_not_show_is_not_judged() -> None:
 
 
 def test_single_records_show_the_clocks_of_their_sources(tmp_path: Path) -> None:
-    """The radar at the rear is 130 ms behind from cycle 20 on; the truth in the recording is of no source."""
+    """The rear radar is 130 ms behind from cycle 20 on; the recorded truth belongs to no source."""
     path = tmp_path / "records.jsonl"
     records = [
         record

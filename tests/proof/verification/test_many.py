@@ -1,4 +1,4 @@
-"""Several targets at once: the same findings as one by one, told as they come; what one raises ends the rest."""
+"""Several targets at once: the findings are the same as one by one, and reported as they come; an error ends the rest."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def target(name: str) -> Target:
 
 
 def told(findings: list[Finding]) -> list[dict[str, object]]:
-    """What a report says of findings, without times."""
+    """The contents of findings in a report, without times."""
     return [{**result_data(one), "seconds": 0} for one in findings]
 
 
@@ -41,7 +41,7 @@ def alone() -> tuple[Target, list[Finding]]:
 
 
 def test_findings_are_the_same_after_a_journey_as_data(alone: tuple[Target, list[Finding]]) -> None:
-    """Through JSON and back: the same report, runs and replays included; what was shared is shared."""
+    """Findings sent through JSON make the same report, runs and replays included; shared objects stay shared."""
     emitter, findings = alone
     again = unpack_findings(json.loads(json.dumps(pack_findings(findings, emitter.system))), emitter.system)
     assert told(findings) == told(again)
@@ -54,7 +54,7 @@ def test_findings_are_the_same_after_a_journey_as_data(alone: tuple[Target, list
 
 
 def test_side_by_side_is_as_one_by_one(alone: tuple[Target, list[Finding]]) -> None:
-    """Two targets in two places: every finding in its order, each told once, before its target is over."""
+    """Two targets in two slots: every finding comes in order, is announced once, and before its target is over."""
     emitter, findings = alone
     events: list[Event] = []
     found = verify_targets([target("delocalized"), emitter], PLAN, jobs=2, on_event=events.append)
@@ -69,7 +69,7 @@ def test_side_by_side_is_as_one_by_one(alone: tuple[Target, list[Finding]]) -> N
 
 
 def test_what_a_target_raises_is_raised(tmp_path: Path) -> None:
-    """A recording that the machine cannot take: its own error with file and line, not a lost process."""
+    """For a recording that the machine cannot take, the error has file and line; it is not a lost process."""
     path = tmp_path / "other.jsonl"
     path.write_text('{"schema": "safeloc-stream/1", "machine": "odometry", "first": {}}\n{"x": 1}\n', encoding="utf-8")
     wrong = replace(target("emitter"), streams=(path,))
@@ -78,7 +78,7 @@ def test_what_a_target_raises_is_raised(tmp_path: Path) -> None:
 
 
 def test_a_process_that_dies_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The target's name and the exit code."""
+    """The error names the target and the exit code."""
     import os
 
     monkeypatch.setattr(Work, "verified", lambda *_: os._exit(7))
@@ -89,7 +89,7 @@ def test_a_process_that_dies_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_nobody_foresaw_is_told_with_its_place(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """The parent raises it with the target's name; the traceback of the other process is printed."""
+    """The parent raises an unforeseen error with the target's name; the other process prints its traceback."""
 
     def failing(*_: object) -> list[Finding]:
         raise ZeroDivisionError("by nothing")
@@ -101,13 +101,13 @@ def test_what_nobody_foresaw_is_told_with_its_place(
 
 
 def test_that_nothing_was_asked_is_an_event() -> None:
-    """Of a target without properties, as any finding."""
+    """A target without properties has a finding that says so, and it is announced like any other."""
     events: list[Event] = []
     verify_targets([replace(target("emitter"), properties=())], PLAN, jobs=1, on_event=events.append)
     assert ["not asked"] == [one.verdict for one in events if isinstance(one, Found) and "/property/" in one.id]
 
 
 def test_a_run_of_another_system_is_not_packed(alone: tuple[Target, list[Finding]]) -> None:
-    """Its inputs would have no meaning on arrival."""
+    """Packing refuses it: the receiver could not interpret its inputs."""
     with pytest.raises(ValueError, match="with other inputs cannot be packed"):
         pack_findings(alone[1], load_target("stop_point").system)

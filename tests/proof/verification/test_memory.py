@@ -1,4 +1,4 @@
-"""The memory of a run: that of its processes counts, also of such as come of these."""
+"""The memory of a run: it includes all processes, and the processes that these start."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ START = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {HOLD!r}
 
 @pytest.mark.parametrize("code", [HOLD, START])
 def test_what_a_process_holds_is_seen(code: str) -> None:
-    """Of one that was started, and of one that this has started."""
+    """The memory of a child process counts, and that of a grandchild."""
     before, command = taken_bytes(os.getpid()), [sys.executable, "-c", code]
     with Memory() as seen, subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
         assert one.stdout is not None
@@ -31,7 +31,7 @@ def test_what_a_process_holds_is_seen(code: str) -> None:
 
 
 def test_where_the_system_does_not_tell(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Nothing is seen, and nothing fails."""
+    """Without figures from the system the memory is 0, and nothing fails."""
     monkeypatch.setattr(memory, "PROC", tmp_path)
     with Memory() as seen:
         pass
