@@ -20,7 +20,7 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, plain_solver, why_unknown
-from safeloc.proof.provers.dead_ends import LASTS, NO_RUN, lasts
+from safeloc.proof.provers.dead_ends import NO_RUN, lasts
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting
@@ -31,6 +31,7 @@ RECORDED_STEPS = 65  # length of the recorded run that shows inputs changing
 ROUND_STEPS = 250
 PATIENCE = 2  # time limits of one search that all groups of inputs get together
 TOGETHER_SHARE = 0.25  # of the time left, for the question in which all inputs and ghosts change
+FOR_EVER = "the assumption can be satisfied for ever"
 NO_DEAD_END = "every reachable state has a lawful next step"
 
 
@@ -42,7 +43,7 @@ def assumption_kept(
     """
     yield _moves(system, limits, recordings)
     verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
-    yield Obligation("assumption lasts", LASTS, *_for_ever(system, limits, verdict))
+    yield Obligation("assumption lasts", FOR_EVER, *_for_ever(system, limits, verdict))
     yield Obligation("dead ends", NO_DEAD_END, verdict, how(verdict))
 
 
@@ -64,7 +65,7 @@ def how(verdict: Verdict) -> str:
 
 def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording]) -> Obligation:
     statement = (
-        f"the assumption can be kept for {ASSUMPTION_STEPS} steps from the start, by a run in which inputs change"
+        f"the assumption can be satisfied for {ASSUMPTION_STEPS} steps from the start, by a run in which inputs change"
     )
     recorded = lasting(system, recordings, RECORDED_STEPS) if system.parts else None
     if recorded is not None and _moved(recorded):
@@ -169,7 +170,7 @@ def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -
             return shown, "a run whose last state equals an earlier one, so it can be repeated"
         case Ended(steps):
             method = f"bounded search: no lawful run has {steps} steps"
-            ends = Violated(None, "bmc", f"no run keeps the assumption for {steps} steps")
+            ends = Violated(None, "bmc", f"no run satisfies the assumption for {steps} steps")
             return of_dead_ends if isinstance(of_dead_ends, Violated) else ends, method
         case Unknown(reason, depth):
             known = "some run comes to a dead end" if isinstance(of_dead_ends, Violated) else of_dead_ends.reason

@@ -38,8 +38,8 @@ from safeloc.proof.provers.recorded_witnesses import Recording, lawful_part
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.provers.spacer import spacer
 
-LASTS = "the assumption can be kept for ever"
-NO_RUN = "no run keeps the assumption: every proof under it would be empty"
+LASTS = "the assumption can be kept for ever"  # in names of certificates
+NO_RUN = "no run satisfies the assumption: every proof under it would be empty"
 SHALLOW, DEEPEST = 5, 160  # steps of bounded search: before induction, and after it where time allows
 DIRECT, INDUCTION, SEARCH, INVARIANT = 0.6, 0.4, 0.5, 0.5  # shares of the time that is left when their turn comes
 LEAST_SECONDS = 0.05
@@ -301,5 +301,5 @@ def further_assumption_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verd
             return Vacuous(f"the further assumption comes to an end: {reason}", trace)
         case _:
             return Unknown(
-                f"proved, but not known whether its further assumption can be kept for ever: {verdict.reason}"
+                f"proved, but it is not known if the further assumption can be satisfied for ever: {verdict.reason}"
             )

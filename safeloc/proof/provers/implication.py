@@ -40,7 +40,7 @@ class Refuted:
 
 @dataclass(frozen=True)
 class Undecided:
-    """The solver gave up, for the reason it states."""
+    """The solver gave up, for the stated reason."""
 
     reason: str
 

@@ -36,7 +36,9 @@ def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: 
     if answer == z3.unsat:
         worst = sum((abs(share) * bounds[name] for name, share in shares.items()), Fraction(0))
         if worst > level:
-            raise EngineError(f"z3 found no errors beyond {level}, but all at their bounds lead to {float(worst)}.")
+            raise EngineError(
+                f"z3 found no errors beyond {level}, but all errors at their bounds add up to {float(worst)}."
+            )
         return Proved(None, "z3", 0, ("errors all at their bounds, exactly",))
     if answer == z3.unknown:
         return Unknown(f"solver: {why_unknown(solver)}")

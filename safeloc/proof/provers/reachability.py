@@ -280,7 +280,7 @@ def _targets_of(
 ) -> Iterator[_Target]:
     for number, label in enumerate(machine.modes):
         goal = observe(system, reachable(f"mode {number} of machine {part}", mode.eq(label)))
-        name, text = f"mode {machine.name} {label.label}", f"{machine.name} comes to mode {label.label}"
+        name, text = f"mode {machine.name} {label.label}", f"{machine.name} reaches mode {label.label}"
         yield _Target(name, text, goal, without_assumption(goal), part)
     for number, row in enumerate(machine.transitions, 1):
         goal = observe(system, reachable(f"row {number} of machine {part}", fired.eq(Lit(number, fired.unit))))

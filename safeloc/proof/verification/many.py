@@ -192,13 +192,13 @@ def _forked(target: Target, plan: Plan, jobs: int, slots: Slots, others: Sequenc
 def _received(one: _Conductor, on_event: OnEvent) -> Plain | None:
     """Pass on a message of a target's process, or return its findings when it is done; an error of it is raised here."""
     try:
-        said: Any = one.pipe.recv()
+        message: Any = one.pipe.recv()
     except EOFError:
         one.process.join()
         raise EngineError(
             f"{one.target.name}: its process ended with code {one.process.exitcode} before it was done."
         ) from None
-    match said:
+    match message:
         case _Done(packed):
             one.process.join()
             one.pipe.close()
@@ -206,7 +206,7 @@ def _received(one: _Conductor, on_event: OnEvent) -> Plain | None:
         case _Failed(error):
             raise error
         case _:
-            on_event(said)
+            on_event(message)
             return None
 
 

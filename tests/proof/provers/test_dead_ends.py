@@ -94,7 +94,7 @@ def test_no_run_at_all_is_no_run(assumption: Bool, initially: Bool) -> None:
     verdict = lasts(lower(machine(assumption, first=ANY, initially=initially)), LIMITS)
     assert isinstance(verdict, Violated)
     assert verdict.trace is None
-    assert "no run keeps the assumption: every proof under it would be empty" == verdict.reason
+    assert "no run satisfies the assumption: every proof under it would be empty" == verdict.reason
 
 
 def test_a_first_state_may_be_a_dead_end() -> None:
@@ -229,7 +229,7 @@ def test_a_further_assumption_that_dies_is_told_as_vacuous() -> None:
 
 
 def test_a_further_assumption_that_lasts_is_part_of_the_proof() -> None:
-    """The proof's certificates show that it can be kept for ever."""
+    """The proof's certificates show that it can be satisfied for ever."""
     counting = Machine("m", (S,), [GO], {X: 0}, {}, [Transition("up", S, S, GO & (X < 20), {X: X + 1})])
     further = GO.implies(X < 19)
     (found,) = prove(lower(counting), [small(further)], LIMITS)
@@ -242,7 +242,7 @@ def test_a_further_assumption_that_nobody_can_judge_leaves_a_proof_open(monkeypa
     monkeypatch.setattr("safeloc.proof.provers.dead_ends.lasts", lambda *_args, **_more: Unknown("no time", 3))
     verdict = prove_one(observe(lower(machine(TRUE)), small(X < 7)), LIMITS)
     assert isinstance(verdict, Unknown)
-    assert "not known whether its further assumption can be kept for ever: no time" in verdict.reason
+    assert "it is not known if the further assumption can be satisfied for ever: no time" in verdict.reason
 
 
 @pytest.mark.parametrize("further", [GO & ~GO, FALSE], ids=["contradiction", "false"])

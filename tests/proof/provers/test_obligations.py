@@ -175,7 +175,7 @@ def test_an_assumption_that_cannot_be_kept_is_violated() -> None:
     """Proofs under it would be empty, and the finding says so."""
     verdict = _found(counter(assumption=TICK & (LEVEL < 3)))["assumption"].result
     assert isinstance(verdict, Violated)
-    assert verdict.reason == "no run keeps the assumption: every proof under it would be empty"
+    assert verdict.reason == "no run satisfies the assumption: every proof under it would be empty"
 
 
 def test_the_assumption_can_be_kept_in_motion() -> None:

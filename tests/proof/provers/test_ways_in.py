@@ -240,8 +240,8 @@ def test_targets_of_one_name_are_told_apart() -> None:
     shut, wide = modes("door closed", "door OPEN")
     lively = Machine("train", (shut, wide), [boolean("j")], {}, {}, [Transition("o", shut, wide, boolean("k") | TRUE)])
     found = {one.statement: word(one.result) for one in obligations(compose("w", [dead, lively], {}).system, LIMITS)}
-    assert found["train door comes to mode OPEN"] == "violated"
-    assert found["train comes to mode door OPEN"] == "proved"
+    assert found["train door reaches mode OPEN"] == "violated"
+    assert found["train reaches mode door OPEN"] == "proved"
 
 
 def test_names_that_meet_in_a_composition_are_refused() -> None:
