@@ -1,15 +1,16 @@
 """A machine and its world: modes, inputs, state, transitions and outputs, and the physical environment.
 
-One step: read the inputs, take the first transition in declared order whose source is the current mode and whose
-guard holds, else stay. All updates read the values before the step. Outputs are terms over the state after it.
+In one step the machine reads the inputs and takes the first transition, in declared order, whose source is the current
+mode and whose guard holds; otherwise it stays. All updates read the values before the step. Outputs are terms over the
+state after it.
 
 A `World` describes the environment. Its ghosts are variables that no device can read, such as the true position. They
-move in every step. No transition and no output reads them; only the world's clauses and properties do.
+move in every step. Transitions and outputs must not read them; the world, `initially`, lemmas and properties may.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
@@ -22,7 +23,7 @@ from safeloc.language.world import World
 
 
 class Any_:
-    """Marks an initial value that may be anything in range."""
+    """The type of ANY, which marks an initial value that may be anything in range."""
 
     def __repr__(self) -> str:
         return "ANY"
@@ -41,8 +42,8 @@ STAY_NAME: Final = "(stay)"
 class Transition:
     """One row of the transition table.
 
-    Transitions of one `rank` must have disjoint guards (an obligation proves it); of two different ranks the lower
-    is tried first. `requirements` holds the ids of the requirements that it implements.
+    Guards of transitions with the same source mode and `rank` must be disjoint (an obligation proves it); of different
+    ranks the lower comes first. `requirements` holds the ids of the requirements that the transition implements.
     """
 
     name: str
@@ -86,18 +87,18 @@ OF_THE_MODES: Final = {
 @refuse_old_keywords(ModelError, {**IN_THE_WORLD, **OF_THE_MODES})
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A state machine, and the world around it. `check`ed when built; a ModelError lists all errors.
+    """A state machine, and the world around it. It is checked when built; a ModelError lists all errors.
 
     name         used in catalogue, files and reports
-    modes        what `modes` made; the first one is the initial mode
-    inputs       variables read each step; `Optional` ones may be absent
+    modes        the result of the function `modes`; the first one is the initial mode
+    inputs       variables that the machine reads in each step; `Optional` ones may be absent
     state        variable -> initial value (int, bool, member, or ANY in range)
     outputs      name -> term over state and mode, evaluated after the step
     transitions  the table, in order of priority
     world        ghosts, and assumptions on the inputs; a machine without a world is proved for all inputs in range
     initially    condition on the initial values (over state and ghosts)
-    lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
-    definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
+    lemmas       auxiliary invariants over state and ghosts that help induction; proved themselves, never assumed
+    definitions  names for terms of guards and updates, shown in tables; they change neither the machine nor any proof
     doc          one paragraph for the reader of the report
     """
 
@@ -126,7 +127,7 @@ class Machine:
         check(self)
 
     def fired(self, *names: str) -> Bool:
-        """In a property: one of the named transitions fired in this step; KeyError for an unknown name."""
+        """Return, for use in a property, that one of these transitions fired in this step; KeyError for an unknown name."""
         table = self.fired_name.unit
         assert isinstance(table, Enumeration)
         unknown = [name for name in names if name not in table.members]
@@ -137,7 +138,7 @@ class Machine:
         return self.fired_name.one_of(*(Lit(table.index(name), table) for name in names))
 
     def stayed(self) -> Bool:
-        """In a property: no transition fired in this step."""
+        """Return, for use in a property, that no transition fired in this step."""
         return self.fired_name.eq(Lit(0, self.fired_name.unit))
 
     def output(self, name: str) -> Num:
@@ -168,27 +169,24 @@ Parts_ = TypeVar("Parts_", covariant=True)
 
 @dataclass(frozen=True, eq=False)
 class Model(Generic[Parts_]):
-    """A machine together with the variables it was built from, for properties to speak about."""
+    """A machine together with its variables (`own`), which properties of it read."""
 
     machine: Machine
     own: Parts_
 
 
 def modes(*labels: str) -> tuple[Lit, ...]:
-    """Create the modes of a machine, as constants to write transitions with; the first one is the initial mode.
+    """Create the modes of a machine, as constants for its transitions; the first one is the initial mode.
 
-    The variable of the current mode comes with them: `current_mode`. ModelError if two have one label.
+    They include the variable of the current mode, see `current_mode`. ModelError if two labels are equal.
     """
     constants, table = members("mode", *labels), Modes("mode", labels)
     return tuple(Lit(constant.value, table) for constant in constants)
 
 
 def current_mode(modes_: Sequence[Lit]) -> NumVar:
-    """Return the mode variable of the machine with these modes, built or yet to be built; ModelError for other constants."""
+    """Return the mode variable of the machine with these modes, also before it is built; ModelError for other constants."""
     table = modes_[0].unit
     if not isinstance(table, Modes):
         raise ModelError(f"{declared_at()}: {modes_[0].label} is no mode; make modes with modes(...).")
     return table.current
-
-
-MachineFunction = Callable[..., Machine]

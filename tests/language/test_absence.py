@@ -77,11 +77,11 @@ def test_what_may_be_absent_is_known_by_what_stands_in() -> None:
 @pytest.mark.parametrize(
     ("low", "high", "stand_in", "message"),
     [
-        (-9, 9, 0, "0 stands in for nothing; take one of [-2000000000000, 4000000000000]."),
+        (-9, 9, 0, "0 is no stand-in number; use one of [-2000000000000, 4000000000000]."),
         (
             NO_PLACE, 0, NO_PLACE,
-            "-2000000000000 stands in for an absent output, and this one may have that value (-2000000000000..0); narrow "
-            "the ranges of what it is made of.",
+            "-2000000000000 stands in for an absent output, but this output may have that value itself "
+            "(-2000000000000..0); narrow the ranges of the variables it reads.",
         ),
     ],
 )  # fmt: skip

@@ -79,5 +79,5 @@ def test_it_grows_with_a_maximum_of_what_is_hidden() -> None:
 
 def test_a_past_operator_has_none() -> None:
     """It says nothing of a single step."""
-    with pytest.raises(ModelError, match=r"^.* looks back; a distance is that of a single step\.$"):
+    with pytest.raises(ModelError, match=r"^.* reads earlier steps; a distance is defined for a single step only\.$"):
         distance(previous(FLAG))

@@ -171,7 +171,7 @@ def test_substitution_keeps_sharing() -> None:
 @pytest.mark.parametrize(("low", "high"), [(0, 1e6), (0.5, 3), (False, True)])
 def test_a_range_is_whole_numbers(low: int, high: int) -> None:
     """1e6 is a float and False a truth value; neither bounds a whole number."""
-    with pytest.raises(ModelError, match=r"range of 'n' is .*; its bounds must be whole numbers\.$"):
+    with pytest.raises(ModelError, match=r"range of 'n' is .*; give its bounds as whole numbers\.$"):
         number("n", MM, low, high)
 
 

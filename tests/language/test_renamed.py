@@ -180,7 +180,7 @@ def test_what_is_told_in_parts_now_names_both() -> None:
     """The level of a solution, which the machine charges itself: with the machine's name, and only where there are the parts."""
     parts = ["position.fix_dilution_permille", "position.fix_further_mm"]
     told = (
-        "; 'position.fix_protection_mm' is told as 'position.fix_dilution_permille' and 'position.fix_further_mm' now"
+        "; 'position.fix_protection_mm' is replaced by 'position.fix_dilution_permille' and 'position.fix_further_mm'"
     )
     assert told == renamed(["position.fix_protection_mm"], parts)
     assert "" == renamed(["fix_protection_mm"], parts)

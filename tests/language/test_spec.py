@@ -189,7 +189,7 @@ def test_a_state_property_is_required_of_the_first_state() -> None:
         (always("strange", boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
         (within("strange", 3, P, boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
         (never("strange", once(boolean("elsewhere"))), "reads 'elsewhere', which watched does not have"),
-        (always("strange", was(P)), r"reads 'before\.p': before\(\) is for state variables"),
+        (always("strange", was(P)), r"reads 'before\.p', but before\(\) and was\(\) are for state variables"),
         (
             always("strange", P, further_assumption=before(N) > 0),
             r"the further assumption reads 'before\.n'; it may read state before the step",
@@ -207,7 +207,7 @@ def test_unknown_reads_are_refused(prop: Property, message: str) -> None:
 
 def test_a_negative_deadline_is_refused() -> None:
     """within() needs 0 or more steps."""
-    with pytest.raises(PropertyError, match="must be a whole number, 0 or more"):
+    with pytest.raises(PropertyError, match="steps is -1; give a whole number, 0 or more"):
         within("never", -1, P, Q)
 
 

@@ -14,9 +14,9 @@ Harm = Literal["a wrong verdict", "a crash", "a slip"]
 class Rule(Generic[Subject]):
     """One rule about a subject.
 
-    keeps_out   the harm without the rule: a wrong verdict, a failure without a message for the user, or
-                nothing but a declaration that does not say what its author meant
-    complaints  one sentence for each offence: what, where (file and line), what to do
+    keeps_out   the harm without the rule: a wrong verdict, a crash (a failure without a message for the user), or a slip
+                (a declaration that does not mean what its author intended)
+    complaints  one sentence for each error: what, where (file and line), what to do
     """
 
     name: str
@@ -25,7 +25,7 @@ class Rule(Generic[Subject]):
 
 
 def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
-    """Return all complaints of the first rule that has any: later rules may walk what earlier ones have found in order."""
+    """Return all complaints of the first rule that has any: later rules may rely on the parts that earlier ones accepted."""
     for rule in rules:
         found = list(rule.complaints(subject))
         if found:
@@ -34,5 +34,5 @@ def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
 
 
 def every_complaint(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
-    """Return all complaints of all rules, so that one look shows every mistake."""
+    """Return the complaints of all rules, so that the user sees every error at once."""
     return [complaint for rule in rules for complaint in rule.complaints(subject)]

@@ -352,7 +352,7 @@ class Offence:
     also: tuple[str, ...] = ()
 
 
-WHOLE_TERMS, WHOLE_READS = "terms of the whole are well formed", "reads of the whole are known"
+WHOLE_TERMS, WHOLE_READS = "terms of the system are well formed", "reads of the system are known"
 OFFENCES: dict[str, Offence] = {
     "variables are variables": Offence(string_for_an_input, ("terms are well formed",)),
     "terms are terms": Offence(lemma_of_another_kind),
@@ -367,23 +367,23 @@ OFFENCES: dict[str, Offence] = {
     "ghosts move": Offence(ghost_that_rests_undeclared, ("every state variable moves",)),
     "the world is apart": Offence(truth_that_follows_the_machine),
     "machines have distinct names": Offence(
-        machine_twice, ("joined names are distinct", "names of the whole are distinct")
+        machine_twice, ("joined names are distinct", "names of the system are distinct")
     ),
     "wires are well formed": Offence(wire_by_hand, (WHOLE_TERMS,)),
     "shared variables have one role": Offence(
-        state_and_input_at_once, ("every variable has one role", "nothing on board is told ghosts")
+        state_and_input_at_once, ("every variable has one role", "no ghost is read on board")
     ),
     "wires fit": Offence(wire_of_another_kind),
-    "wires tell no ghosts": Offence(wire_from_a_ghost, ("nothing on board is told ghosts",)),
+    "wires read no ghosts": Offence(wire_from_a_ghost, ("no ghost is read on board",)),
     "wires read earlier machines": Offence(wire_from_nowhere, (WHOLE_READS,)),
     "joined names are distinct": Offence(lemmas_of_one_name),
     WHOLE_TERMS: Offence(terms_by_hand),
-    "facts of the whole are truth values": Offence(fact_of_another_kind),
-    "names of the whole are distinct": Offence(two_variables_of_one_name),
+    "facts of the system are truth values": Offence(fact_of_another_kind),
+    "names of the system are distinct": Offence(two_variables_of_one_name),
     "every variable has one role": Offence(role_by_hand),
     "every state variable moves": Offence(no_next_value),
     WHOLE_READS: Offence(move_reads_a_stranger),
-    "nothing on board is told ghosts": Offence(ghost_by_hand),
+    "no ghost is read on board": Offence(ghost_by_hand),
     "optional inputs are whole": Offence(half_an_optional),
     "a property's name can be written": Offence(bar_in_a_propertys_name),
     "a property's terms are well formed": Offence(claim_by_hand),

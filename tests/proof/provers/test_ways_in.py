@@ -321,7 +321,7 @@ def test_certificates_are_named_by_their_content() -> None:
 def test_odd_words_are_refused_with_their_place() -> None:
     """d22: bars, newlines and past operators end with a message, never with a failure of our own."""
     place = r"test_ways_in\.py:\d+"
-    with pytest.raises(PropertyError, match=rf"{place}: property 'x \| y': a name is without \| and"):
+    with pytest.raises(PropertyError, match=rf"{place}: property 'x \| y': a name must not contain \| and"):
         always("x | y", X >= 0)
     with pytest.raises(PropertyError, match=rf"{place}: property 'p': the further assumption uses a past operator"):
         observe(lower(follower()), always("p", X >= 0, further_assumption=previous(X > 0)))
