@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.absence import while_there
+from safeloc.language.absence import value_while_present
 from safeloc.language.expr import BoolVar, NumVar, all_of, any_of, before, between, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, reachable
@@ -44,7 +44,7 @@ def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]
         mode.eq(localized).implies((above <= config.tolerance_mm) & (below <= config.tolerance_mm)),
         statement="a position that is passed on is never wider than the tolerance",
     )
-    nothing = no_interval(machine) & all_of(while_there(one).eq(0) for one in (position, above, below))
+    nothing = no_interval(machine) & all_of(value_while_present(one).eq(0) for one in (position, above, below))
     yield for_all_inputs(
         "nothing reported",
         mode.eq(delocalized).implies(nothing),

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.absence import heard
+from safeloc.language.absence import zero_while_absent
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
@@ -94,7 +94,7 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     alike, kept, widened = list[Bool](), list[Bool](), list[Bool]()
     for what, name in SENT.items():
         sent, way, arrived = (
-            guard.num(heard(whole.localizer.guard.output(name))),
+            guard.num(zero_while_absent(whole.localizer.guard.output(name))),
             getattr(flying, what),
             getattr(held, what),
         )

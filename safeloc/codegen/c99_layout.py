@@ -12,7 +12,7 @@ from typing import Literal
 from safeloc.codegen.c99_names import Names, names_of
 from safeloc.codegen.simplify_under_facts import Known
 from safeloc.errors import InputError
-from safeloc.language.absence import stand_in_of, while_there
+from safeloc.language.absence import stand_in_of, value_while_present
 from safeloc.language.digest import declaration_digest
 from safeloc.language.expr import Bool, Expr, Num, NumVar, Var
 from safeloc.language.machine import Any_
@@ -113,7 +113,7 @@ class _Fields:
 
     def term(self, name: str, source: str, term: Expr) -> Field:
         if isinstance(term, Num):
-            low, high = self.bounds[while_there(term)]
+            low, high = self.bounds[value_while_present(term)]
             return Field(name, source, _kind(term), low, high, unit_text(term), stand_in=stand_in_of(term))
         return Field(name, source, "uint8_t", 0, 1, "")
 

@@ -40,14 +40,14 @@ def shown_if(present: Bool, term: Num, stand_in: int) -> Num:
     return ite(present, term, stand_in)
 
 
-def heard(output: Num) -> Num:
+def zero_while_absent(output: Num) -> Num:
     """Return the term that a wire carries for an output: 0 while it is absent, since no input's range includes a stand-in."""
     if stand_in_of(output) is None:
         return output
     return ite(output.condition, output.then, 0) if isinstance(output, Choose) else as_num(0, output.unit)
 
 
-def while_there(output: Num) -> Num:
+def value_while_present(output: Num) -> Num:
     """Return the term that gives the output its value while it is present."""
     return output.then if isinstance(output, Choose) and stand_in_of(output) is not None else output
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 
 from safeloc.language.composition import inherited_term
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
+from safeloc.language.first_values import Initial
 from safeloc.language.folding import settled
-from safeloc.language.machine import Initial
 from safeloc.language.nodes import And, Compare, Not, Or
 from safeloc.language.render import infix
 from safeloc.language.spec import Goal, Property, always, observe, once, previous, reachable

@@ -15,8 +15,10 @@ from dataclasses import dataclass, replace
 from safeloc.errors import ModelError, declared_at
 from safeloc.language.checks.composition import Plan, SharedGhost, check_plan, refuse_ghosts
 from safeloc.language.checks.system import check_system
+from safeloc.language.composed_names import lemma_name
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
-from safeloc.language.machine import Any_, Initial, Machine
+from safeloc.language.first_values import Any_, Initial
+from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import refuse_old_keywords
 from safeloc.language.spec import Property
@@ -69,16 +71,6 @@ def inherited_term(into: Substitution, prop: Property) -> Bool:
     term = into.bool(prop.term)
     twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
     return Substitution(twins).bool(term)
-
-
-def lemma_name(machine: Machine, name: str) -> str:
-    """Return the name of a machine's lemma in a composition."""
-    return f"{machine.name}: {name}"
-
-
-def contract_text(machine: str) -> str:
-    """Return the name of the lemma that a machine's discharged assumption becomes in a composition."""
-    return f"what {machine} is owed is kept"
 
 
 def _before(var: Expr) -> Expr:
@@ -155,7 +147,7 @@ def compose(
             fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
             lemmas={
                 **merged.lemmas,
-                **{lemma_name(machine, key): now.bool(term) for key, term in system.lemmas.items()},
+                **{lemma_name(machine.name, key): now.bool(term) for key, term in system.lemmas.items()},
             },
             ghosts=merged.ghosts | {names[var] for var in system.ghosts if var not in wires},
             initial={**merged.initial, **{names[var]: value for var, value in system.initial.items()}},

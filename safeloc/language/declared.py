@@ -17,7 +17,7 @@ from typing import TypeVar
 
 from safeloc.errors import ModelError, declared_at
 from safeloc.language.expr import BoolVar, NumVar, Optional, Var
-from safeloc.language.machine import Initial
+from safeloc.language.first_values import Initial
 
 _Input = TypeVar("_Input", bound=NumVar | BoolVar | Optional)
 _Variable = TypeVar("_Variable", bound=NumVar | BoolVar)

@@ -11,7 +11,7 @@ import hashlib
 from collections.abc import Iterable, Iterator
 
 from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
-from safeloc.language.machine import Any_
+from safeloc.language.first_values import Any_
 from safeloc.language.nodes import Compare, FloorDiv, Past, Truth
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import children, in_order

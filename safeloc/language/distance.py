@@ -52,7 +52,7 @@ class Distance:
     unit: Unit
     far: int
 
-    def told(self, value: int) -> int | None:
+    def of_value(self, value: int) -> int | None:
         """Return the distance for a value of the term; None for a value that stands for no distance."""
         return None if abs(value) >= self.far else value
 

@@ -12,7 +12,7 @@ from typing import Any, assert_never
 
 from safeloc.errors import InputError
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
-from safeloc.language.machine import Any_
+from safeloc.language.first_values import Any_
 from safeloc.language.nodes import (
     TRUE,
     Add,

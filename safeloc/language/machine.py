@@ -15,76 +15,29 @@ from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
 from safeloc.errors import ModelError, declared_at
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, members
-from safeloc.language.nodes import Value
+from safeloc.language.checks.machine import check, check_shape
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var
+from safeloc.language.first_values import ANY, Any_, Initial
 from safeloc.language.renamed import hint, refuse_old_keywords
+from safeloc.language.transition_table import STAY_NAME, Modes, Transition, current_mode, modes
 from safeloc.language.units import Enumeration
 from safeloc.language.world import World
 
+__all__ = ["ANY", "STAY_NAME", "Any_", "Initial", "Machine", "Model", "Modes", "Transition", "current_mode", "modes"]
 
-class Any_:
-    """The type of ANY, which marks an initial value that may be anything in range."""
-
-    def __repr__(self) -> str:
-        return "ANY"
-
-    def __reduce__(self) -> str:
-        return "ANY"
-
-
-ANY: Final = Any_()
-Initial = Value | Lit | Any_
-STAY_NAME: Final = "(stay)"
-
-
-@refuse_old_keywords(ModelError, {"trace": "requirements"})
-@dataclass(frozen=True, eq=False)
-class Transition:
-    """One row of the transition table.
-
-    Guards of transitions with the same source mode and `rank` must be disjoint (an obligation proves it); of different
-    ranks the lower comes first. `requirements` holds the ids of the requirements that the transition implements.
-    """
-
-    name: str
-    source: Lit | tuple[Lit, ...]
-    target: Lit
-    when: Bool = TRUE
-    set: Mapping[Var, Expr | Value] = field(default_factory=dict)
-    requirements: tuple[str, ...] = ()
-    rank: int = 0
-    src: str = field(default_factory=declared_at)
-
-    @property
-    def sources(self) -> tuple[Lit, ...]:
-        """The source modes, always as a tuple."""
-        return (self.source,) if isinstance(self.source, Lit) else self.source
-
-
-@dataclass(frozen=True, slots=True)
-class Modes(Enumeration):
-    """The modes of a machine, with the one variable that holds the current mode."""
-
-    current: NumVar = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        current = NumVar(self.name, self, 0, len(self.members) - 1, None, declared_at())
-        object.__setattr__(self, "current", current)
-
-
-IN_THE_WORLD: Final = {
+_IN_THE_WORLD: Final = {
     "ghosts": "world=World(ghosts=...)",
     "ghost_inputs": "world=World(choices=...)",
     "ghost_moves": "world=World(moves=...)",
     "assumption": "world=World(clauses={name: ...})",
     "clauses": "world=World(clauses={name: ...})",
 }
-OF_THE_MODES: Final = {
+_OF_THE_MODES: Final = {
     "mode_variable": "modes=table alone: current_mode(table) is the variable of every machine with these modes"
 }
 
 
-@refuse_old_keywords(ModelError, {**IN_THE_WORLD, **OF_THE_MODES})
+@refuse_old_keywords(ModelError, {**_IN_THE_WORLD, **_OF_THE_MODES})
 @dataclass(frozen=True, eq=False)
 class Machine:
     """A state machine, and the world around it. It is checked when built; a ModelError lists all errors.
@@ -118,8 +71,6 @@ class Machine:
     fired_name: NumVar = field(init=False)
 
     def __post_init__(self) -> None:
-        from safeloc.language.checks.machine import check, check_shape
-
         check_shape(self)
         fired = Enumeration(f"{self.name}.fired", (STAY_NAME, *(t.name for t in self.transitions)))
         object.__setattr__(self, "mode", current_mode(self.modes))
@@ -164,29 +115,12 @@ class Machine:
         return self.outputs[name]
 
 
-Parts_ = TypeVar("Parts_", covariant=True)
+_Parts = TypeVar("_Parts", covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Model(Generic[Parts_]):
+class Model(Generic[_Parts]):
     """A machine together with its variables (`own`), which properties of it read."""
 
     machine: Machine
-    own: Parts_
-
-
-def modes(*labels: str) -> tuple[Lit, ...]:
-    """Create the modes of a machine, as constants for its transitions; the first one is the initial mode.
-
-    They include the variable of the current mode, see `current_mode`. ModelError if two labels are equal.
-    """
-    constants, table = members("mode", *labels), Modes("mode", labels)
-    return tuple(Lit(constant.value, table) for constant in constants)
-
-
-def current_mode(modes_: Sequence[Lit]) -> NumVar:
-    """Return the mode variable of the machine with these modes, also before it is built; ModelError for other constants."""
-    table = modes_[0].unit
-    if not isinstance(table, Modes):
-        raise ModelError(f"{declared_at()}: {modes_[0].label} is no mode; make modes with modes(...).")
-    return table.current
+    own: _Parts

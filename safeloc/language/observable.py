@@ -21,8 +21,9 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from safeloc.language.expr import Bool, Expr, Lit, Var, all_of
+from safeloc.language.first_values import ANY
 from safeloc.language.hidden_bounds import Divided, Hidden, all_compatible, compatible, divided
-from safeloc.language.machine import ANY, Machine
+from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.running_sums import Running, running, steady
 from safeloc.language.system import TransitionSystem

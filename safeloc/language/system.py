@@ -29,10 +29,12 @@ from safeloc.language.expr import (
     between,
     ite,
 )
-from safeloc.language.machine import ANY, Initial, Machine, Transition
+from safeloc.language.first_values import ANY, Initial
+from safeloc.language.machine import Machine
 from safeloc.language.nodes import ChooseBool
 from safeloc.language.renamed import hint
 from safeloc.language.terms import Sharing, Substitution, conjuncts, variables
+from safeloc.language.transition_table import Transition
 from safeloc.language.units import Enumeration
 
 

@@ -9,12 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from safeloc.language.expr import Bool, Expr, Var, all_of
-
-if TYPE_CHECKING:
-    from safeloc.language.machine import Initial
+from safeloc.language.first_values import Initial
 
 Owner = Literal["", "supplier", "infrastructure", "operator", "nobody"]
 

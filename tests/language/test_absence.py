@@ -10,11 +10,11 @@ from safeloc.errors import ModelError
 from safeloc.language.absence import (
     NO_BOUND,
     NO_PLACE,
-    heard,
+    zero_while_absent,
     shown_if,
     stand_in_of,
     stand_ins,
-    while_there,
+    value_while_present,
     without_absent,
 )
 from safeloc.language.expr import FALSE, TRUE, Lit, boolean, ite, number
@@ -57,10 +57,10 @@ def test_a_reader_is_told_that_it_is_absent() -> None:
 def test_a_wire_hears_nothing_as_0() -> None:
     """An output that is always there is heard as it is."""
     shown = shown_if(VALID, PLACE, NO_PLACE)
-    assert repr(ite(VALID, PLACE, 0)) == repr(heard(shown))
-    assert PLACE is heard(PLACE)
-    assert repr(Lit(0, MM)) == repr(heard(shown_if(FALSE, PLACE, NO_PLACE)))
-    assert PLACE is while_there(shown) is while_there(PLACE)
+    assert repr(ite(VALID, PLACE, 0)) == repr(zero_while_absent(shown))
+    assert PLACE is zero_while_absent(PLACE)
+    assert repr(Lit(0, MM)) == repr(zero_while_absent(shown_if(FALSE, PLACE, NO_PLACE)))
+    assert PLACE is value_while_present(shown) is value_while_present(PLACE)
 
 
 def test_what_may_be_absent_is_known_by_what_stands_in() -> None:

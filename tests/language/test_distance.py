@@ -27,7 +27,7 @@ CONDITIONS: list[Bool] = [
 def at(condition: Bool, values: dict[Expr, Value], hidden: frozenset[Expr] = frozenset()) -> tuple[int | None, Unit]:
     """The distance under these values, and its unit."""
     found = distance(condition, hidden)
-    return found.told(int(evaluate([found.term], values)[0])), found.unit  # type: ignore[arg-type] # variables
+    return found.of_value(int(evaluate([found.term], values)[0])), found.unit  # type: ignore[arg-type] # variables
 
 
 @pytest.mark.parametrize("condition", CONDITIONS, ids=repr)

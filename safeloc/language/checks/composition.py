@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from safeloc.errors import ModelError
 from safeloc.language.checks.rule import Rule, complaints
 from safeloc.language.checks.terms import malformed
+from safeloc.language.composed_names import contract_text, lemma_name
 from safeloc.language.expr import Expr, Num, NumVar, Var
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Past
@@ -76,10 +77,8 @@ def _machines_have_distinct_names(plan: Plan) -> Iterator[str]:
 
 def _joined_names_are_distinct(plan: Plan) -> Iterator[str]:
     """Names in a composition consist of two names: "a" with "b: c" and "a: b" with "c" would give the same lemma."""
-    from safeloc.language.composition import contract_text, lemma_name
-
     groups: dict[str, list[str]] = {
-        "lemma": [lemma_name(machine, name) for machine in plan.machines for name in machine.lemmas],
+        "lemma": [lemma_name(machine.name, name) for machine in plan.machines for name in machine.lemmas],
         "output": [f"{machine.name}.{name}" for machine in plan.machines for name in machine.outputs],
         "variable": [f"{system.name}.{var.name}" for system in plan.systems for var in _renamed(plan, system)],
     }

@@ -6,14 +6,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from safeloc.errors import ModelError
 from safeloc.language.checks.rule import Rule, complaints, every_complaint
 from safeloc.language.checks.terms import malformed
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
-from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Modes, Transition
+from safeloc.language.first_values import ANY, Initial
 from safeloc.language.nodes import Compare, Past
 from safeloc.language.terms import in_order, variables
+from safeloc.language.transition_table import STAY_NAME, Modes, Transition
+
+if TYPE_CHECKING:
+    from safeloc.language.machine import Machine
 
 RESERVED = ("mode", "fired")
 LONGEST_NAME = 120

@@ -129,7 +129,7 @@ class _Asked:
         """Return its breach in a cycle with these values, by this distance."""
         read = {var: values[var] for var in variables([self.term])}
         laws = tuple(map(broken, self.clauses))
-        return Breach(laws, self.distance.told(by), self.distance.unit.name, read_values(read))
+        return Breach(laws, self.distance.of_value(by), self.distance.unit.name, read_values(read))
 
 
 def _asked(around: Seen, *, with_truth: bool) -> list[_Asked]:
@@ -166,7 +166,7 @@ class _Judging:
         for cycle, values in enumerate(self._cycles(trace), 1):
             told = self._judge(values)
             for one, so_far, holds, by in zip(self._asked, found, told[::2], told[1::2], strict=True):
-                so_far.near(cycle, one.distance.told(int(by)))
+                so_far.near(cycle, one.distance.of_value(int(by)))
                 if not holds:
                     seen_by_inputs = one.by != "truth" or self._is_seen(one.clauses[0], values)
                     so_far.breaches.append(AtCycle(cycle, one.breach(values, int(by)), seen_by_inputs))

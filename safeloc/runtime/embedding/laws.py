@@ -88,7 +88,7 @@ class _Judge:
         if holds:
             return None
         values = {var: rows[row][place] for var, (row, place) in self._reads.items()}
-        return Breach(self._laws, self._distance.told(int(by)), self._distance.unit.name, read_values(values))
+        return Breach(self._laws, self._distance.of_value(int(by)), self._distance.unit.name, read_values(values))
 
 
 def broken(clause: Stated) -> BrokenLaw:

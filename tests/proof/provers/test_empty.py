@@ -85,7 +85,7 @@ def test_an_assumption_that_ends_is_found() -> None:
         ({"term": True}, "its term is True, not a truth-valued term"),
         ({"further_assumption": 1}, "its further assumption is 1, not a truth-valued term"),
         ({"steps": -3}, "steps is -3; give a whole number, 0 or more"),
-        ({"steps": 1.5}, r"steps is 1\.5; it must be"),
+        ({"steps": 1.5}, r"steps is 1\.5; give a whole number"),
     ],
 )
 def test_misdeclared_properties_are_refused(wrong: dict[str, object], message: str) -> None:

@@ -243,11 +243,11 @@ def test_targets_of_one_name_are_told_apart() -> None:
 def test_names_that_meet_in_a_composition_are_refused() -> None:
     """d12, d18: two lemmas, or two variables, of one name in the whole."""
     second = Machine("a: b", (T,), [OTHER], {Y: 0}, {}, [Transition("s", T, T, TRUE, {Y: OTHER})], lemmas={"l": Y <= 9})
-    with pytest.raises(ModelError, match="two machines give the lemma 'a: b: l'"):
+    with pytest.raises(ModelError, match="the lemma 'a: b: l' comes from two machines"):
         compose("w", [follower("a", lemmas={"b: l": X <= 1}), second], {})
     first = follower("a", state={number("b.c", ONE, 0, 3): 0}, transitions=[])
     third = Machine("a.b", (T,), [OTHER], {number("c", ONE, 0, 9): 0}, {}, [])
-    with pytest.raises(ModelError, match=r"two machines give the variable 'a\.b\.c'"):
+    with pytest.raises(ModelError, match=r"the variable 'a\.b\.c' comes from two machines"):
         compose("w", [first, third], {})
 
 
