@@ -14,7 +14,7 @@ FIRST_INPUT_STATUS = 16
 
 
 def header(layout: Layout, doc: str) -> str:
-    """Return the text of the header; `doc` is told at its top."""
+    """Return the text of the header, with the paragraph `doc` at its top."""
     upper = layout.names.upper
     parts = [
         _top(layout, doc),
@@ -32,12 +32,12 @@ def header(layout: Layout, doc: str) -> str:
 
 
 def declaration(layout: Layout) -> str:
-    """Return the first 64 bits of the digest as a constant."""
+    """Return the first 64 bits of the declaration's digest, as a C constant."""
     return f"UINT64_C(0x{layout.digest[:16]})"
 
 
 def comment(paragraphs: Iterable[str], width: int = 110) -> str:
-    """Return a block comment."""
+    """Return a C block comment of these paragraphs, wrapped at `width`."""
     lines = [line for text in paragraphs for line in (textwrap.wrap(remark(text), width) or [""])]
     return "/* " + "\n".join(f" * {line}".rstrip() for line in lines)[3:] + "\n */\n"
 
@@ -82,7 +82,7 @@ def _row_remark(row: Transition | None, label: str) -> str:
 
 
 def statuses(layout: Layout) -> list[tuple[str, int, str]]:
-    """Return every status: constant, number, what it says."""
+    """Return every status: the name of its constant, its number, its text."""
     upper = layout.names.upper
     fixed = [
         (f"{upper}_OK", "done"),
@@ -102,7 +102,7 @@ def statuses(layout: Layout) -> list[tuple[str, int, str]]:
 
 
 def input_status(layout: Layout, field: Field) -> str:
-    """Return the status that refuses this input."""
+    """Return the name of the status for this input out of range."""
     return f"{layout.names.upper}_REFUSED_{field.name.upper()}"
 
 
@@ -130,7 +130,7 @@ def _stand_ins(layout: Layout) -> Iterator[str]:
 
 
 def stand_in_name(layout: Layout, field: Field) -> str:
-    """The constant that stands in for this output while it is absent."""
+    """Return the name of the constant that stands in for this output while it is absent."""
     return f"{layout.names.upper}_ABSENT_{field.name.upper()}"
 
 
@@ -139,12 +139,17 @@ def _structures(layout: Layout) -> Iterator[str]:
     yield _structure(layout, f"{prefix}_state", "The state. Only the functions below write it.", layout.state)
     yield _structure(layout, f"{prefix}_inputs", "The inputs of one step.", layout.inputs)
     yield _structure(
-        layout, f"{prefix}_outputs", "The results of one step: outputs, and the transition that fired.", layout.told
+        layout,
+        f"{prefix}_outputs",
+        "The results of one step: outputs, and the transition that fired.",
+        layout.output_fields,
     )
     if layout.first:
         yield _structure(layout, f"{prefix}_first", "First values that the declaration leaves open.", layout.first)
     yield _columns(f"{prefix}_input_columns", "The inputs of many steps, a column each.", "const ", layout.inputs)
-    yield _columns(f"{prefix}_output_columns", "Room for the outputs of many steps, a column each.", "", layout.told)
+    yield _columns(
+        f"{prefix}_output_columns", "Room for the outputs of many steps, a column each.", "", layout.output_fields
+    )
     yield (
         "/* A state with what tells whether it fits: safe to keep, and to move between programs of one target. */\n"
         f"typedef struct {prefix}_snapshot {{\n    uint64_t declaration;\n    uint64_t checksum;\n"
@@ -153,7 +158,7 @@ def _structures(layout: Layout) -> Iterator[str]:
 
 
 def _structure(layout: Layout, name: str, says: str, fields: Sequence[Field]) -> str:
-    lines = [f"    {field.kind} {field.name}; /* {remark(_told(layout, field))} */" for field in fields]
+    lines = [f"    {field.kind} {field.name}; /* {remark(_described(layout, field))} */" for field in fields]
     lines = lines or ["    uint8_t nothing; /* C has no empty structures */"]
     return f"/* {says} */\ntypedef struct {name} {{\n" + "\n".join(lines) + f"\n}} {name};\n"
 
@@ -164,17 +169,17 @@ def _columns(name: str, says: str, constness: str, fields: Sequence[Field]) -> s
     return f"/* {says} */\ntypedef struct {name} {{\n" + "\n".join(lines) + f"\n}} {name};\n"
 
 
-def _told(layout: Layout, field: Field) -> str:
+def _described(layout: Layout, field: Field) -> str:
     unit = unit_of(layout, field)
     if field.kind == "uint8_t":
-        said = "0 or 1"
+        text = "0 or 1"
     elif unit is not None:
-        said = f"{layout.names.titles[unit]}, {field.low} .. {field.high}"
+        text = f"{layout.names.titles[unit]}, {field.low} .. {field.high}"
     else:
-        said = f"{field.unit or 'number'}, {field.low} .. {field.high}"
-    said += "" if field.stand_in is None else f", or {stand_in_name(layout, field)}"
+        text = f"{field.unit or 'number'}, {field.low} .. {field.high}"
+    text += "" if field.stand_in is None else f", or {stand_in_name(layout, field)}"
     name = "" if field.source == field.name else f"; {field.source}"
-    return f"{said}{f'; read only where {field.present} is 1' if field.present else ''}{name}"
+    return f"{text}{f'; read only where {field.present} is 1' if field.present else ''}{name}"
 
 
 def _of_check_state(layout: Layout) -> str:
@@ -188,7 +193,7 @@ def _of_check_state(layout: Layout) -> str:
 
 
 def functions(layout: Layout) -> str:
-    """Write declarations of the functions, each with a description."""
+    """Return the declarations of the functions, each with a description."""
     p, upper = layout.names.prefix, layout.names.upper
     first = f", const {p}_first *first" if layout.first else ""
     return f"""/* The first state. */
@@ -233,5 +238,5 @@ const char *{p}_status_text(int32_t status);
 
 
 def requirement_ids(system: TransitionSystem) -> list[str]:
-    """Return every requirement that a transition carries."""
+    """Return the ids of all requirements that transitions implement, sorted."""
     return sorted({one for machine in system.machines for row in machine.transitions for one in row.requirements})

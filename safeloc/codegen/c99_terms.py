@@ -1,7 +1,7 @@
-"""Terms as C expressions, over whatever already has a name.
+"""Terms as C expressions, over terms that already have a name.
 
-Every number is an `int64_t`: `to_c` takes only systems whose terms stay within 64 bits, so nothing can overflow. A
-constant is written plainly where its neighbour is that wide, and as INT64_C where it decides the width itself.
+Every number is an `int64_t`, and `to_c` refuses systems whose terms might exceed 64 bits, so no expression can overflow. A
+constant is a plain number beside an operand of 64 bits, and INT64_C(...) where it determines the width itself.
 """
 
 from __future__ import annotations
@@ -58,25 +58,25 @@ static inline int64_t ceil_div(int64_t left, int64_t divisor)
 
 
 def constant(value: int, *, wide: bool = False) -> str:
-    """Return a whole number; with `wide`, as one of 64 bits whatever stands beside it."""
+    """Return a whole number in C; with `wide`, of 64 bits also beside narrower operands."""
     if value == INT64_MIN:
         return "INT64_MIN"
     return f"INT64_C({value})" if wide or abs(value) > INT32_MAX else str(value)
 
 
 class CTerms(Writing):
-    """Writes terms as C. `members` are the constants of enumerations."""
+    """Writes terms as C; `members` maps each enumeration to the constants of its members."""
 
     def __init__(self, names: Mapping[Var, str], members: Mapping[Enumeration, Sequence[str]]) -> None:
         super().__init__(names)
         self._members = members
 
     def code(self, term: Expr) -> str:
-        """The term as an expression that may stand alone, as a value or as a test."""
+        """Return the term as an expression that can stand alone, as a value or as a test."""
         return self._written(term)[0]
 
     def _written(self, term: Expr) -> tuple[str, int]:
-        """The term's text, and how firmly it holds together."""
+        """Return the term's text, and the precedence of its outermost operator (CHOICE binds least, ATOM most)."""
         if term in self.named:
             return self.used(self.named[term]), ATOM
         assert isinstance(term, Node)
@@ -136,21 +136,21 @@ class CTerms(Writing):
                 assert_never(term)
 
     def _known(self, *terms: Expr) -> bool:
-        """One of the terms has a name."""
+        """Return whether one of the terms has a name."""
         return any(term in self.named for term in terms)
 
     def _part(self, term: Expr, least: int) -> str:
-        """The term as part of an expression, in brackets where it holds less firmly than that asks for."""
+        """Return the term as an operand, in brackets if its precedence is below `least`."""
         text, firmness = self._written(term)
         return text if firmness >= least else f"({text})"
 
     def _branch(self, term: Expr) -> str:
-        """A branch of a choice; what uses the choice counts on 64 bits."""
+        """Return a branch of a choice, with 64 bits, since users of the choice rely on that width."""
         plain = isinstance(term, Lit) and term not in self.named and not isinstance(term.unit, Enumeration)
         return constant(term.value, wide=True) if plain and isinstance(term, Lit) else self._part(term, OR)
 
     def _comparison(self, op: str, left: Num, right: Num) -> str:
-        """A comparison, the constant last."""
+        """Return a comparison, with a constant on the right."""
         if isinstance(left, Lit):
             left, op, right = right, _MIRRORED[op], left
         return f"{self._part(left, SUM)} {op} {self._part(right, SUM)}"

@@ -54,7 +54,7 @@ def to_table(machine: Machine) -> list[Row]:
 
 
 def edges(machine: Machine) -> dict[tuple[str, str], list[str]]:
-    """(source, target) -> names of the transitions between them, in order."""
+    """Return the names of the transitions, in order, by their (source, target)."""
     found: dict[tuple[str, str], list[str]] = {}
     for t in machine.transitions:
         for source in t.sources:
@@ -119,7 +119,7 @@ class _Place:
 
 
 def to_svg(machine: Machine) -> str:
-    """Draw a self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
+    """Return a self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
     number = {t.name: index for index, t in enumerate(machine.transitions, 1)}
     labels = [mode.label for mode in machine.modes]
     between = {pair: [number[n] for n in names] for pair, names in edges(machine).items()}
@@ -152,7 +152,7 @@ def _text(x: float, y: float, text: str, kind: str) -> str:
 
 
 def _arrow_edge(places: dict[str, _Place], labels: list[str], pair: tuple[str, str], numbers: list[int]) -> str:
-    """Downward edges bulge to the right, upward ones to the left, a self-loop is a small arc at the right."""
+    """Draw one edge: a downward edge bulges to the right, an upward one to the left, a self-loop is a small arc at the right."""
     source, target = places[pair[0]], places[pair[1]]
     shown = ", ".join(map(str, numbers))
     if pair[0] == pair[1]:

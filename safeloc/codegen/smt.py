@@ -1,7 +1,7 @@
 """z3 terms of a TransitionSystem, step by step.
 
-The only module besides `safeloc.proof` that imports z3. Numbers become mathematical integers (`Int`): the overflow
-obligation makes that sound for machine words. Sub-terms that several terms share stay shared.
+Numbers become mathematical integers (`Int`); the overflow obligation makes this sound for machine words. Sub-terms that
+several terms share stay shared.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ from safeloc.language.terms import in_order
 
 
 class Terms:
-    """Translates terms whose variables stand for given z3 terms; remembers what it has translated."""
+    """Translates terms to z3, with a given z3 term for each variable; translates each term once."""
 
     def __init__(self, variables: Mapping[Var, z3.ExprRef]) -> None:
         self._done: dict[Expr, z3.ExprRef] = {var: term for var, term in variables.items()}
 
     def __call__(self, term: Expr) -> z3.ExprRef:
-        """The z3 term; KeyError for a variable that was not given."""
+        """Return the z3 term; KeyError for a variable that was not given."""
         if term not in self._done:
             for node in in_order([term], self._done):
                 self._done[node] = _translate(node, self._done)
         return self._done[term]
 
     def add(self, variables: Mapping[Var, z3.ExprRef]) -> None:
-        """More variables, with the z3 terms that they stand for."""
+        """Add variables, with the z3 terms that stand for them."""
         self._done.update({var: term for var, term in variables.items()})
 
     def bool(self, term: Bool) -> z3.BoolRef:
@@ -104,7 +104,7 @@ def constant(var: Var, suffix: str = "") -> z3.ExprRef:
 
 
 class Unrolling:
-    """The system over steps 0, 1, 2 ...: constants and constraints of each, made on demand."""
+    """The system unrolled over steps 0, 1, 2 ...: z3 constants and constraints of each step, made on demand."""
 
     def __init__(self, system: TransitionSystem, *, assume: bool = True) -> None:
         self.system = system
@@ -113,7 +113,7 @@ class Unrolling:
         self._range = in_range(system.state)
 
     def at(self, term: Expr, step: int) -> z3.ExprRef:
-        """Return a term over state (and inputs of step `step` + 1) at this step."""
+        """Return the z3 term for a term over the state after `step` steps, and the inputs of the next step."""
         return self._terms(step)(term)
 
     def initially(self) -> z3.BoolRef:
@@ -121,11 +121,11 @@ class Unrolling:
         return self._terms(0).bool(all_of([self.system.init, self._range]))
 
     def in_range(self, step: int) -> z3.BoolRef:
-        """Return the condition that state variables are in their ranges."""
+        """Return the condition that the state variables are in their ranges at this step."""
         return self._terms(step).bool(self._range)
 
     def transition(self, step: int) -> z3.BoolRef:
-        """Return the condition that inputs of the step are admissible, and the state at `step` + 1 follows."""
+        """Return the condition that the step's inputs are admissible and lead to the state at `step` + 1."""
         now, after = self._terms(step), self._terms(step + 1)
         moves = [after(var) == now(term) for var, term in self.system.next.items()]
         step_: z3.BoolRef = z3.And(now.bool(self._environment), *moves)  # pyright: ignore[reportAssignmentType] # no Probe here

@@ -10,12 +10,12 @@ from safeloc.errors import ModelError
 from safeloc.language.absence import (
     NO_BOUND,
     NO_PLACE,
-    zero_while_absent,
     shown_if,
     stand_in_of,
     stand_ins,
     value_while_present,
     without_absent,
+    zero_while_absent,
 )
 from safeloc.language.expr import FALSE, TRUE, Lit, boolean, ite, number
 from safeloc.language.interpret import run
