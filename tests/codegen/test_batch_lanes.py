@@ -243,11 +243,11 @@ def test_every_run_may_start_differently(runs: int, threads: int, tmp_path: Path
 
 def test_wrong_requests_are_refused(tmp_path: Path) -> None:
     """Neither no thread, nor an unknown name, nor a second list of names, nor a compiler that is not there."""
-    with pytest.raises(InputError, match=r"^threads is 0; at least 1\.$"):
+    with pytest.raises(InputError, match=r"^threads is 0; give at least 1\.$"):
         compile_lanes(ODOMETER, threads=0)
     with pytest.raises(InputError, match=r"^timer: cannot keep 'lefft'; it has \['mode', 'left', 'fired'\]\.$"):
         compile_lanes(TIMER, ["lefft"])
-    with pytest.raises(InputError, match=r"at least 1, and none where a Batch is run\.$"):
+    with pytest.raises(InputError, match=r"at least 1, and no keep for a compiled batch\.$"):
         simulate(compiled(ODOMETER, tmp_path), odometer_inputs(), keep=["position"])
     with pytest.raises(EngineError, match=r"^no C compiler: no-such-compiler not found\."):
         compile_lanes(ODOMETER, cc="no-such-compiler")
@@ -259,7 +259,7 @@ def test_a_machine_that_may_overflow_is_refused() -> None:
     huge, small = number("huge", COUNT, 0, 2**40), number("small", COUNT, 0, 1)
     guard = product(huge, huge) > product(small, small)
     system = lower(Machine("huge", table, [huge, small], {}, {}, [Transition("go", only, only, guard)]))
-    with pytest.raises(InputError, match=r"^huge: 1 terms may leave 64 bits, for example .*; narrow the ranges\.$"):
+    with pytest.raises(InputError, match=r"^huge: 1 terms may exceed 64 bits, for example .*; narrow the ranges of their variables\.$"):
         compile_lanes(system)
 
 

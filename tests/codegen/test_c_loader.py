@@ -62,7 +62,7 @@ def test_columns_of_other_kinds_are_refused(tmp_path: Path) -> None:
     """Arrays of another kind, number or length would be read beyond their end."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
     movements, present, places = (ctypes.c_int64 * 3)(), (ctypes.c_uint8 * 3)(), (ctypes.c_int64 * 2)()
-    told = r"^odometer: columns are arrays of equal length, movement: int64_t, reference_present: uint8_t, reference: int64_t\.$"
+    told = r"^odometer: give columns as arrays of equal length, movement: int64_t, reference_present: uint8_t, reference: int64_t\.$"
     for wrong in ([movements, present, places], [movements, present], [movements, places, present]):
         with pytest.raises(InputError, match=told):
             machine.columns(wrong)
@@ -135,7 +135,7 @@ def test_a_foreign_snapshot_is_refused(tmp_path: Path) -> None:
     other = load_c(without_ghosts(lower(build_odometer(2000).machine)), folder=tmp_path)
     with pytest.raises(InputError, match="of another declaration; nothing was restored"):
         machine.restore(other.save())
-    with pytest.raises(InputError, match=r"^odometer: a snapshot has 40 bytes, this 39\.$"):
+    with pytest.raises(InputError, match=r"^odometer: the snapshot has 39 bytes, expected 40; it is damaged or of another machine\.$"):
         machine.restore(machine.save()[:-1])
 
 

@@ -291,7 +291,7 @@ def test_first_values_are_judged_exactly_or_not_at_all() -> None:
     a, b = number("a", ONE, 0, INT64_MAX), number("b", ONE, 0, INT64_MAX)
     made = lower(Machine("m", (S,), [GO], {a: ANY, b: ANY}, {}, [], initially=a + b <= 100))
     assert word(owed(made)["overflow of first values"].result) == "violated"
-    with pytest.raises(InputError, match="1 terms may leave 64 bits"):
+    with pytest.raises(InputError, match="1 terms may exceed 64 bits"):
         simulate(made, {"go": np.array([[True]])}, start_state={"a": np.array([2**62]), "b": np.array([2**62])})
 
 
