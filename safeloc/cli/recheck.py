@@ -38,8 +38,8 @@ def recheck(
     """
     with Progressing(1, quiet=as_json) as progress:
         progress.say(f"checking {folder}", 1)
-        found = check_folder(folder, jobs=jobs, seconds=seconds, told=lambda *count: _tell(*count, quiet=as_json))
-    steps = survey(folder, jobs=jobs, seconds=seconds, told=lambda *n: _tell(*n, quiet=as_json)) if proofs else None
+        found = check_folder(folder, jobs=jobs, seconds=seconds, progress=lambda *count: _tell(*count, quiet=as_json))
+    steps = survey(folder, jobs=jobs, seconds=seconds, progress=lambda *n: _tell(*n, quiet=as_json)) if proofs else None
     if as_json:
         print_json(_data(found) | ({} if steps is None else {"proofs": _step_data(steps)}))
     else:

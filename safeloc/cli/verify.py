@@ -123,7 +123,7 @@ def _put_back(report: KeptReport | None, folder: Path) -> bool:
         return False
     with cleared(folder):
         report.put_back(folder)
-    out.print(report.said, markup=False)
+    out.print(report.summary, markup=False)
     err.print(f"nothing has changed since {report.since}; the report of that run: {folder / PAGE}", markup=False)
     return True
 

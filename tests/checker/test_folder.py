@@ -33,7 +33,7 @@ def copy(report: Path, tmp_path: Path) -> Path:
 def test_a_report_is_confirmed(report: Path) -> None:
     """Every proof of the folder, the witnesses of what is reachable among them."""
     told: list[tuple[int, int]] = []
-    found = check_folder(report, jobs=2, seconds=10, told=lambda *count: told.append(count))
+    found = check_folder(report, jobs=2, seconds=10, progress=lambda *count: told.append(count))
     assert ([], {}, 0) == (refused(found), found.wrong, found.exit_code)
     assert told[-1] == (len(found.opinions), sum(map(len, archives(report).values())))
     assert 20 <= len(found.rows)
@@ -119,7 +119,7 @@ def test_a_run_that_does_not_show_it(copy: Path) -> None:
         {**one, "results": [id_ for id_ in one["results"] if "to eight" not in id_]} for one in data["runs"]
     ]
     path.write_bytes(packed(json.dumps(data).encode()))
-    assert ["no run is kept that shows it"] == not_confirmed(copy)
+    assert ["the report stores no run for it"] == not_confirmed(copy)
     path.write_bytes(path.read_bytes()[:-40])
     assert {f"{path}: damaged, it ends too early. Write the report again."} == set(not_confirmed(copy))
 

@@ -90,7 +90,7 @@ def test_a_run_by_itself_that_was_cut(pair: Path) -> None:
     spoilt(pair, BY_ITSELF, left_at_the_start)
     assert "its run does not show it" == rows(pair)[BY_ITSELF].why
     spoilt(pair, BY_ITSELF, lambda run: {**run, "results": []})
-    assert "no run is kept that shows it" == rows(pair)[BY_ITSELF].why
+    assert "the report stores no run for it" == rows(pair)[BY_ITSELF].why
 
 
 def test_cases_that_a_search_found(counting: Path) -> None:

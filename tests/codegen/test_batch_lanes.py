@@ -259,7 +259,9 @@ def test_a_machine_that_may_overflow_is_refused() -> None:
     huge, small = number("huge", COUNT, 0, 2**40), number("small", COUNT, 0, 1)
     guard = product(huge, huge) > product(small, small)
     system = lower(Machine("huge", table, [huge, small], {}, {}, [Transition("go", only, only, guard)]))
-    with pytest.raises(InputError, match=r"^huge: 1 terms may exceed 64 bits, for example .*; narrow the ranges of their variables\.$"):
+    with pytest.raises(
+        InputError, match=r"^huge: 1 terms may exceed 64 bits, for example .*; narrow the ranges of their variables\.$"
+    ):
         compile_lanes(system)
 
 

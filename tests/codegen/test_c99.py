@@ -143,7 +143,9 @@ def test_a_wrong_generator_is_noticed(wrong: str, tmp_path: Path) -> None:
 def test_vectors_without_steps_check_nothing(tmp_path: Path) -> None:
     """Neither the generator nor the check program takes an empty set of steps for agreement."""
     system = without_ghosts(example("doors").system)
-    with pytest.raises(InputError, match=r"^doors: there are no steps for the self-check; give at least one run with a step\.$"):
+    with pytest.raises(
+        InputError, match=r"^doors: there are no steps for the self-check; give at least one run with a step\.$"
+    ):
         to_c(system, [Run("empty", [])])
     folder = exported(tmp_path, system)
     (folder / "vectors.txt").write_text("# nothing\nbegin\n", encoding="utf-8")

@@ -135,7 +135,9 @@ def test_a_foreign_snapshot_is_refused(tmp_path: Path) -> None:
     other = load_c(without_ghosts(lower(build_odometer(2000).machine)), folder=tmp_path)
     with pytest.raises(InputError, match="of another declaration; nothing was restored"):
         machine.restore(other.save())
-    with pytest.raises(InputError, match=r"^odometer: the snapshot has 39 bytes, expected 40; it is damaged or of another machine\.$"):
+    with pytest.raises(
+        InputError, match=r"^odometer: the snapshot has 39 bytes, expected 40; it is damaged or of another machine\.$"
+    ):
         machine.restore(machine.save()[:-1])
 
 

@@ -1,4 +1,4 @@
-"""Rules of equality and of the connectives: each computes what follows."""
+"""Rules of equality and of the connectives: each computes its conclusion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Parts = tuple[Term, ...]
 
 
 def require(holds: bool, what: str) -> None:
-    """WrongStep with these words if it does not hold."""
+    """Raise WrongStep with the text `what` unless `holds`."""
     if not holds:
         raise WrongStep(what)
 
@@ -24,13 +24,13 @@ def of(term: Term, op: str) -> Parts:
 
 
 def only(parts: Parts) -> Term:
-    """Return the one term there is. WrongStep if there are more or none."""
+    """Return the only term. WrongStep if there are more terms, or none."""
     require(len(parts) == 1, f"one formula was expected, not {len(parts)}")
     return parts[0]
 
 
 def two(parts: Parts) -> tuple[Term, Term]:
-    """Return the two terms there are. WrongStep if there are more or fewer."""
+    """Return both terms. WrongStep if there are more or fewer than two."""
     require(len(parts) == 2, f"two formulas were expected, not {len(parts)}")
     return parts[0], parts[1]
 
@@ -160,17 +160,17 @@ def _ite_eq(step: Inference) -> Term:
 
 
 def _eliminated(op: str, shape: Callable[..., Parts]) -> Rule:
-    """A premise `op` of parts becomes a clause of them."""
+    """Return the rule that turns a premise with operator `op` into a clause of its parts."""
     return lambda step: clause(shape(*of(only(step.premises), op)))
 
 
 def _eliminated_not(op: str, shape: Callable[..., Parts]) -> Rule:
-    """A premise that negates `op` of parts becomes a clause of them."""
+    """Return the rule that turns a negated premise with operator `op` into a clause of its parts."""
     return lambda step: clause(shape(*of(only(of(only(step.premises), "not")), op)))
 
 
 def _always(op: str, shape: Callable[..., Parts]) -> Rule:
-    """A clause that holds of a formula `op` and its parts."""
+    """Return the rule that gives a clause which holds for every formula with operator `op` and its parts."""
     return lambda step: clause(shape(only(step.args), *of(step.args[0], op)))
 
 

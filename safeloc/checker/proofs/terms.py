@@ -1,4 +1,4 @@
-"""Terms of a proof, in a representation of our own: each exists once, so that equal terms are the same object."""
+"""Terms of a proof, in our own representation: each exists once, so that equal terms are the same object."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SUMS = frozenset({"+", "-", "*", "neg", "abs"})
 
 
 class Term:
-    """An operator with arguments, or a constant or variable with a value. Made by `make` and its like only."""
+    """An operator with arguments, or a constant or variable with a value. Only the functions of this module make terms."""
 
     __slots__ = ("__weakref__", "args", "op", "sort", "value")
     op: str
@@ -43,12 +43,12 @@ def _term(op: str, args: tuple[Term, ...], value: str | Fraction | None, sort: S
 
 
 def make(op: str, *args: Term) -> Term:
-    """Return the term `op` of these arguments. TypeError if the operator is unknown or the sorts do not fit."""
+    """Return the term with this operator and arguments. TypeError if the operator is unknown or the sorts do not fit."""
     return _term(op, args, None, _sort(op, args))
 
 
 def number(value: Fraction | int, sort: Sort = "Int") -> Term:
-    """Return a constant. TypeError if it is no whole number and of sort Int."""
+    """Return a constant. TypeError if its sort is Int and its value is no whole number."""
     exact = Fraction(value)
     if sort not in ("Int", "Real") or (sort == "Int" and exact.denominator != 1):
         raise TypeError(f"{exact} is no {sort}.")
@@ -65,7 +65,7 @@ FALSE = _term("false", (), None, "Bool")
 
 
 def no(term: Term) -> Term:
-    """Its negation."""
+    """Return the negation of a term."""
     return make("not", term)
 
 
@@ -75,7 +75,7 @@ def same(left: Term, right: Term) -> Term:
 
 
 def clause(literals: tuple[Term, ...]) -> Term:
-    """Return the disjunction: false of none, the literal itself of one."""
+    """Return the disjunction of literals: false for none, the literal itself for one."""
     return FALSE if not literals else literals[0] if len(literals) == 1 else make("or", *literals)
 
 
@@ -123,7 +123,7 @@ def _required(op: str, fits: bool, sort: Sort) -> Sort:
 
 
 def shown(term: Term, depth: int = 4) -> str:
-    """Return the term for people, cut below this depth: written out in full, shared terms may be too long for any page."""
+    """Return the term as text for people, cut below this depth: in full, a term with shared parts may be too long to print."""
     if not term.args:
         return term.op if term.value is None else str(term.value)
     if not depth:
@@ -133,7 +133,7 @@ def shown(term: Term, depth: int = 4) -> str:
 
 
 def exact(term: Term) -> Fraction:
-    """Return the value of a constant. TypeError if the term is none."""
+    """Return the value of a constant. TypeError for any other term."""
     if not isinstance(term.value, Fraction):
         raise TypeError(f"{term.op!r} is no constant.")
     return term.value
