@@ -142,7 +142,7 @@ GONE = {
 """Name of a removed module -> instructions for its users."""
 
 
-class OldNames(MetaPathFinder):
+class _OldNames(MetaPathFinder):
     """Refuses old names before any other finder, since a folder left behind by an update would pass for an empty package."""
 
     def find_spec(self, name: str, _path: Sequence[str] | None, _target: ModuleType | None = None) -> None:
@@ -155,4 +155,4 @@ class OldNames(MetaPathFinder):
 
 def refuse_old_names() -> None:
     """Refuse every import by an old name with a message that gives the new one."""
-    sys.meta_path.insert(0, OldNames())
+    sys.meta_path.insert(0, _OldNames())

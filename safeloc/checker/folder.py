@@ -28,7 +28,7 @@ from safeloc.runtime.streams.columns import read_runs
 from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target
 
-BATCH = 1_000_000  # characters of certificates in one batch of a process
+_BATCH = 1_000_000  # characters of certificates in one batch of a process
 Progress = Callable[[int, int], None]
 """Called with the number of certificates that are checked, and of all."""
 
@@ -122,8 +122,8 @@ def _batches(texts: Mapping[str, str]) -> list[list[tuple[str, str]]]:
     filled: dict[str, tuple[list[tuple[str, str]], int]] = {}
     for name, text in sorted(texts.items()):
         machine = next((line for line in text.split("\n", 8) if line.startswith("; system: ")), "")
-        batch, letters = filled.get(machine, ([], BATCH))
-        if letters >= BATCH:
+        batch, letters = filled.get(machine, ([], _BATCH))
+        if letters >= _BATCH:
             batch, letters = [], 0
             found.append(batch)
         batch.append((name, text))

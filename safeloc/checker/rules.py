@@ -24,10 +24,10 @@ from safeloc.language.system import TransitionSystem, environment, in_range
 
 Terms = frozenset[int]
 Files = frozenset[str]
-LAWFUL = ("facts", "owed", "overflow of ghosts")  # layers and rules that rest on the assumption
-STEPS = ("heard", "owed", "overlap", "overflow", "overflow of ghosts")
-ROLES = {"layer": ("start", "step"), "induction": ("start", "step"), "invariant": ("start", "step", "implies")}
-FACTS_FIRST = ("layer", *STEPS)
+_LAWFUL = ("facts", "owed", "overflow of ghosts")  # layers and rules that rest on the assumption
+_STEPS = ("heard", "owed", "overlap", "overflow", "overflow of ghosts")
+_ROLES = {"layer": ("start", "step"), "induction": ("start", "step"), "invariant": ("start", "step", "implies")}
+_FACTS_FIRST = ("layer", *_STEPS)
 
 
 class RefusedError(Exception):
@@ -68,8 +68,8 @@ class Frame:
         )
         known = [self.known, *(state.all(self.known) for state in states[1:k])]
         for number, start in enumerate(starts):
-            only(start, self.first.union(*known[: number + 1], *allowed[:number]))
-        only(step, frozenset().union(*known, *allowed, *(state.all(kept) for state in states[:k])))
+            _only(start, self.first.union(*known[: number + 1], *allowed[:number]))
+        _only(step, frozenset().union(*known, *allowed, *(state.all(kept) for state in states[:k])))
         return kept
 
     def unrolled(self, write: Translation, k: int) -> tuple[list[Rewriting], list[Terms]]:
@@ -152,7 +152,7 @@ class Speaker:
         return frame if lawful else replace(frame, over=frame.over - self.ghosts)
 
 
-def only(certificate: Certificate, allowed: Terms) -> None:
+def _only(certificate: Certificate, allowed: Terms) -> None:
     """Raise RefusedError if the certificate has a hypothesis that is not allowed."""
     strange = certificate.hypotheses - allowed
     if strange:
@@ -193,14 +193,14 @@ class Theory:
         """Establish all conclusions of the certificates; return the files without a conclusion, each with the reason."""
         useless = {one.file: "no rule of this name, or the other half is missing" for one in certificates}
         attempts = list(_attempts(certificates))
-        pending = [one for one in attempts if one[0] in FACTS_FIRST]
+        pending = [one for one in attempts if one[0] in _FACTS_FIRST]
         while pending:
             left = [one for one in pending if not self._applied(*one, useless)]
             if len(left) == len(pending):
                 break
             pending = left
         for attempt in attempts:
-            if attempt[0] not in FACTS_FIRST:
+            if attempt[0] not in _FACTS_FIRST:
                 self._applied(*attempt, useless)
         return useless
 
@@ -237,14 +237,14 @@ class Theory:
     # -------------------------------------------------------------- facts
 
     def _layer(self, speaker: Speaker, start: Certificate, step: Certificate) -> None:
-        lawful = start.header.get("layer") in LAWFUL
+        lawful = start.header.get("layer") in _LAWFUL
         frame = speaker.facts_frame(lawful=lawful)
         speaker.add(frame.inductive(self.write, [start], step), lawful=lawful)
 
     def _step(self, speaker: Speaker, one: Certificate) -> None:
-        lawful = one.header["rule"] in LAWFUL
+        lawful = one.header["rule"] in _LAWFUL
         if not one.hypotheses <= speaker.step(lawful=lawful):
-            only(one, speaker.step(lawful=lawful) | speaker.after.all(speaker.known(lawful=lawful)))
+            _only(one, speaker.step(lawful=lawful) | speaker.after.all(speaker.known(lawful=lawful)))
         speaker.add_step(self.dag.conjuncts(one.goals), lawful=lawful)
 
     # -------------------------------------------------------------- properties
@@ -276,7 +276,7 @@ class Theory:
         if rule == "induction start":
             return frame.inductive(self.write, together[:-1], last)
         kept = frame.inductive(self.write, together[:1], together[1]) if rule == "invariant start" else Terms()
-        only(last, frame.known | kept | (frame.first if rule == "first state" else Terms()))
+        _only(last, frame.known | kept | (frame.first if rule == "first state" else Terms()))
         return kept | self.dag.conjuncts(last.goals) | frozenset(last.goals)
 
     def _on_the_way(self, speaker: Speaker, *together: Certificate) -> None:
@@ -308,18 +308,18 @@ class Theory:
             raise RefusedError("a variable has the name of the second copy")
         ranges = self.write.conjuncts([in_range(speaker.system.inputs)])
         ranges |= Rewriting(self.dag, {self.write(option.value): other}).all(ranges)
-        only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
+        _only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
         key = f"{one.header.get('part', '')}/{option.value.name}"
         self.absent[key] = self.absent.get(key, Terms()) | frozenset(one.goals) | self.dag.conjuncts(one.goals)
 
     def _first_values(self, speaker: Speaker, one: Certificate) -> None:
-        only(one, speaker.ranges)
+        _only(one, speaker.ranges)
         self.first_values |= self.dag.conjuncts(one.goals)
 
 
 _RULES: Mapping[str, Callable[..., None]] = {
     "layer": Theory._layer,
-    **dict.fromkeys(STEPS, Theory._step),
+    **dict.fromkeys(_STEPS, Theory._step),
     **dict.fromkeys(("induction", "implied", "invariant", "first state"), Theory._property),
     "absence": Theory._absence,
     "overflow of first values": Theory._first_values,
@@ -333,7 +333,7 @@ def _attempts(certificates: Iterable[Certificate]) -> Iterator[tuple[str, tuple[
     groups: dict[tuple[str, ...], dict[str, list[Certificate]]] = {}
     for one in certificates:
         family, _, role = one.header.get("rule", "").rpartition(" ")
-        if role not in ROLES.get(family, ()):
+        if role not in _ROLES.get(family, ()):
             family, role = one.header.get("rule", ""), ""
         about = (one.header.get(key, "") for key in ("system", "part", "layer", "property"))
         k, unique = one.header.get("k", "1"), () if role else (one.file,)
@@ -346,7 +346,7 @@ def _attempts(certificates: Iterable[Certificate]) -> Iterator[tuple[str, tuple[
 def _needed(family: str, by_role: Mapping[str, object]) -> Iterator[list[str]]:
     """Yield the roles that belong together; an induction over k steps has k starts, each about one more state."""
     if family != "induction":
-        yield [f"{role} 1" for role in ROLES[family]] if family in ROLES else [""]
+        yield [f"{role} 1" for role in _ROLES[family]] if family in _ROLES else [""]
         return
     for last in (role for role in by_role if role.startswith("step ")):
         k = last.removeprefix("step ")

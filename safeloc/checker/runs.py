@@ -23,8 +23,8 @@ from safeloc.language.system import TransitionSystem
 from safeloc.runtime.streams.steps import StepStream, read_steps
 from safeloc.target import Target
 
-BY_ITSELF = ", by itself"
-DEFENCE = "a defence: "
+_BY_ITSELF = ", by itself"
+_DEFENCE = "a defence: "
 Key = tuple[int, int, int]
 
 
@@ -93,10 +93,10 @@ class Occurrences:
     # -------------------------------------------------------------- events
 
     def _occurs(self, row: Row, one: _Sought) -> Answer:
-        sought = one.alone if str(row["statement"]).endswith(BY_ITSELF) else one.whole
+        sought = one.alone if str(row["statement"]).endswith(_BY_ITSELF) else one.whole
         if sought is None:
             return WRONG, "no machine of the composition has this event by itself"
-        run, goal = self._run(row), sought[DEFENCE in row["method"]]
+        run, goal = self._run(row), sought[_DEFENCE in row["method"]]
         key, place = self._places[goal]
         return seen(place in self._walk(key).met(run.first, run.steps))
 

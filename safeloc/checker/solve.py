@@ -27,13 +27,13 @@ from safeloc.checker.text import Certificate
 
 SOLVERS = ("z3", "cvc5", "yices")
 NEEDED = SOLVERS[:2]
-GROUP = "\n(push 1)\n"
-FIRST_SECONDS = {
+_GROUP = "\n(push 1)\n"
+_FIRST_SECONDS = {
     "z3": 2.0,
     "cvc5": 10.0,
 }  # limit for a goal among others: a goal that takes longer is often quick alone
-TOGETHER = {"incremental": "true", "ext-rew-prep": "use"}  # measured: three times faster on our terms
-ALONE = {
+_TOGETHER = {"incremental": "true", "ext-rew-prep": "use"}  # measured: three times faster on our terms
+_ALONE = {
     "decision": "justification"
 }  # for goals alone: equalities of two copies take 0.5 s with it, over 15 s among others
 Answers = list[str]
@@ -82,7 +82,7 @@ class Opinions:
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
-        more = {} if yices() is None else {"yices": _of_text(text, self._seconds)}
+        more = {} if _yices() is None else {"yices": _of_text(text, self._seconds)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:
@@ -94,7 +94,7 @@ class Opinions:
 
     def _answers(self, name: str, one: Certificate) -> Answers:
         """Ask for all goals together with a short limit each; then for each undecided goal alone, by both sets of options."""
-        solver, first = self._solvers[name], min(self._seconds, FIRST_SECONDS[name])
+        solver, first = self._solvers[name], min(self._seconds, _FIRST_SECONDS[name])
         answers = solver.ask(one, first, together=True)
         for together in (False, True):
             for goal in [number for number, answer in enumerate(answers) if answer == "unknown"]:
@@ -198,7 +198,7 @@ class _Cvc5(_Translation):
     def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers:
         solver = cvc5.Solver(self._terms)
         solver.setLogic("QF_LIA" if _linear(self.dag, one) else "QF_NIA")
-        for name, value in (TOGETHER if together else ALONE).items():
+        for name, value in (_TOGETHER if together else _ALONE).items():
             solver.setOption(name, value)
         solver.setOption("tlimit-per", str(max(1, int(seconds * 1000))))
         for term in self.all(one.hypotheses):
@@ -243,7 +243,7 @@ def _linear(dag: Dag, one: Certificate) -> bool:
     return True
 
 
-def yices() -> str | None:
+def _yices() -> str | None:
     """Return the path of yices' program for SMT-LIB, beside Python or on the search path; None if it is not installed."""
     return shutil.which(
         "yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
@@ -252,11 +252,11 @@ def yices() -> str | None:
 
 def _of_text(text: str, seconds: float) -> Answers:
     """Return yices' answers: for all goals together, then for each undecided goal from the text without the other goals."""
-    start, *groups = text.split(GROUP)
+    start, *groups = text.split(_GROUP)
     answers = _fitting(_yices(text, seconds, together=True), len(groups))
     for goal, answer in enumerate(answers):
         if answer == "unknown":
-            one = f"{start}{GROUP}{groups[goal]}".replace(GROUP, "\n").replace("\n(pop 1)\n", "\n")
+            one = f"{start}{_GROUP}{groups[goal]}".replace(_GROUP, "\n").replace("\n(pop 1)\n", "\n")
             [answers[goal]] = _fitting(_yices(one, seconds, together=False), 1)
     return answers
 
@@ -267,7 +267,7 @@ def _fitting(answers: Sequence[str], goals: int) -> Answers:
 
 
 def _yices(text: str, seconds: float, *, together: bool) -> Sequence[str]:
-    program = yices()
+    program = _yices()
     assert program is not None
     asked = [program, f"--timeout={max(1, int(seconds))}", *(["--incremental"] if together else [])]
     done = subprocess.run(asked, input=text, capture_output=True, text=True)

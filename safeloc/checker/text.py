@@ -17,8 +17,8 @@ from itertools import takewhile
 from safeloc.checker.dag import BOOL, INT, Dag
 from safeloc.errors import InputError
 
-FORMAT = "safeloc-certificate/1"
-ARITY = {"+": 2, "-": 2, "*": 2, "div": 2, "<": 2, "<=": 2, ">=": 2, "=": 2, "not": 1, "ite": 3}
+_FORMAT = "safeloc-certificate/1"
+_ARITY = {"+": 2, "-": 2, "*": 2, "div": 2, "<": 2, "<=": 2, ">=": 2, "=": 2, "not": 1, "ite": 3}
 _TOKEN = re.compile(r"[ \n]+|(;[^\n]*|[()]|\|[^|\\\n]*\||:?[A-Za-z0-9_+*<>=-]+)|(.)", re.DOTALL)
 _TAKEN = re.compile(
     r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"
@@ -68,8 +68,8 @@ def _header(file: str, text: str) -> tuple[dict[str, str], tuple[str, ...]]:
     pairs = [(key.strip(), value.strip()) for key, sign, value in (line.partition(": ") for line in lines) if sign]
     relies_on = tuple(value for key, value in pairs if key == "relies on")
     others = [(key, value) for key, value in pairs if key != "relies on"]
-    if first != FORMAT or len(dict(others)) != len(others):
-        raise InputError(f"{file}: it has no header of {FORMAT}, or a key of the header twice.")
+    if first != _FORMAT or len(dict(others)) != len(others):
+        raise InputError(f"{file}: it has no header of {_FORMAT}, or a key of the header twice.")
     return dict(others), relies_on
 
 
@@ -144,7 +144,7 @@ class _Reader:
         operator, *parts = body
         if operator == "-" and len(parts) == 1:
             return self._dag.number(-int(str(parts[0])))
-        if operator not in ("and", "or") and ARITY[str(operator)] != len(parts):
+        if operator not in ("and", "or") and _ARITY[str(operator)] != len(parts):
             raise ValueError(f"{operator} of {len(parts)} parts")
         terms = [self._term(part) for part in parts]
         sorts = [self._dag.sort(term) for term in terms]

@@ -22,7 +22,7 @@ from safeloc.language.renamed import renamed
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Substitution
 
-BLOCK_RUNS = (
+_BLOCK_RUNS = (
     8192  # 64 KiB an array: fits the cache, and is below the size for which the allocator calls the kernel each time
 )
 
@@ -83,7 +83,7 @@ def compile_batch(system: TransitionSystem, keep: Sequence[str] = ()) -> Batch:
     Raises InputError for an unknown name, and for a system whose terms may exceed 64 bits.
     """
     soundly_64_bits(system)
-    source = to_numpy(system, keep)
+    source = _to_numpy(system, keep)
     return Batch(system, source, tuple(keep), load(source, "step"))
 
 
@@ -103,7 +103,7 @@ def simulate(
     *,
     start_state: Mapping[str, Array | Value] | None = None,
     keep: Sequence[str] = (),
-    block_runs: int = BLOCK_RUNS,
+    block_runs: int = _BLOCK_RUNS,
 ) -> BatchTrace:
     """Run every column of the inputs.
 
@@ -160,7 +160,7 @@ def _after(system: TransitionSystem, term: Expr) -> Expr:
     return Substitution(dict(system.next))(term)
 
 
-def to_numpy(system: TransitionSystem, keep: Sequence[str] = ()) -> str:
+def _to_numpy(system: TransitionSystem, keep: Sequence[str] = ()) -> str:
     """Return the source of `step(state, inputs)` -> (state after, recorded values)."""
     kept = [keepable(system, name) for name in keep]
     moved = [system.next[var] for var in system.state]

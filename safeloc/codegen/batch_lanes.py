@@ -26,8 +26,8 @@ from safeloc.codegen.numpy_code import Array
 from safeloc.errors import InputError
 from safeloc.language.system import TransitionSystem
 
-NATIVE = "-march=native"
-FLAGS = ("-O1",)  # -O2 makes straight-line code no faster
+_NATIVE = "-march=native"
+_FLAGS = ("-O1",)  # -O2 makes straight-line code no faster
 
 
 @dataclass(frozen=True)
@@ -118,11 +118,11 @@ def _loaded(path: Path) -> ctypes.CDLL:
 
 def _native(cc: str) -> tuple[tuple[str, ...], str]:
     """Return the flags for this processor, and a text that identifies it; the general ones if the compiler has no such flag."""
-    command = [cc, NATIVE, "-dM", "-E", "-x", "c", "-"]
+    command = [cc, _NATIVE, "-dM", "-E", "-x", "c", "-"]
     done = subprocess.run(command, input="", capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        return FLAGS, "any processor"
-    return (*FLAGS, NATIVE), f"processor {hashlib.sha256(done.stdout.encode()).hexdigest()[:16]}"
+        return _FLAGS, "any processor"
+    return (*_FLAGS, _NATIVE), f"processor {hashlib.sha256(done.stdout.encode()).hexdigest()[:16]}"
 
 
 def _pointers(arrays: Sequence[Array]) -> ctypes.Array[Any]:

@@ -111,13 +111,13 @@ class _Fields:
         absent = canonical(var) if isinstance(var, NumVar) else 0
         name = self.names.variables[var]
         if isinstance(var, NumVar):
-            return Field(name, var.name, _kind(var), var.low, var.high, unit_text(var), present, absent)
+            return Field(name, var.name, _kind(var), var.low, var.high, _unit_text(var), present, absent)
         return Field(name, var.name, "uint8_t", 0, 1, "")
 
     def term(self, name: str, source: str, term: Expr) -> Field:
         if isinstance(term, Num):
             low, high = self.bounds[value_while_present(term)]
-            return Field(name, source, _kind(term), low, high, unit_text(term), stand_in=stand_in_of(term))
+            return Field(name, source, _kind(term), low, high, _unit_text(term), stand_in=stand_in_of(term))
         return Field(name, source, "uint8_t", 0, 1, "")
 
 
@@ -125,7 +125,7 @@ def _kind(term: Num) -> CType:
     return "int32_t" if isinstance(term.unit, Enumeration) else "int64_t"
 
 
-def unit_text(term: Num) -> str:
+def _unit_text(term: Num) -> str:
     """Return the name of the unit for a reader; "" for an enumeration or a number without unit."""
     return "" if isinstance(term.unit, Enumeration) or term.unit.name == "1" else term.unit.name
 

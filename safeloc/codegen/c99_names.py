@@ -11,14 +11,14 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import in_order
 from safeloc.language.units import Enumeration
 
-KEYWORDS = """
+_KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Bool _Complex
     _Imaginary bool true false NULL errno EOF offsetof asm typeof
 """
-OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged nothing"
-RESERVED = frozenset(f"{KEYWORDS} {OWN_WORDS}".split())
-TYPES = re.compile(r"u?int(_\w+)?\d*_t|u?int\w*_(min|max|c)|size_t|size_max|t\d+", re.IGNORECASE)
+_OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged nothing"
+_RESERVED = frozenset(f"{_KEYWORDS} {_OWN_WORDS}".split())
+_TYPES = re.compile(r"u?int(_\w+)?\d*_t|u?int\w*_(min|max|c)|size_t|size_max|t\d+", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def identifier(name: str) -> str:
 def distinct(plain: str, taken: set[str]) -> str:
     """Return the name, with a number if it is taken or has another meaning in C, and add it to `taken`."""
     name, number = plain, 1
-    while name in taken or name in RESERVED or TYPES.fullmatch(name):
+    while name in taken or name in _RESERVED or _TYPES.fullmatch(name):
         number += 1
         name = f"{plain}_{number}"
     taken.add(name)

@@ -9,7 +9,7 @@ from typing import assert_never
 from safeloc.codegen.naming_terms import Text
 from safeloc.codegen.nested_statements import Bind, Block, Choice, End, Test
 
-WIDTH = 118
+_WIDTH = 118
 Leaf = Callable[[Sequence[Text]], Iterable[Text]]
 """A function from the targets' values to the statements at the end of a branch."""
 
@@ -67,7 +67,7 @@ def line(text: str, depth: int) -> str:
     return (
         textwrap.fill(
             text,
-            max(WIDTH, len(indent) + 60),
+            max(_WIDTH, len(indent) + 60),
             initial_indent=indent,
             subsequent_indent=indent + "        ",
             break_long_words=False,

@@ -22,7 +22,7 @@ from safeloc.codegen.simplify_under_facts import Known
 from safeloc.codegen.stages import Stage, at_once, stages
 from safeloc.language.nodes import Var
 
-LONGEST = 3  # all cases together may have three times the work: long functions slow down compilers and readers
+_LONGEST = 3  # all cases together may have three times the work: long functions slow down compilers and readers
 
 
 def advance(layout: Layout) -> Text:
@@ -70,7 +70,7 @@ def _moving(layout: Layout, name: str, stage: Stage) -> Text:
     ]
     terms = [*stage.moved.values(), *stage.fired.values()]
     targets = [(f"next_{slot.field.name}", known(term)) for slot, term in zip(slots, terms, strict=True)]
-    body = _writing(live(moves(layout.system, targets, blocks(layout, stage.after), LONGEST)), slots)
+    body = _writing(live(moves(layout.system, targets, blocks(layout, stage.after), _LONGEST)), slots)
     read = f"{locals_of(body, layout.state, 'state')}{locals_of(body, layout.inputs, 'inputs')}{_unused(body)}"
     return body.within(f"{_head(layout, name)}{read}", "}\n")
 
@@ -98,7 +98,7 @@ class _Slot:
         """Return the assignment; none if the value stays the same."""
         if value.code == self.kept:
             return []
-        text = stored(self.field, value).within(f"{self.pointer}->{self.field.name} = ", ";")
+        text = _stored(self.field, value).within(f"{self.pointer}->{self.field.name} = ", ";")
         return [Text(text.code, text.uses | {self.pointer})]
 
 
@@ -142,7 +142,7 @@ def _ends(block: Block) -> Iterator[tuple[Text, ...]]:
             yield statement.values
 
 
-def stored(field: Field, value: Text) -> Text:
+def _stored(field: Field, value: Text) -> Text:
     """Return a value converted to the type of the field; members of enumerations fit 32 bits."""
     return value.within("(int32_t)(", ")") if field.kind == "int32_t" and value.uses else value
 

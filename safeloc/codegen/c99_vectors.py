@@ -17,8 +17,8 @@ from safeloc.errors import InputError
 from safeloc.language.interpret import Values, outputs, read_inputs, start, step
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Value
 
-REFUSED_EVERY = 7
-INT32_MIN, INT32_MAX, UINT8_MAX = -(2**31), 2**31 - 1, 255
+_REFUSED_EVERY = 7
+_INT32_MIN, _INT32_MAX, _UINT8_MAX = -(2**31), 2**31 - 1, 255
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def _run(layout: Layout, run: Run) -> Iterator[str]:
     for number, record in enumerate(run.steps):
         admitted = read_inputs(system, record)
         inputs = [int(admitted[var]) for var in system.inputs]
-        refused = spoilt(layout, inputs, number // REFUSED_EVERY) if number % REFUSED_EVERY == 0 else None
+        refused = _spoilt(layout, inputs, number // _REFUSED_EVERY) if number % _REFUSED_EVERY == 0 else None
         if refused is not None:
             yield _line("step", [*refused.inputs, refused.status, *shown, *state.values()])
         state, shown = _stepped(layout, state, admitted)
@@ -75,7 +75,7 @@ class Refused:
     status: int
 
 
-def spoilt(layout: Layout, inputs: Sequence[int], turn: int) -> Refused | None:
+def _spoilt(layout: Layout, inputs: Sequence[int], turn: int) -> Refused | None:
     """Return the inputs with one of them just out of range, a different one in each turn; None if no type allows that."""
     able = [place for place, field in enumerate(layout.inputs) if _beyond(field)]
     if not able:
@@ -94,7 +94,7 @@ def _beyond(field: Field) -> list[int]:
     """Return the values just outside of the range that the field's type can hold."""
     lowest, highest = {
         "int64_t": (INT64_MIN, INT64_MAX),
-        "int32_t": (INT32_MIN, INT32_MAX),
-        "uint8_t": (0, UINT8_MAX),
+        "int32_t": (_INT32_MIN, _INT32_MAX),
+        "uint8_t": (0, _UINT8_MAX),
     }[field.kind]
     return [value for value in (field.low - 1, field.high + 1) if lowest <= value <= highest]

@@ -38,10 +38,10 @@ from safeloc.language.nodes import (
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import in_order
 
-WORTH = 1 / 8  # a case must save this share of the work
-LONGEST = 5  # all cases together may have so many times the work
+_WORTH = 1 / 8  # a case must save this share of the work
+_LONGEST = 5  # all cases together may have so many times the work
 DEEPEST_CASE = 12  # conditions within conditions; a long conjunction is one test
-MOST_LOOKED_AT = 4_000  # nodes that are visited to choose a condition
+_MOST_LOOKED_AT = 4_000  # nodes that are visited to choose a condition
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class _Split:
         return self.rest.work + sum(case.work for case in self.apart.values())
 
 
-def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = LONGEST) -> Block:
+def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = _LONGEST) -> Block:
     """Return statements that compute the targets: the moves of a system, or of one stage of it.
 
     longest  all cases together may have so many times the work of the undivided moves
@@ -135,7 +135,7 @@ def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
     for find in (lambda _: arrivals, _faults):
         found = find(quiet)
         case = quiet.under({part: known for event in found for part, known in implied(event, False).items()})
-        if case.work <= quiet.work * (1 - WORTH):
+        if case.work <= quiet.work * (1 - _WORTH):
             events, quiet = [*events, *found], case
     return events, quiet
 
@@ -143,7 +143,7 @@ def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
 def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
     """Return the presence flags of the inputs that cause much of the work."""
     flags = {option.present for option in system.optionals}
-    worth = whole.work * WORTH
+    worth = whole.work * _WORTH
     likely = dict.fromkeys(flag for flag, branch in _guarded(whole) if flag in flags and work([branch]) >= worth)
     return [flag for flag in likely if whole.under({flag: FALSE}).work <= whole.work - worth]
 
@@ -152,7 +152,7 @@ def _records(system: TransitionSystem, whole: _Case) -> list[Bool]:
     """Return the conditions that a record of several fields is present, for records that cause much of the work."""
     flags = {option.present for option in system.optionals}
     found = [node for node in whole.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
-    worth = whole.work * (1 - WORTH)
+    worth = whole.work * (1 - _WORTH)
     return [node for node in found if whole.under(implied(node, False)).work <= worth]
 
 
@@ -181,7 +181,7 @@ def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
 
 def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float) -> Block:
     """Return the moves split by the mode that saves most work; without such a mode, split by conditions."""
-    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= WORTH]
+    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= _WORTH]
     if not worth:
         return _by_condition(whole, blocks, room)
     best = max(worth, key=lambda split: split.saved)
@@ -198,7 +198,7 @@ def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> 
     tried = map(whole.decided, _cheap(whole)) if depth < DEEPEST_CASE else ()
     decided = [one for one in tried if one.holds.work + one.fails.work <= room]
     best = max(decided, key=lambda one: one.saved, default=None)
-    if best is None or best.saved < _passing(whole) * WORTH:
+    if best is None or best.saved < _passing(whole) * _WORTH:
         return blocks.ending(whole.targets)
     share = room / max(1, best.holds.work + best.fails.work)
     return blocks.either(
@@ -213,10 +213,10 @@ def _cheap(whole: _Case) -> list[Bool]:
     behind: dict[Bool, list[Expr]] = {}
     for condition, branch in _behind(whole):
         behind.setdefault(condition, []).append(branch)
-    worth = _passing(whole) * WORTH
+    worth = _passing(whole) * _WORTH
     found = [(work(parts), condition) for condition, parts in behind.items() if work([condition]) <= worth]
     found = sorted((one for one in found if one[0] >= worth), key=lambda one: one[0], reverse=True)
-    return [condition for _, condition in found[: MOST_LOOKED_AT // len(whole.nodes())]]
+    return [condition for _, condition in found[: _MOST_LOOKED_AT // len(whole.nodes())]]
 
 
 def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:

@@ -73,12 +73,12 @@ def _types(parent: Element, layout: Layout, variables: Sequence[Variable]) -> No
     for unit in dict.fromkeys(one.field.unit for one in variables if one.field.unit):
         SubElement(parent, "Int64Type", name=unit, description=f"whole numbers in {unit}")
     for enumeration in dict.fromkeys(one.enumeration for one in variables if one.enumeration is not None):
-        kind = SubElement(parent, "EnumerationType", name=enumeration_type(layout, enumeration))
+        kind = SubElement(parent, "EnumerationType", name=_enumeration_type(layout, enumeration))
         for value, member in enumerate(enumeration.members):
             SubElement(kind, "Item", name=member, value=str(value))
 
 
-def enumeration_type(layout: Layout, enumeration: Enumeration) -> str:
+def _enumeration_type(layout: Layout, enumeration: Enumeration) -> str:
     """Return the name of an enumeration's type, with a prefix, since a unit may have the same name."""
     return f"enumeration {layout.names.titles[enumeration]}"
 
@@ -107,7 +107,7 @@ def _attributes(layout: Layout, variable: Variable) -> dict[str, str]:
     if variable.description:
         attributes["description"] = variable.description
     if variable.enumeration is not None:
-        attributes["declaredType"] = enumeration_type(layout, variable.enumeration)
+        attributes["declaredType"] = _enumeration_type(layout, variable.enumeration)
     elif field.unit:
         attributes["declaredType"] = field.unit
     if not variable.is_truth:

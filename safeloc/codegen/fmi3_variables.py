@@ -14,7 +14,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.units import Enumeration
 
 Causality = Literal["input", "output", "parameter", "local"]
-PLACES: Mapping[Causality, str] = {"input": "inputs", "output": "outputs", "parameter": "first", "local": "state"}
+_PLACES: Mapping[Causality, str] = {"input": "inputs", "output": "outputs", "parameter": "first", "local": "state"}
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Variable:
     @property
     def place(self) -> str:
         """The C expression for the value within an instance."""
-        return f"unit->{PLACES[self.causality]}.{self.field.name}"
+        return f"unit->{_PLACES[self.causality]}.{self.field.name}"
 
     @property
     def description(self) -> str:

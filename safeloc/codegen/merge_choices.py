@@ -34,7 +34,7 @@ from safeloc.language.nodes import (
 )
 from safeloc.language.terms import Sharing, children, in_order, rebuilt
 
-SHORTEST_TABLE = 3
+_SHORTEST_TABLE = 3
 
 
 def is_magnitude(term: Expr) -> bool:
@@ -93,7 +93,7 @@ class _Rows:
     def by_value(self, term: Expr) -> Expr:
         """Return a chain of choices as one choice for each value; the term itself if the chain is short."""
         rows, last = chain(term)
-        if len(rows) < SHORTEST_TABLE:
+        if len(rows) < _SHORTEST_TABLE:
             return term
         places: dict[object, _Places] = {}
         earlier: Bool = FALSE

@@ -11,7 +11,7 @@ from safeloc.codegen.merge_choices import is_magnitude
 from safeloc.language.nodes import Expr, Lit, Max, Min, Truth, Var
 from safeloc.language.terms import children
 
-LONGEST_INLINE = 12
+_LONGEST_INLINE = 12
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Writing(ABC):
         for node in below:
             twice.update(self.twice(node))
             depth[node] = 1 + max((depth.get(part, 0) for part in self.parts(node)), default=0)
-            if depth[node] > LONGEST_INLINE:
+            if depth[node] > _LONGEST_INLINE:
                 twice.add(node)
                 depth[node] = 0
         return [node for node in below if node in twice and node is not term]

@@ -13,8 +13,8 @@ from safeloc.codegen.naming_terms import Text, Writing
 from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.language.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
 
-FEWEST_REASONS = 3
-DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
+_FEWEST_REASONS = 3
+_DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
 
 Targets = Sequence[tuple[str, Expr]]
 
@@ -161,7 +161,7 @@ class Blocks:
         for term in terms:
             if not self._needs_name(term):
                 continue
-            if isinstance(term, (Choose, ChooseBool)) and depth < DEEPEST and self._branches_wait(term):
+            if isinstance(term, (Choose, ChooseBool)) and depth < _DEEPEST and self._branches_wait(term):
                 name = self._new_name()
                 block += self._choice(term.condition, [(name, term)], depth)
             else:
@@ -187,7 +187,7 @@ class Blocks:
 
     def _grouped(self, targets: Targets, depth: int) -> list[_Group]:
         """Return the targets grouped by the condition on which they depend, in order of first appearance; None: no condition."""
-        if depth >= DEEPEST:
+        if depth >= _DEEPEST:
             return [_Group(None, targets)]
         groups: dict[Expr | None, list[tuple[str, Expr]]] = {}
         for name, term in targets:
@@ -242,7 +242,7 @@ def _lists_reasons(condition: Expr | None) -> bool:
     first reason that holds.
     """
     parts = condition.parts if isinstance(condition, And) else (condition,)
-    return any(isinstance(part, Or) and len(part.parts) >= FEWEST_REASONS for part in parts)
+    return any(isinstance(part, Or) and len(part.parts) >= _FEWEST_REASONS for part in parts)
 
 
 def _chosen(condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:

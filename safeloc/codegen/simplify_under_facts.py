@@ -38,7 +38,7 @@ from safeloc.language.nodes import (
 from safeloc.language.terms import children, rebuilt
 from safeloc.language.units import Enumeration
 
-MOST_VALUES = 16
+_MOST_VALUES = 16
 _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
     Add: lambda a, b: a + b,
     Sub: lambda a, b: a - b,
@@ -146,7 +146,7 @@ class Known:
             return then
         chosen = rebuilt(node, (condition, then, other))
         values = self._values(then) | self._values(other)
-        if self._values(then) and self._values(other) and len(values) <= MOST_VALUES:
+        if self._values(then) and self._values(other) and len(values) <= _MOST_VALUES:
             self._among[chosen] = values
         return chosen
 

@@ -38,7 +38,7 @@ _TAKEN = re.compile(
 )
 
 
-FORMAT = "safeloc-certificate/1"
+_FORMAT = "safeloc-certificate/1"
 Key = TypeVar("Key", bound=Hashable)
 
 
@@ -83,7 +83,7 @@ def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
 
 def _header(query: Query[Key], relies_on: Sequence[str]) -> list[str]:
     about = [f"{key}: {value}" for key, value in query.about.items()]
-    return [FORMAT, f"name: {query.name}", *about, *(f"relies on: {file}" for file in relies_on)]
+    return [_FORMAT, f"name: {query.name}", *about, *(f"relies on: {file}" for file in relies_on)]
 
 
 def _is_product(node: Node) -> bool:

@@ -21,7 +21,7 @@ NO_PLACE: Final = -2_000_000_000_000
 """Stand-in for a place: two million kilometres away in mm, and in nm still within 64 bits."""
 NO_BOUND: Final = 4_000_000_000_000
 """Stand-in for a bound: greater than every tolerable one, and twice the magnitude of `NO_PLACE`."""
-STAND_INS = (NO_PLACE, NO_BOUND)
+_STAND_INS = (NO_PLACE, NO_BOUND)
 
 
 def shown_if(present: Bool, term: Num, stand_in: int) -> Num:
@@ -29,8 +29,8 @@ def shown_if(present: Bool, term: Num, stand_in: int) -> Num:
 
     Raises ModelError if `stand_in` is no known stand-in, or if the term could have this value itself.
     """
-    if stand_in not in STAND_INS:
-        raise ModelError(f"{declared_at()}: {stand_in} is no stand-in number; use one of {list(STAND_INS)}.")
+    if stand_in not in _STAND_INS:
+        raise ModelError(f"{declared_at()}: {stand_in} is no stand-in number; use one of {list(_STAND_INS)}.")
     low, high = bounds([term])[term]
     if low <= stand_in <= high:
         raise ModelError(
@@ -55,7 +55,7 @@ def value_while_present(output: Num) -> Num:
 def stand_in_of(output: Expr) -> int | None:
     """Return the number that stands in for this output while it is absent; None for an output that is always present."""
     other = output.other if isinstance(output, Choose) else output
-    return other.value if isinstance(other, Lit) and other.value in STAND_INS else None
+    return other.value if isinstance(other, Lit) and other.value in _STAND_INS else None
 
 
 _FOUND: weakref.WeakKeyDictionary[TransitionSystem, Mapping[str, int]] = weakref.WeakKeyDictionary()

@@ -23,7 +23,7 @@ from safeloc.language.spec import Goal, Property, always, observe, once, previou
 from safeloc.language.system import Part, TransitionSystem
 from safeloc.language.terms import Substitution, alike, conjuncts, variables
 
-LONGEST = 110
+_LONGEST = 110
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Antecedent:
     def words(self) -> str:
         """The case in words for a reader; long terms are shortened."""
         what = "its trigger" if self.prop.kind == "within" else "the case"
-        return f"{what} ({infix(self.term, LONGEST)})"
+        return f"{what} ({infix(self.term, _LONGEST)})"
 
 
 def antecedents(prop: Property) -> list[Bool]:

@@ -57,7 +57,7 @@ class Bound:
         if not of or of[0][1] > 0:
             return Bound(of, self.when, self.low, self.high)
         turned = tuple((var, -factor) for var, factor in of)
-        low, high = (None if end is None else negated(end) for end in (self.high, self.low))
+        low, high = (None if end is None else _negated(end) for end in (self.high, self.low))
         return Bound(turned, self.when, low, high)
 
     @property
@@ -199,12 +199,12 @@ def _bound(small: Num, great: Num, apart: int, when: Bool, hidden: Hidden) -> It
     of = tuple((var, sign * factor // common) for var, factor in named)
     rest = found.rest - apart
     if sign > 0:
-        yield Bound(of, when, low=negated(floor_div(rest, common)))
+        yield Bound(of, when, low=_negated(floor_div(rest, common)))
     else:
         yield Bound(of, when, high=floor_div(rest, common))
 
 
-def negated(term: Num) -> Num:
+def _negated(term: Num) -> Num:
     """Return the term with the opposite sign; for `0 - x`, return x."""
     match term:
         case Sub(Lit(0, _), inner):

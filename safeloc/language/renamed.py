@@ -10,13 +10,13 @@ from typing import Any, TypeVar, cast
 
 from safeloc.errors import SafelocError, declared_at
 
-Declaring = TypeVar("Declaring", bound=Callable[..., Any])
+_Declaring = TypeVar("Declaring", bound=Callable[..., Any])
 
-SIDES = {"over": "margin_above", "under": "margin_below"}
+_SIDES = {"over": "margin_above", "under": "margin_below"}
 """Former and present words for the sides of an interval: `over` was ETCS's under-reading, `under` its over-reading amount."""
 FIELDS = {"mute_limit_cycles": "mute_ms", "integrity_limit_cycles": "integrity_wait_ms"}
 """Former and present fields of configurations; the former ones counted cycles, the present ones are times in ms."""
-PARTED = {
+_PARTED = {
     "fix_protection_mm": ("fix_dilution_permille", "fix_further_mm"),
     "fix_speed_protection_um_s": ("fix_speed_dilution_permille", "fix_speed_further_um_s"),
 }
@@ -24,12 +24,12 @@ PARTED = {
 
 The former value determines neither of the two.
 """
-_SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(SIDES)})(?=_(?:mm|nm)$)")
+_SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(_SIDES)})(?=_(?:mm|nm)$)")
 
 
 def name_now(name: str) -> str:
     """Return the present name of a variable or output: `fibre_margin_above_mm` for `fibre_over_mm`."""
-    return _SIDE.sub(lambda found: SIDES[found[1]], name)
+    return _SIDE.sub(lambda found: _SIDES[found[1]], name)
 
 
 def renamed(names: Iterable[str], known: Collection[str]) -> str:
@@ -46,7 +46,7 @@ def renamed(names: Iterable[str], known: Collection[str]) -> str:
 def parted(name: str) -> tuple[str, ...]:
     """Return the inputs that have replaced a former one; an empty tuple for any other name."""
     machine, dot, bare = name.rpartition(".")
-    return tuple(machine + dot + part for part in PARTED.get(bare, ()))
+    return tuple(machine + dot + part for part in _PARTED.get(bare, ()))
 
 
 def hint(name: str, known: Collection[str]) -> str:
@@ -58,17 +58,17 @@ def hint(name: str, known: Collection[str]) -> str:
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
-def refuse_old_keywords(error: type[SafelocError], renamed: Mapping[str, str]) -> Callable[[Declaring], Declaring]:
+def refuse_old_keywords(error: type[SafelocError], renamed: Mapping[str, str]) -> Callable[[_Declaring], _Declaring]:
     """Make a function or class raise `error`, with file and line, if it is called with an old keyword of `renamed`."""
 
-    def refusing(declaring: Declaring) -> Declaring:
+    def refusing(declaring: _Declaring) -> _Declaring:
         made: Any = declaring
         name = made.__name__
         if isinstance(declaring, type):
             made.__init__ = _guarded(made.__init__, name, error, renamed)
         else:
             made = _guarded(made, name, error, renamed)
-        return cast("Declaring", made)
+        return cast("_Declaring", made)
 
     return refusing
 

@@ -25,10 +25,10 @@ from safeloc.language.nodes import (
 )
 from safeloc.language.units import ONE, Enumeration
 
-DEEPEST = 7
+_DEEPEST = 7
 
 
-def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, *, deepest: int = DEEPEST) -> str:
+def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, *, deepest: int = _DEEPEST) -> str:
     """Return the term in infix notation, with an ellipsis for parts nested deeper than `deepest` and beyond `most` characters.
 
     names  terms that are shown by a name of their own

@@ -31,11 +31,11 @@ from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.language.units import COUNT
 
-RENAMED = {"given": "further_assumption", "trace": "requirements"}
+_RENAMED = {"given": "further_assumption", "trace": "requirements"}
 NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 @dataclass(frozen=True, eq=False)
 class Property:
     """A named requirement on every run (or, for `reachable`, on some run).
@@ -79,7 +79,7 @@ class Property:
         return further if self.unconditional or not self.assumption else f"{self.assumption}; {further}"
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def always(
     name: str,
     term: Bool,
@@ -103,7 +103,7 @@ def always(
     )
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def never(
     name: str,
     term: Bool,
@@ -127,7 +127,7 @@ def never(
     )
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def within(
     name: str,
     steps: int,
@@ -160,7 +160,7 @@ def within(
     )
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def reachable(
     name: str,
     term: Bool,
@@ -184,7 +184,7 @@ def reachable(
     )
 
 
-def earlier(term: Expr) -> Expr:
+def _earlier(term: Expr) -> Expr:
     """Return the value that a term over state variables had before the step: `before` and `was` for whole terms."""
     twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term])}
     return Substitution(twins)(term)
@@ -192,14 +192,14 @@ def earlier(term: Expr) -> Expr:
 
 def earlier_num(term: Num) -> Num:
     """Return the value that a numeric term over state variables had before the step."""
-    result = earlier(term)
+    result = _earlier(term)
     assert isinstance(result, Num)
     return result
 
 
 def earlier_bool(term: Bool) -> Bool:
     """Return the truth value that a term over state variables had before the step."""
-    result = earlier(term)
+    result = _earlier(term)
     assert isinstance(result, Bool)
     return result
 

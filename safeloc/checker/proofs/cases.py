@@ -25,7 +25,7 @@ from safeloc.checker.proofs.terms import Term
 MOST_TERMS = 200_000  # evaluated in all cases of one claim together: about a second
 Bound = tuple[Fraction | float, int]  # (v, -1): below v; (v, 0): v itself; (v, 1): above v
 Interval = tuple[Bound, Bound]
-EVERYTHING: Interval = ((float("-inf"), 0), (float("inf"), 0))
+_EVERYTHING: Interval = ((float("-inf"), 0), (float("inf"), 0))
 _SIGNS: Mapping[str, frozenset[int]] = {
     "<": frozenset({-1}),
     "<=": frozenset({-1, 0}),
@@ -174,7 +174,7 @@ def _compared(part: Polynomial, op: str, world: _World) -> bool:
     bound, turn = -rest / factor, 1 if factor > 0 else -1
     places = [
         (place, turn * sign in _SIGNS[op])
-        for place, sign in _places(bound, line.whole, world.places.get(line, EVERYTHING))
+        for place, sign in _places(bound, line.whole, world.places.get(line, _EVERYTHING))
     ]
     truths = {truth for _, truth in places}
     if len(truths) == 1:

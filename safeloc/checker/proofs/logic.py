@@ -35,7 +35,7 @@ def two(parts: Parts) -> tuple[Term, Term]:
     return parts[0], parts[1]
 
 
-def index(term: Term, parts: Parts) -> Term:
+def _index(term: Term, parts: Parts) -> Term:
     """Return the part with this number. WrongStep if there is none."""
     at = exact(term)
     require(at.denominator == 1 and 0 <= at < len(parts), f"there is no part {at}")
@@ -118,11 +118,11 @@ def _and_intro(step: Inference) -> Term:
 
 
 def _and_elim(step: Inference) -> Term:
-    return index(only(step.args), of(only(step.premises), "and"))
+    return _index(only(step.args), of(only(step.premises), "and"))
 
 
 def _not_or_elim(step: Inference) -> Term:
-    return no(index(only(step.args), of(only(of(only(step.premises), "not")), "or")))
+    return no(_index(only(step.args), of(only(of(only(step.premises), "not")), "or")))
 
 
 def _not_and(step: Inference) -> Term:
@@ -135,7 +135,7 @@ def _split(step: Inference) -> Term:
 
 def _cnf_and_pos(step: Inference) -> Term:
     whole, at = two(step.args)
-    return make("or", no(whole), index(at, of(whole, "and")))
+    return make("or", no(whole), _index(at, of(whole, "and")))
 
 
 def _cnf_and_neg(step: Inference) -> Term:
@@ -150,7 +150,7 @@ def _cnf_or_pos(step: Inference) -> Term:
 
 def _cnf_or_neg(step: Inference) -> Term:
     whole, at = two(step.args)
-    return make("or", whole, no(index(at, of(whole, "or"))))
+    return make("or", whole, no(_index(at, of(whole, "or"))))
 
 
 def _ite_eq(step: Inference) -> Term:

@@ -13,7 +13,7 @@ Monomial = tuple[Term, ...]
 Polynomial = Mapping[Monomial, Fraction]
 Leaf = Callable[[Term], Polynomial]
 
-ZERO: Polynomial = {}
+_ZERO: Polynomial = {}
 
 
 def constant(value: Fraction | int) -> Polynomial:
@@ -35,11 +35,11 @@ def polynomial(term: Term, leaf: Leaf | None = None, opaque: Collection[Term] = 
         case "to_real":
             return polynomial(term.args[0], leaf, opaque)
         case "neg":
-            return scaled(polynomial(term.args[0], leaf, opaque), Fraction(-1))
+            return _scaled(polynomial(term.args[0], leaf, opaque), Fraction(-1))
         case "+" | "-" | "*":
             return _operation(term.op, [polynomial(arg, leaf, opaque) for arg in term.args])
         case "/" if (by := as_constant(polynomial(term.args[1], leaf, opaque))) is not None and by:
-            return scaled(polynomial(term.args[0], leaf, opaque), 1 / by)
+            return _scaled(polynomial(term.args[0], leaf, opaque), 1 / by)
         case _:
             return leaf(term) if leaf else single(term)
 
@@ -58,11 +58,11 @@ def _nonzero(term: Term) -> bool:
 def _operation(op: str, parts: list[Polynomial]) -> Polynomial:
     result = parts[0]
     for part in parts[1:]:
-        result = product(result, part) if op == "*" else plus(result, part, Fraction(1 if op == "+" else -1))
-    return scaled(result, Fraction(-1)) if op == "-" and len(parts) == 1 else result
+        result = _product(result, part) if op == "*" else _plus(result, part, Fraction(1 if op == "+" else -1))
+    return _scaled(result, Fraction(-1)) if op == "-" and len(parts) == 1 else result
 
 
-def plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
+def _plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
     """Return left + factor * right."""
     total = dict(left)
     for monomial, coefficient in right.items():
@@ -72,15 +72,15 @@ def plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
 
 def minus(left: Polynomial, right: Polynomial) -> Polynomial:
     """Return left - right."""
-    return plus(left, right, Fraction(-1))
+    return _plus(left, right, Fraction(-1))
 
 
-def scaled(part: Polynomial, factor: Fraction) -> Polynomial:
+def _scaled(part: Polynomial, factor: Fraction) -> Polynomial:
     """Return factor * part."""
     return {monomial: factor * coefficient for monomial, coefficient in part.items()} if factor else {}
 
 
-def product(left: Polynomial, right: Polynomial) -> Polynomial:
+def _product(left: Polynomial, right: Polynomial) -> Polynomial:
     """Return left * right."""
     total: dict[Monomial, Fraction] = {}
     for one, first in left.items():

@@ -16,8 +16,8 @@ from safeloc.checker.proofs.terms import FALSE, TRUE, Sort, Term, exact, make, n
 from safeloc.checker.proofs.texts import Goal
 from safeloc.errors import EngineError
 
-ENGINE = f"cvc5 {cvc5.__version__}"
-OPTIONS = {"produce-proofs": "true", "proof-granularity": "dsl-rewrite"}
+_ENGINE = f"cvc5 {cvc5.__version__}"
+_OPTIONS = {"produce-proofs": "true", "proof-granularity": "dsl-rewrite"}
 _NAMES = {
     Kind.NOT: "not",
     Kind.AND: "and",
@@ -59,7 +59,7 @@ def written(goal: Goal, *, seconds: float, options: Mapping[str, str]) -> list[S
     manager = cvc5.TermManager()
     solver, to_cvc5 = cvc5.Solver(manager), _ToCvc5(manager)
     solver.setLogic(goal.logic)
-    for option, value in {**OPTIONS, "tlimit-per": str(max(1, int(seconds * 1000))), **options}.items():
+    for option, value in {**_OPTIONS, "tlimit-per": str(max(1, int(seconds * 1000))), **options}.items():
         solver.setOption(option, value)
     try:
         for assertion in goal.assertions:

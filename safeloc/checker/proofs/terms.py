@@ -9,10 +9,10 @@ from weakref import WeakValueDictionary
 
 Sort = Literal["Bool", "Int", "Real", "list"]
 
-LOGICAL = frozenset({"not", "and", "or", "=>", "xor"})
-RELATIONS = frozenset({"<", "<=", ">=", ">"})
-WHOLE = frozenset({"div", "mod", "div_total", "mod_total", "to_int"})
-SUMS = frozenset({"+", "-", "*", "neg", "abs"})
+_LOGICAL = frozenset({"not", "and", "or", "=>", "xor"})
+_RELATIONS = frozenset({"<", "<=", ">=", ">"})
+_WHOLE = frozenset({"div", "mod", "div_total", "mod_total", "to_int"})
+_SUMS = frozenset({"+", "-", "*", "neg", "abs"})
 
 
 class Term:
@@ -25,7 +25,7 @@ class Term:
     sort: Sort
 
     def __repr__(self) -> str:
-        return shown(self)
+        return _shown(self)
 
 
 _Key = tuple[str, tuple[Term, ...], str | Fraction | None, Sort]
@@ -81,15 +81,15 @@ def clause(literals: tuple[Term, ...]) -> Term:
 
 def _sort(op: str, args: tuple[Term, ...]) -> Sort:
     sorts: set[Sort] = {arg.sort for arg in args}
-    if op in LOGICAL:
+    if op in _LOGICAL:
         return _required(op, bool(sorts) and sorts <= {"Bool"} and _arity(op, len(args)), "Bool")
-    if op in RELATIONS:
+    if op in _RELATIONS:
         return _required(op, len(args) == 2 and sorts <= {"Int", "Real"}, "Bool")
     if op in ("=", "distinct"):
         return _required(op, len(args) == 2 and _comparable(sorts), "Bool")
-    if op in WHOLE:
+    if op in _WHOLE:
         return _required(op, len(args) == (1 if op == "to_int" else 2) and sorts <= {"Int", "Real"}, "Int")
-    if op in SUMS:
+    if op in _SUMS:
         fits = bool(sorts) and sorts <= {"Int", "Real"} and (op not in ("neg", "abs") or len(args) == 1)
         return _required(op, fits, "Int" if sorts == {"Int"} else "Real")
     return _sort_of_rest(op, args, sorts)
@@ -122,13 +122,13 @@ def _required(op: str, fits: bool, sort: Sort) -> Sort:
     return sort
 
 
-def shown(term: Term, depth: int = 4) -> str:
+def _shown(term: Term, depth: int = 4) -> str:
     """Return the term as text for people, cut below this depth: in full, a term with shared parts may be too long to print."""
     if not term.args:
         return term.op if term.value is None else str(term.value)
     if not depth:
         return "..."
-    parts = [shown(arg, depth - 1) for arg in term.args[:6]]
+    parts = [_shown(arg, depth - 1) for arg in term.args[:6]]
     return f"({term.op} {' '.join(parts)}{' ...' if len(term.args) > 6 else ''})"
 
 

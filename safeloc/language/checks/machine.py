@@ -20,8 +20,8 @@ from safeloc.language.transition_table import STAY_NAME, Modes, Transition
 if TYPE_CHECKING:
     from safeloc.language.machine import Machine
 
-RESERVED = ("mode", "fired")
-LONGEST_NAME = 120
+_RESERVED = ("mode", "fired")
+_LONGEST_NAME = 120
 
 
 def check_shape(machine: Machine) -> None:
@@ -119,10 +119,10 @@ def _names_are_distinct(machine: Machine) -> Iterator[str]:
     declared = [*input_variables(machine), *machine.state, *machine.world.variables]
     yield from _repeated("variable", (var.name for var in declared))
     shown = {var.name for var in declared if machine.outputs.get(var.name) is var}  # an output may show a variable
-    yield from _repeated("variable or output", {var.name for var in declared} - shown | set(RESERVED), machine.outputs)
+    yield from _repeated("variable or output", {var.name for var in declared} - shown | set(_RESERVED), machine.outputs)
     yield from _repeated("transition", (t.name for t in machine.transitions))
     for var in declared:
-        if var.name in RESERVED or var.name.startswith(("before.", "observer.")):
+        if var.name in _RESERVED or var.name.startswith(("before.", "observer.")):
             yield f"variable {var.name!r} ({var.src}): this name is reserved; choose another."
         if var.before is not None:
             yield f"variable {var.name!r} ({var.src}) is a value before the step; only properties may use it."
@@ -133,14 +133,14 @@ def _names_are_distinct(machine: Machine) -> Iterator[str]:
 def _labels_can_be_written(machine: Machine) -> Iterator[str]:
     """Reports, certificates and files write each name on one line."""
     wrong = set(machine.name) & set("|\\/")
-    if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > LONGEST_NAME:
-        yield f"its name is {machine.name!r}; use 1 to {LONGEST_NAME} printable characters, without /, | and \\."
+    if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > _LONGEST_NAME:
+        yield f"its name is {machine.name!r}; use 1 to {_LONGEST_NAME} printable characters, without /, | and \\."
     labels = {"mode": [mode.label for mode in machine.modes], "transition": [t.name for t in machine.transitions]}
     labels |= {"output": list(machine.outputs), "lemma": list(machine.lemmas), "clause": list(machine.world.clauses)}
     for what, names in labels.items():
         for name in names:
-            if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
-                yield f"{what} {name!r}: a name has 1 to {LONGEST_NAME} printable characters, on one line."
+            if not name.strip() or not name.isprintable() or len(name) > _LONGEST_NAME:
+                yield f"{what} {name!r}: a name has 1 to {_LONGEST_NAME} printable characters, on one line."
 
 
 def _names_can_be_written(machine: Machine) -> Iterator[str]:

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from safeloc.language.spec import Goal, Property
     from safeloc.language.system import TransitionSystem
 
-LONGEST_NAME = 120
-KINDS = ("always", "within", "reachable")
+_LONGEST_NAME = 120
+_KINDS = ("always", "within", "reachable")
 
 
 def check_property(prop: Property) -> None:
@@ -50,17 +50,17 @@ def _name_can_be_written(prop: Property) -> Iterator[str]:
     if (
         not isinstance(prop.name, str)
         or not prop.name.strip()
-        or len(prop.name) > LONGEST_NAME
+        or len(prop.name) > _LONGEST_NAME
         or not prop.name.isprintable()
     ):
-        yield f"a name has 1 to {LONGEST_NAME} printable characters, on one line."
+        yield f"a name has 1 to {_LONGEST_NAME} printable characters, on one line."
     elif set(prop.name) & set("|\\"):
         yield "a name must not contain | and \\, since certificates quote it in bars."
 
 
 def _kind_is_known(prop: Property) -> Iterator[str]:
-    if prop.kind not in KINDS:
-        yield f"its kind {prop.kind!r} is none of {', '.join(KINDS)}; use the functions of these names."
+    if prop.kind not in _KINDS:
+        yield f"its kind {prop.kind!r} is none of {', '.join(_KINDS)}; use the functions of these names."
 
 
 def _terms_are_truth_values(prop: Property) -> Iterator[str]:

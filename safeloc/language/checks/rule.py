@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
-Subject = TypeVar("Subject")
+_Subject = TypeVar("Subject")
 Harm = Literal["a wrong verdict", "a crash", "a slip"]
 
 
 @dataclass(frozen=True)
-class Rule(Generic[Subject]):
+class Rule(Generic[_Subject]):
     """One rule about a subject.
 
     keeps_out   the harm without the rule: a wrong verdict, a crash (a failure without a message for the user), or a slip
@@ -21,10 +21,10 @@ class Rule(Generic[Subject]):
 
     name: str
     keeps_out: Harm
-    complaints: Callable[[Subject], Iterator[str]]
+    complaints: Callable[[_Subject], Iterator[str]]
 
 
-def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
+def complaints(rules: Sequence[Rule[_Subject]], subject: _Subject) -> list[str]:
     """Return all complaints of the first rule that has any: later rules may rely on the parts that earlier ones accepted."""
     for rule in rules:
         found = list(rule.complaints(subject))
@@ -33,6 +33,6 @@ def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
     return []
 
 
-def every_complaint(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
+def every_complaint(rules: Sequence[Rule[_Subject]], subject: _Subject) -> list[str]:
     """Return the complaints of all rules, so that the user sees every error at once."""
     return [complaint for rule in rules for complaint in rule.complaints(subject)]

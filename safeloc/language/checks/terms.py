@@ -32,8 +32,8 @@ from safeloc.language.nodes import (
 from safeloc.language.terms import children
 from safeloc.language.units import Enumeration, Unit
 
-PARTS = {"previous": 1, "once": 1, "since": 2}
-KINDS = frozenset(get_args(Node))
+_PARTS = {"previous": 1, "once": 1, "since": 2}
+_KINDS = frozenset(get_args(Node))
 
 
 def malformed(roots: Iterable[object]) -> Iterator[str]:
@@ -57,7 +57,7 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
 
 def _is_node(found: object) -> TypeGuard[Node]:
     """Return whether an object is one of the language's nodes; the lookup of its class is the fast path."""
-    return type(found) in KINDS or isinstance(found, Node)
+    return type(found) in _KINDS or isinstance(found, Node)
 
 
 def _wrong(node: Node) -> str:
@@ -89,7 +89,7 @@ def _wrong(node: Node) -> str:
             wrong = "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
             return _no_number(a) or _enumerated(a) or wrong
         case Past(op, parts):
-            right = PARTS.get(op) == len(parts)
+            right = _PARTS.get(op) == len(parts)
             return _first(map(_no_truth, parts)) if right else f"operator {op!r} of {len(parts)} parts"
         case _:
             assert_never(node)

@@ -17,8 +17,8 @@ from safeloc.proof.cache.store import Store, utc_now
 from safeloc.proof.cache.turns import Turn, turn
 
 Solver = Literal["z3", "cvc5"]
-KIND, PROVED, NEEDED = "answers", b"proved", "needed"
-BEGINS = "(set-logic "
+_KIND, _PROVED, NEEDED = "answers", b"proved", "needed"
+_BEGINS = "(set-logic "
 
 
 @dataclass(frozen=True)
@@ -61,14 +61,14 @@ def proved_before(solver: Solver, text: str) -> bool:
     if not _PLACES:
         return False
     place = _PLACES[-1]
-    entry = place.store.get(KIND, _key(solver, text))
-    return entry is not None and entry.data == PROVED and entry.since >= place.since
+    entry = place.store.get(_KIND, _key(solver, text))
+    return entry is not None and entry.data == _PROVED and entry.since >= place.since
 
 
 def keep_proved(solver: Solver, text: str) -> None:
     """Cache the fact that this solver has proved every goal of this text."""
     if _PLACES:
-        _PLACES[-1].store.put(KIND, _key(solver, text), PROVED)
+        _PLACES[-1].store.put(_KIND, _key(solver, text), _PROVED)
 
 
 def needed_before(text: str, hypotheses: int) -> list[int] | None:
@@ -106,5 +106,5 @@ def turn_of(solver: Solver, text: str) -> Iterator[Turn | None]:
 
 def _key(solver: Solver, text: str) -> str:
     """Return the key of a query: a digest of engine, solver and text, without the text's header, which solvers ignore."""
-    body = text[text.index(BEGINS) :]
+    body = text[text.index(_BEGINS) :]
     return hashlib.sha256("\0".join([engine_digest(), solver, body]).encode()).hexdigest()

@@ -24,8 +24,8 @@ from safeloc.language.system import Part
 from safeloc.language.terms import in_order
 from safeloc.target import Target
 
-PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
-NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Property: {"helper"}}
+_PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
+_NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Property: {"helper"}}
 """Fields on which no finding depends, and fields whose content enters the digest in another way below."""
 
 
@@ -56,7 +56,7 @@ class _Digest:
         self.total.update("".join(f"{line}\n" for line in self._lines(thing)).encode())
 
     def _lines(self, thing: object) -> Iterator[str]:
-        if isinstance(thing, PLAIN):
+        if isinstance(thing, _PLAIN):
             yield f"{type(thing).__name__} {thing!r}"
         elif isinstance(thing, Path):
             yield f"file {thing.name}"
@@ -129,7 +129,7 @@ class _Digest:
 @cache
 def _names(kind: Any) -> tuple[str, ...]:
     """Return the names of the fields that enter the digest."""
-    left_out = {"src", *NOT_READ.get(kind, ())}
+    left_out = {"src", *_NOT_READ.get(kind, ())}
     return tuple(field.name for field in fields(kind) if field.name not in left_out)
 
 

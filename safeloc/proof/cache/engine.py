@@ -24,15 +24,15 @@ SHOWING = (
     "simulation",
 )
 """Folders that only display, check, host or simulate: no finding of `verify` depends on them."""
-LONGEST_START_S = 10.0  # assumed age of the process where the system does not tell it
-DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
+_LONGEST_START_S = 10.0  # assumed age of the process where the system does not tell it
+_DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
 
 
 @cache
 def engine_digest() -> str:
-    """Return the SHA-256 over the files of the engine, and the versions of Python and of the packages in DECIDE_WITH."""
+    """Return the SHA-256 over the files of the engine, and the versions of Python and of the packages in _DECIDE_WITH."""
     total = hashlib.sha256(f"{platform.python_implementation()} {platform.python_version()}\0".encode())
-    total.update("".join(f"{name} {metadata.version(name)}\0" for name in DECIDE_WITH).encode())
+    total.update("".join(f"{name} {metadata.version(name)}\0" for name in _DECIDE_WITH).encode())
     return _over(total.hexdigest(), _engine_files())
 
 
@@ -59,7 +59,7 @@ def _began() -> float:
         ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
         age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")
     except (OSError, AttributeError, ValueError):
-        age_s = LONGEST_START_S
+        age_s = _LONGEST_START_S
     return time.time() - age_s
 
 

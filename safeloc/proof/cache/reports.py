@@ -17,7 +17,7 @@ from safeloc.errors import InputError
 from safeloc.proof.cache.engine import engine_digest, source_digest, undisturbed
 from safeloc.proof.cache.store import Store
 
-KIND, SAID = "reports", "said.txt"
+_KIND, _SAID = "reports", "said.txt"
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class KeptReport:
         """Write the files of the report into a folder without a report; InputError if the folder cannot be written."""
         try:
             with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
-                archive.extractall(folder, [name for name in archive.namelist() if name != SAID])
+                archive.extractall(folder, [name for name in archive.namelist() if name != _SAID])
         except OSError as error:
             raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
@@ -56,11 +56,11 @@ def report_key(machines: Sequence[str], config: Path | None, *question: object) 
 
 def kept_report(store: Store, key: str | None) -> KeptReport | None:
     """Return the cached report of the same run; None if there is none."""
-    entry = None if key is None else store.get(KIND, key)
+    entry = None if key is None else store.get(_KIND, key)
     if entry is None:
         return None
     with zipfile.ZipFile(io.BytesIO(entry.data)) as archive:
-        return KeptReport(archive.read(SAID).decode(), entry.since, entry.data)
+        return KeptReport(archive.read(_SAID).decode(), entry.since, entry.data)
 
 
 def keep_report(store: Store, key: str | None, folder: Path, names: Sequence[str], summary: str) -> None:
@@ -71,5 +71,5 @@ def keep_report(store: Store, key: str | None, folder: Path, names: Sequence[str
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in names:
             archive.write(folder / name, name)
-        archive.writestr(SAID, summary)
-    store.put(KIND, key, buffer.getvalue())
+        archive.writestr(_SAID, summary)
+    store.put(_KIND, key, buffer.getvalue())

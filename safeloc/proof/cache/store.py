@@ -15,9 +15,9 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-FORMAT = "safeloc-kept/1"
-LONGEST_HEAD = 1000
-MOST_BYTES = 1_000_000_000
+_FORMAT = "safeloc-kept/1"
+_LONGEST_HEAD = 1000
+_MOST_BYTES = 1_000_000_000
 """Greatest size of the cache; beyond it the least recently used files are deleted."""
 
 
@@ -50,7 +50,7 @@ class Store:
         path = self._path(kind, key)
         try:
             head, _, data = path.read_bytes().partition(b"\n")
-            header = json.loads(head) if len(head) < LONGEST_HEAD else {}
+            header = json.loads(head) if len(head) < _LONGEST_HEAD else {}
         except (OSError, ValueError):
             return None
         if not isinstance(header, dict) or header != _head(kind, key, str(header.get("since")), data):
@@ -79,7 +79,7 @@ class Store:
         """The total size of all cached files."""
         return sum(found.st_size for _, found in self.entries())
 
-    def trim(self, most_bytes: int = MOST_BYTES) -> None:
+    def trim(self, most_bytes: int = _MOST_BYTES) -> None:
         """Delete the least recently used files until the cache has at most `most_bytes`."""
         found = sorted(self.entries(), key=lambda one: one[1].st_mtime)
         left = sum(one.st_size for _, one in found)
@@ -116,5 +116,5 @@ def _put_in_place(path: Path, content: bytes) -> None:
 
 def _head(kind: str, key: str, since: str, data: bytes) -> dict[str, str]:
     """Return the header of a file: format, kind, key, time, and a checksum over these and the data."""
-    total = hashlib.sha256("\0".join([FORMAT, kind, key, since, ""]).encode() + data)
-    return {"format": FORMAT, "kind": kind, "key": key, "since": since, "sha256": total.hexdigest()}
+    total = hashlib.sha256("\0".join([_FORMAT, kind, key, since, ""]).encode() + data)
+    return {"format": _FORMAT, "kind": kind, "key": key, "since": since, "sha256": total.hexdigest()}

@@ -19,8 +19,8 @@ from safeloc.proof.results import Finding
 from safeloc.proof.verification.plain import pack_findings, unpack_findings
 from safeloc.target import Target
 
-KIND = "findings"
-QUICKLY = 3  # of gzip's levels: a third more than the smallest, in a fifth of the time
+_KIND = "findings"
+_QUICKLY = 3  # of gzip's levels: a third more than the smallest, in a fifth of the time
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def asked(target: Target, *question: object) -> Asked:
 
 def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
     """Return the cached findings, each with the time at which it was cached; None if there are none."""
-    entry = None if store is None else store.get(KIND, one.key)
+    entry = None if store is None else store.get(_KIND, one.key)
     if entry is None:
         return None
     findings = unpack_findings(json.loads(gzip.decompress(entry.data)), one.target.system)
@@ -51,4 +51,4 @@ def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> None:
     if store is None or any(isinstance(finding.result, Unknown) for finding in findings) or not undisturbed():
         return
     plain = pack_findings(findings, one.target.system)
-    store.put(KIND, one.key, gzip.compress(json.dumps(plain).encode(), QUICKLY, mtime=0))
+    store.put(_KIND, one.key, gzip.compress(json.dumps(plain).encode(), _QUICKLY, mtime=0))

@@ -7,17 +7,17 @@ from collections.abc import Iterable
 
 from safeloc.proof.cache.store import Store
 
-KIND = "times"
+_KIND = "times"
 
 
 def keep_seconds(store: Store, target: str, question: object, seconds: float) -> None:
     """Store the seconds that a request took for this target."""
-    store.put(KIND, _key(target, question), f"{seconds:.1f}".encode())
+    store.put(_KIND, _key(target, question), f"{seconds:.1f}".encode())
 
 
 def seconds_before(store: Store, targets: Iterable[str], question: object) -> dict[str, float]:
     """Return the seconds that a request took for each target, for those with a stored time."""
-    found = {name: store.get(KIND, _key(name, question)) for name in targets}
+    found = {name: store.get(_KIND, _key(name, question)) for name in targets}
     return {name: float(entry.data) for name, entry in found.items() if entry is not None}
 
 

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-NAME = "turns"
-DIGITS = 15
+_NAME = "turns"
+_DIGITS = 15
 """Number of hexadecimal digits of a key that give the byte's place; two queries with one place merely wait for each other."""
 
 
@@ -38,12 +38,12 @@ class Turn:
 @contextmanager
 def turn(folder: Path, key: str) -> Iterator[Turn | None]:
     """Provide the lock of the query with this key, and release it at the end; None if the folder cannot be written."""
-    file = _opened(folder / NAME)
+    file = _opened(folder / _NAME)
     if file is None:
         yield None
         return
     try:
-        yield Turn(file, int(key[:DIGITS], 16))
+        yield Turn(file, int(key[:_DIGITS], 16))
     finally:
         os.close(file)
 

@@ -17,9 +17,9 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import inherited, prove_one
 from safeloc.proof.provers.proved_base import Base, base
 
-QUESTION_SHARE = 0.2
+_QUESTION_SHARE = 0.2
 """Share of the time limit for a claim that each query gets which tries to leave out one element."""
-ORDER = ("range", "lemma", "contract", "row", "clause")
+_ORDER = ("range", "lemma", "contract", "row", "clause")
 """The order in which kinds of elements are left out; clauses come last, when the core is small already."""
 
 
@@ -65,7 +65,7 @@ def _core(system: TransitionSystem, prop: Property, limits: Limits, name: str, k
 def _proof(claim: Asked, limits: Limits) -> Switched | None:
     """Return the proof with the least k; None if no k within the limits proves the claim."""
     for k in range(1, limits.induction + 1):
-        proof = Switched(claim, k, replace(limits, seconds=limits.seconds * QUESTION_SHARE))
+        proof = Switched(claim, k, replace(limits, seconds=limits.seconds * _QUESTION_SHARE))
         if proof.proved_by(claim.elements) is not None:
             return proof
     return None
@@ -87,7 +87,7 @@ def _smallest(proof: Switched) -> tuple[tuple[Element, ...], tuple[Element, ...]
     left, open_ = list(proof.proved_by(every) or every), list[Element]()
     if proof.proved_by(left) is None:
         left = list(every)
-    for one in sorted(left, key=lambda element: (ORDER.index(element.kind), element.name)):
+    for one in sorted(left, key=lambda element: (_ORDER.index(element.kind), element.name)):
         if one not in left:
             continue
         fewer = proof.proved_by([other for other in left if other is not one])
