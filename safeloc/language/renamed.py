@@ -10,7 +10,7 @@ from typing import Any, TypeVar, cast
 
 from safeloc.errors import SafelocError, declared_at
 
-_Declaring = TypeVar("Declaring", bound=Callable[..., Any])
+_Declaring = TypeVar("_Declaring", bound=Callable[..., Any])
 
 _SIDES = {"over": "margin_above", "under": "margin_below"}
 """Former and present words for the sides of an interval: `over` was ETCS's under-reading, `under` its over-reading amount."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
-_Subject = TypeVar("Subject")
+_Subject = TypeVar("_Subject")
 Harm = Literal["a wrong verdict", "a crash", "a slip"]
 
 
