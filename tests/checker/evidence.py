@@ -52,7 +52,7 @@ class Evidence:
 
 
 def solved(text: str) -> Opinion:
-    """What the solvers say of a text; they decide these small ones at once, or never."""
+    """Return the solvers' answers about a text; they decide such small texts at once, or never."""
     [(_, said)] = asked(5, [("a text", text)])
     return said
 

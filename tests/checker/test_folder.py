@@ -40,7 +40,7 @@ def test_a_report_is_confirmed(report: Path) -> None:
 
 
 def archives(folder: Path) -> Archives:
-    """What the files of certificates hold: file -> name -> text."""
+    """Return the texts in the files of certificates: file -> name -> text."""
     expected = json.loads((folder / "report.json").read_text())["certificates"]
     texts = read_archives(folder / "certificates", expected).texts
     return {file: {name: texts[name] for name in names} for file, names in expected.items()}
@@ -140,7 +140,7 @@ def not_confirmed(folder: Path) -> list[str]:
 
 
 def test_another_declaration(copy: Path) -> None:
-    """Where the declaration is not the one of the report nothing is confirmed, and that is told with code 3."""
+    """If the declaration is not that of the report, nothing is confirmed, and the exit code is 3."""
     data = json.loads((copy / "report.json").read_text())
     data["machines"][0]["declaration"] = "0" * 64
     (copy / "report.json").write_text(json.dumps(data))

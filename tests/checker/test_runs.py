@@ -38,7 +38,7 @@ def counting(tmp_path: Path) -> Path:
 
 
 def rows(folder: Path) -> dict[str, Checked]:
-    """What the checker says of each result."""
+    """Return the checker's answer about each result."""
     return {row.id: row for row in check_folder(folder, seconds=10).rows}
 
 
@@ -101,7 +101,7 @@ def test_cases_that_a_search_found(counting: Path) -> None:
 
 
 def test_a_case_without_a_run(counting: Path) -> None:
-    """What no recording and no run shows is not shown."""
+    """A case that occurs in no recording and no stored run is not confirmed."""
     edited(counting, lambda row: None if row["id"] == CASE else row)
     assert "not confirmed" == rows(counting)["counting/obligation/antecedents"].answer
 

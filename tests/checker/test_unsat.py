@@ -1,4 +1,4 @@
-"""What the proofs of a folder's certificates leave to be trusted."""
+"""Survey of the proof steps in a folder's certificates that remain to be trusted."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def one(value: object, *, at: tuple[int, int] = (1, 2), rest: object = 0) -> NDA
     ],
 )  # fmt: skip
 def test_wrong_inputs_are_refused(changed: dict[str, NDArray[Any]], message: str) -> None:
-    """What the interpreter refuses in a step is refused in an array, with array, step and run in the message."""
+    """Values that the interpreter refuses are refused in an array too, with array, step and run in the message."""
     with pytest.raises(InputError, match=message):
         simulate(ODOMETER, odometer_inputs(**changed))
 

@@ -42,7 +42,7 @@ from tests.random_machines import first_states, machines, records
 pytestmark = needs_compiler
 
 COLUMNS = [0, 1, 2, 0, 2, 1, 1, 0, 2, 0, 1, 2, 2, 1, 0, 0, 0, 1, 2]
-"""Which of three streams each run takes: more runs than lanes, and not a multiple of them."""
+"""The stream (one of three) of each run; the number of runs exceeds the lanes and is no multiple of them."""
 
 
 def compiled(system: TransitionSystem, folder: Path, threads: int = 2, cc: str | None = None) -> LanesBatch:
@@ -137,7 +137,7 @@ def other_compiler(folder: Path, line: str) -> str:
     ids=["two lanes", "four lanes", "no flag for this processor"],
 )
 def test_narrower_registers_give_the_same(line: str, widths: set[int], tmp_path: Path) -> None:
-    """However many lanes a register has, and where the compiler knows no processor, results are the same."""
+    """Results do not depend on the number of lanes, nor on flags for the processor."""
     batch = compiled(ODOMETER, tmp_path, cc=other_compiler(tmp_path, line))
     assert batch.lanes in widths
     movement = np.arange(-9, 13).reshape(2, 11)
@@ -184,7 +184,7 @@ def test_libraries_are_kept_for_their_processor(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_wrong_inputs_are_refused(changed: dict[str, NDArray[Any]], message: str, tmp_path: Path) -> None:
-    """What numpy's batch refuses is refused here, with array, step and run in the message."""
+    """Inputs that numpy's batch refuses are refused here too, with array, step and run in the message."""
     with pytest.raises(InputError, match=message):
         simulate(compiled(ODOMETER, tmp_path), odometer_inputs(**changed))
 

@@ -302,7 +302,7 @@ def test_nothing_is_allocated_and_nothing_recurs() -> None:
 
 
 def test_the_header_tells_units_ranges_and_requirements() -> None:
-    """What an integrator needs to know stands beside each field and each transition."""
+    """The header describes each field and each transition for the integrator."""
     entry = ENTRIES["odometry"]
     header = library_texts(layout_of(without_ghosts(entry.make(entry.config()).system)), "Told.")["odometry.h"]
     assert "    int64_t front_wheel_mm; /* mm, -" in header

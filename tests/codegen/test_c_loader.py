@@ -21,7 +21,7 @@ pytestmark = needs_compiler
 
 
 def on_board(name: str) -> TransitionSystem:
-    """What runs on board of an example."""
+    """Return the on-board system of an example."""
     return without_ghosts(next(one for one in EXAMPLES if one.name == name).system)
 
 
@@ -37,7 +37,7 @@ def test_a_step_by_name(tmp_path: Path) -> None:
 
 
 def test_inputs_are_refused_as_by_the_interpreter(tmp_path: Path) -> None:
-    """What is out of range, unknown or no number moves nothing."""
+    """After an input that is out of range, unknown or no number, the state is unchanged."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
     machine.step({"movement": 100})
     with pytest.raises(InputError, match=r"^movement: 5001 mm is outside -5000\.\.5000\.$"):
@@ -69,7 +69,7 @@ def test_columns_of_other_kinds_are_refused(tmp_path: Path) -> None:
 
 
 def test_an_absent_value_is_not_looked_at(tmp_path: Path) -> None:
-    """Whatever stands in an input that is declared absent, it is neither refused nor used."""
+    """The value of an absent input is neither refused nor used."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
     rows = machine.rows([{"movement": 5}])
     rows[0].reference = -(2**63)

@@ -20,7 +20,7 @@ from tests.random_machines import Record, first_states, machines, records
 
 
 def answers(text: str) -> list[str]:
-    """What cvc5 says to each `check-sat` of a text."""
+    """Return cvc5's answer to each `check-sat` of a text."""
     return decide("test.smt2", text, seconds=10)
 
 

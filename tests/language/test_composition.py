@@ -94,7 +94,7 @@ def without_place(error: BaseException) -> str:
 
 
 def test_a_wired_optional_input_is_no_longer_absent() -> None:
-    """Where value and presence are wired, no optional input is left to the stream."""
+    """If value and presence are wired, the stream has no optional input left."""
     pair = Pair()
     wires: dict[Var, Expr] = {pair.extra.value: pair.step, pair.extra.present: pair.step > 0}
     whole = compose("both", (pair.counter, pair.alarm), wires).system
@@ -162,7 +162,7 @@ def test_machines_of_the_same_variables_stay_apart() -> None:
 
 
 def test_a_wire_from_an_unclear_variable_is_refused() -> None:
-    """Where two earlier machines hold one variable, a wire cannot say whose it reads."""
+    """If two earlier machines have the same variable, a wire that reads it is ambiguous."""
     pair = Pair()
     earlier = [bucket("left", HELD, POURED), bucket("right", HELD, POURED)]
     with pytest.raises(ModelError) as caught:

@@ -26,7 +26,7 @@ def whole(declared: Declared) -> Machine:
 
 
 def test_each_role_keeps_the_order_of_its_declarations() -> None:
-    """Whatever stands between two variables of one role; inputs and state are the fields of the exported code."""
+    """Variables of one role keep the order of their declarations, which is that of the fields in exported code."""
     declared = Declared()
     b, truth, a = declared.sensor(boolean("b")), declared.ghost(boolean("truth"), first=ANY), number("a_mm", MM, 0, 9)
     place, push = declared.state(a, first=3), declared.choice(boolean("push"))

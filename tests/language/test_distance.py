@@ -73,7 +73,7 @@ def test_the_unit_is_that_of_what_is_hidden() -> None:
 
 
 def test_it_grows_with_a_maximum_of_what_is_hidden() -> None:
-    """Where only a part is linear in what is hidden, that part sets the scale."""
+    """If only a part is linear in the hidden variable, that part sets the scale."""
     assert (0, MM) == at(A * 10 <= maximum(B * 4, 0), {A: 1, B: 3}, frozenset({A, B}))
 
 

@@ -41,7 +41,7 @@ def first_false(values: Sequence[bool]) -> int | None:
 
 
 def oracle(name: str, run_: Runs) -> list[bool]:
-    """What the term is in each step, from its definition."""
+    """Return the truth value of a past term in each step, computed from its definition."""
     ps, qs = [p for p, _ in run_], [q for _, q in run_]
     steps = range(len(run_))
     match name:
@@ -118,7 +118,7 @@ def nested(draw: st.DrawFn, depth: int = 3) -> tuple[Bool, Callable[[Runs], list
 
 @given(nested(), RUNS)
 def test_past_operators_inside_one_another(term: tuple[Bool, Callable[[Runs], list[bool]]], run_: Runs) -> None:
-    """However deeply they are nested, each operator keeps its definition."""
+    """Nested past operators have their defined values, at any depth."""
     assert first_false(term[1](run_)) == first_break(always("nested", term[0]), run_)
 
 

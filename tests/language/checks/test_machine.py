@@ -210,7 +210,7 @@ def test_what_rows_share_is_told_of_each() -> None:
 
 
 def test_what_an_environment_may_read_an_output_may_not() -> None:
-    """That a term is in order in one place says nothing of places where less may be read."""
+    """A term that is allowed in one place is still refused in places where fewer variables may be read."""
     shared = GHOST + N
     with pytest.raises(ModelError, match=r"output 'o' reads 'g'; it may read only state") as raised:
         declare(outputs={"o": shared}, moves={GHOST: shared}, lemmas={"l": shared > 3})

@@ -1,4 +1,4 @@
-"""What each rule keeps out: with the rule it is refused, without it a wrong verdict or a crash comes back.
+"""The harm that each rule prevents: with the rule the declaration is refused, without it a wrong verdict or a crash results.
 
 Some harm is kept out twice: where a machine is declared, with its place, and of every system that is handed to a prover,
 whoever made it. `also` names those further rules; without them as well the harm is there.
@@ -54,7 +54,7 @@ def plain(**changes: object) -> Machine:
 
 
 def proves(what: TransitionSystem, term: Bool) -> bool:
-    """Whether the term is called proved."""
+    """Return whether the prover calls the term proved."""
     return isinstance(prove_one(observe(what, always("claim", term)), LIMITS), Proved)
 
 
@@ -412,7 +412,7 @@ def remove(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
 
 
 def test_the_table_holds_every_rule_once() -> None:
-    """What is listed is what is applied, and no two rules share a name."""
+    """The list contains exactly the applied rules, and no two rules share a name."""
     applied = [rule for module, table in TABLES for rule in getattr(module, table)]
     assert list(RULES) == applied
     assert len({rule.name for rule in RULES}) == len(RULES)
