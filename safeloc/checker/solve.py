@@ -82,7 +82,7 @@ class Opinions:
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
-        more = {} if _yices() is None else {"yices": _of_text(text, self._seconds)}
+        more = {} if _yices_program() is None else {"yices": _of_text(text, self._seconds)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:
@@ -243,7 +243,7 @@ def _linear(dag: Dag, one: Certificate) -> bool:
     return True
 
 
-def _yices() -> str | None:
+def _yices_program() -> str | None:
     """Return the path of yices' program for SMT-LIB, beside Python or on the search path; None if it is not installed."""
     return shutil.which(
         "yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
@@ -267,7 +267,7 @@ def _fitting(answers: Sequence[str], goals: int) -> Answers:
 
 
 def _yices(text: str, seconds: float, *, together: bool) -> Sequence[str]:
-    program = _yices()
+    program = _yices_program()
     assert program is not None
     asked = [program, f"--timeout={max(1, int(seconds))}", *(["--incremental"] if together else [])]
     done = subprocess.run(asked, input=text, capture_output=True, text=True)

@@ -107,7 +107,7 @@ def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal
 def _over(part: Part, term: Bool) -> Bool | None:
     """Rewrite a term of the composition over one machine's own variables; None if it reads others or wired inputs."""
     machine_variables = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
-    back = {twin: var for var in machine_variables if isinstance(twin := part.into(var), Var)}
+    back = {into: var for var in machine_variables if isinstance(into := part.into(var), Var)}
     replaced: dict[Var, Expr] = {}
     for var in variables([term]):
         twin = back.get(var if var.before is None else var.before)
