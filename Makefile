@@ -59,7 +59,7 @@ clean:
 	rm -rf .venv build dist *.egg-info safeloc-report
 
 # Installed as editable, so that an edit in the checkout is seen at once; the wheel is what tests/test_packaging.py tries.
-$(READY): pyproject.toml
+$(READY): pyproject.toml setup.py
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --upgrade pip

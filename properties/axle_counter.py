@@ -1,6 +1,6 @@
-"""What must hold of a train's entry record (FVA-3, FVA-5).
+"""Properties of a train's entry record (FVA-3, FVA-5).
 
-The truth is reckoned upwards along the line; a record is reckoned in the direction in which it says that the train came.
+The truth is counted upwards along the line; a record is counted in the direction in which it reports the train as coming.
 """
 
 from __future__ import annotations
@@ -17,28 +17,38 @@ from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 
 REQUIREMENTS = ("FVA-3", "FVA-5")
 LAW = (
-    "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes, and follow "
-    "each other at the headway; a passage is told to be over only when it is"
+    "heads without a fault report every axle and true bounds of its speed; trains keep to their traction and "
+    "brakes, and follow each other at the headway; the input that a passage is over is true"
 )
 
 
 def properties(model: AxleCounter) -> list[Property]:
-    """A sound record is true; a passage with any flaw gives none."""
-    return [*_truth(model), *_within_bounds(model), *_spoils(model), *_flaws(model), *_records(model)]
+    """Return the properties: a sound record is true; a passage with any flaw gives none."""
+    return [
+        *_truth(model),
+        *_within_bounds(model),
+        *_exact(model),
+        *_spoils(model),
+        *_spoilt(model),
+        *_pause(model),
+        *_flaws(model),
+        *_records(model),
+        *_recorded(model),
+    ]
 
 
 def _held(name: str, term: Bool, statement: str) -> Property:
-    """A claim for all inputs in range."""
+    """Return a property for all inputs in range."""
     return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _lawful(name: str, term: Bool, statement: str) -> Property:
-    """A claim that rests on the world's clauses."""
+    """Return a property that rests on the world's laws."""
     return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def _ahead(model: AxleCounter, along: Num) -> Num:
-    """Of what is reckoned upwards, what is ahead in the direction that the record tells."""
+    """Return an upward distance as a distance in the direction of the record."""
     return ite(model.machine.output("record_direction").eq(DOWN), -along, along)
 
 
@@ -57,7 +67,7 @@ def _truth(model: AxleCounter) -> Iterator[Property]:
     yield _lawful(
         "direction is true",
         sound.implies(direction.eq(ite(own.last_up, UP, DOWN))),
-        "a sound record tells the direction in which the train passed",
+        "a sound record reports the direction in which the train passed",
     )
     yield _lawful(
         "the whole train has passed",
@@ -67,7 +77,7 @@ def _truth(model: AxleCounter) -> Iterator[Property]:
 
 
 def _within_bounds(model: AxleCounter) -> Iterator[Property]:
-    """What a sound record bounds, the train's truth between."""
+    """Claim that the bounds of a sound record contain the truth."""
     machine, own = model.machine, model.own
     bounds = {"length": ("um", own.length), "speed": ("mm_s", own.speed), "run": ("um", own.run)}
     meant = {
@@ -83,8 +93,12 @@ def _within_bounds(model: AxleCounter) -> Iterator[Property]:
             machine.flag("record_sound").implies(
                 between(exact_to(low, finer), _ahead(model, truth), exact_to(high, finer))
             ),
-            f"a sound record's bounds hold {meant[name]}",
+            f"a sound record's bounds contain {meant[name]}",
         )
+
+
+def _exact(model: AxleCounter) -> Iterator[Property]:
+    machine, own = model.machine, model.own
     wide = machine.output("record_length_high_um") - machine.output("record_length_low_um")
     yield _held(
         "length is exact enough",
@@ -93,7 +107,7 @@ def _within_bounds(model: AxleCounter) -> Iterator[Property]:
     )
 
 
-# ------------------------------------------------------------------ what spoils a passage
+# ------------------------------------------------------------------ spoilt passages
 
 
 def _other_way(own: Parts) -> Bool:
@@ -101,9 +115,10 @@ def _other_way(own: Parts) -> Bool:
 
 
 def _spoils(model: AxleCounter) -> Iterator[Property]:
+    """Claim the events that spoil a passage."""
     machine, own = model.machine, model.own
-    spoilt, _, passing, done = machine.modes
-    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
+    spoilt, _, passing, _ = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
     yield _held(
         "a fault spoils",
         own.fault.implies(mode.eq(spoilt)),
@@ -118,19 +133,33 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
     yield _held(
         "an axle after the headway spoils",
         (before_.eq(passing) & own.axle.ne(NO_AXLE) & late).implies(mode.eq(spoilt)),
-        "an axle that comes so long after the last one that it may be another train's spoils the passage in the same cycle",
+        "an axle that comes so long after the last one that it may be another train's spoils the passage in the "
+        "same cycle",
     )
+
+
+def _spoilt(model: AxleCounter) -> Iterator[Property]:
+    """Claim that a passage stays spoilt until it is over."""
+    machine, own = model.machine, model.own
+    spoilt, _, _, done = machine.modes
+    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
     yield _held(
         "spoilt until over",
         (before_.eq(spoilt) & mode.ne(spoilt)).implies(own.over & mode.eq(done) & ~sound),
-        "what is left of a spoilt passage is never taken for another train",
+        "the rest of a spoilt passage is never counted as another train",
     )
     yield _held(
         "a spoilt passage that is over is told",
         all_of([before_.eq(spoilt), own.over, own.axle.eq(NO_AXLE), ~own.fault]).implies(machine.flag("record_ready")),
-        "the cycle in which a spoilt passage is told to be over, without an axle or a fault in it, is told as a passage without a "
-        "record",
+        "when an input reports that a spoilt passage is over, in a cycle without an axle or a fault, the machine "
+        "reports a passage without a record in that cycle",
     )
+
+
+def _pause(model: AxleCounter) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, _, passing, _ = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
     longer = ite(before(own.pause) >= own.pause.high, before(own.pause), before(own.pause) + 1)
     yield _held(
         "the pause is counted",
@@ -142,7 +171,7 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
 
 
 def _flaws(model: AxleCounter) -> Iterator[Property]:
-    """A reason, and the right one."""
+    """Claim that a spoilt passage has a reason, and the right one."""
     machine, own = model.machine, model.own
     spoilt, _, passing, _ = machine.modes
     mode, before_ = machine.mode, before(machine.mode)
@@ -156,7 +185,7 @@ def _flaws(model: AxleCounter) -> Iterator[Property]:
     yield _lawful(
         "true speeds never contradict each other",
         own.flaw.ne(p.SPEED_CONTRADICTED),
-        "the bounds of the speeds of a train that keeps to its traction and brakes always have one in common",
+        "the bounds of the speeds of a train that keeps to its traction and brakes always overlap",
     )
     yield _held(
         "an unspoilt passage goes on",
@@ -180,18 +209,19 @@ def _causes(own: Parts) -> dict[Lit, Bool]:
 
 
 def _far_off(own: Parts) -> Bool:
-    """A bound of the run may leave what is followed within this cycle."""
+    """Return the condition that a bound of the run may leave the followed range within this cycle."""
     farthest = Lit((own.config.length_limit_mm + own.config.axle_gap_mm) * 1_000, UM)
     return any_of(abs_(before(bound)) > farthest for bound in (own.run_low, own.run_high, own.past_low))
 
 
-# ------------------------------------------------------------------ when there is a record
+# ------------------------------------------------------------------ conditions of a record
 
 
 def _records(model: AxleCounter) -> Iterator[Property]:
+    """Claim the conditions of a sound record."""
     machine, own = model.machine, model.own
-    _, _, passing, done = machine.modes
-    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
+    _, _, passing, _ = machine.modes
+    before_, sound = before(machine.mode), machine.flag("record_sound")
     nothing = [machine.output(f"record_{name}") for name in ("axles", "length_low_um", "length_high_um")]
     yield _held(
         "a record needs a passage",
@@ -201,8 +231,15 @@ def _records(model: AxleCounter) -> Iterator[Property]:
     yield _held(
         "nothing without a record",
         (~sound).implies(nothing[0].eq(0) & nothing[1].eq(0) & nothing[2].eq(0)),
-        "without a sound record there are no numbers to verify with",
+        "without a sound record all its numbers are zero",
     )
+
+
+def _recorded(model: AxleCounter) -> Iterator[Property]:
+    """Claim the cycle in which the record comes."""
+    machine, own = model.machine, model.own
+    _, _, passing, done = machine.modes
+    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
     ready = machine.flag("record_ready")
     yield _held(
         "a passage ends with its record",
@@ -213,7 +250,7 @@ def _records(model: AxleCounter) -> Iterator[Property]:
     yield _held(
         "a record comes as soon as the train has passed",
         (mode.eq(passing) & own.axle.eq(NO_AXLE)).implies(own.past_low <= gap),
-        "the record comes in the cycle in which the train has surely run farther than two axles are apart",
+        "the record comes in the cycle in which the train has certainly run farther than two axles are apart",
     )
     yield reachable(
         "record", sound & (own.count > 1), statement="a train gives a sound record", requirements=REQUIREMENTS

@@ -1,4 +1,4 @@
-"""What must hold of a counting head (FVA-4, FVA-5)."""
+"""Properties of a counting head (FVA-4, FVA-5)."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: AxleHead) -> list[Property]:
-    """Every axle is counted once, in its direction; nothing else is."""
-    return [*_wheels(model), *_sequences(model), *_disturbed(model), *_reached(model)]
+    """Return the properties: every axle is counted once, in its direction, and nothing else is."""
+    return [*_wheels(model), *_sequences(model), *_disturbs(model), *_disturbed(model), *_reached(model)]
 
 
 def _held(name: str, term: Bool, statement: str) -> Property:
-    """A claim for all samples."""
+    """Return a property for all samples."""
     return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _end_um(own: Parts) -> int:
-    """Where a wheel that rolls up leaves channel B."""
+    """Return the place where a wheel that rolls up leaves channel B, um."""
     return 1_000 * (own.config.spacing_mm + own.config.overlap_mm + own.config.spacing_mm)
 
 
@@ -35,21 +35,22 @@ def _on(own: Parts, wheel: NumVar) -> Bool:
 
 
 def _hears_the_wheel(own: Parts) -> Bool:
-    """The channels tell the wheel that is there, and nothing else."""
+    """Return the condition that the channels are damped by the wheel that is there, and by nothing else."""
     begins, ends = own.config.spacing_mm * 1_000, (own.config.spacing_mm + own.config.overlap_mm) * 1_000
     on = _on(own, own.wheel)
     return own.a.iff(on & (own.wheel < ends)) & own.b.iff(on & (own.wheel >= begins))
 
 
 def _wheels(model: AxleHead) -> Iterator[Property]:
-    """Where the wheel really is."""
+    """Claim count and damping against the true place of the wheel."""
     machine, own = model.machine, model.own
     on, above, below = _on(own, before(own.wheel)), own.wheel >= _end_um(own), own.wheel < 0
     through_up, through_down = on & above & was(own.from_low), on & below & ~was(own.from_low)
     yield under_assumption(
         "every axle is counted",
         own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down),
-        statement="an axle is counted upwards in exactly the sample in which a wheel from below left above; and downwards",
+        statement="an axle is counted upwards in exactly the sample in which a wheel that came from below has left above; "
+        "and downwards the other way round",
     )
     yield under_assumption(
         "no disturbance by wheels",
@@ -59,12 +60,12 @@ def _wheels(model: AxleHead) -> Iterator[Property]:
     yield under_assumption(
         "damped is a wheel on the head",
         machine.flag("damped").iff(_on(own, own.wheel)),
-        statement="the head says that it is damped exactly while a wheel is on it",
+        statement="the head reports itself as damped exactly while a wheel is on it",
     )
 
 
 def _sequences(model: AxleHead) -> Iterator[Property]:
-    """What the channels have to have told for an axle to be counted."""
+    """Claim the sequences of the channels that count an axle."""
     own = model.own
     some = own.a | own.b
     both, from_a, from_b = (
@@ -81,11 +82,12 @@ def _sequences(model: AxleHead) -> Iterator[Property]:
         "an axle comes in at one channel and goes out at the other",
         own.axle.eq(UP).implies(from_a & previous(own.b & ~own.a))
         & own.axle.eq(DOWN).implies(from_b & previous(own.a & ~own.b)),
-        "upwards is what damped A alone first and B alone last; downwards the other way round",
+        "an axle upwards damped A alone first and B alone last; an axle downwards the other way round",
     )
 
 
-def _disturbed(model: AxleHead) -> Iterator[Property]:
+def _disturbs(model: AxleHead) -> Iterator[Property]:
+    """Claim the events that disturb the head."""
     machine, own = model.machine, model.own
     free, *_, disturbed = machine.modes
     mode, is_disturbed = machine.mode, machine.flag("disturbed")
@@ -93,7 +95,7 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
     yield _held(
         "unknown direction disturbs",
         (before(mode).eq(free) & own.a & own.b).implies(mode.eq(disturbed)),
-        "both channels at once tell no direction: the head is disturbed in that sample",
+        "both channels at once show no direction: the head is disturbed in that sample",
     )
     was_disturbed = before(mode).eq(disturbed)
     yield _held(
@@ -106,6 +108,14 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
         is_disturbed.implies(leap | (was_disturbed & (own.a | own.b))),
         "the head is disturbed only by such a step, and only until both channels are free",
     )
+
+
+def _disturbed(model: AxleHead) -> Iterator[Property]:
+    """Claim the outputs of a disturbed head."""
+    machine, own = model.machine, model.own
+    *_, disturbed = machine.modes
+    mode, is_disturbed = machine.mode, machine.flag("disturbed")
+    was_disturbed = before(mode).eq(disturbed)
     yield _held(
         "a disturbed head counts nothing",
         (was_disturbed | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),
@@ -115,8 +125,8 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
     yield _held(
         "damped unless free and sound",
         machine.flag("damped").iff(some_wheel),
-        "the head says that it is damped exactly while a channel is damped or the head is disturbed: where it cannot tell, "
-        "a wheel may stand on it",
+        "the head reports itself as damped exactly while a channel is damped or the head is disturbed: while it "
+        "is disturbed, a wheel may stand on it",
     )
 
 

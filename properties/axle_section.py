@@ -1,7 +1,7 @@
-"""What must hold of a section between axle counters (FVA-4, FVA-5).
+"""Properties of a section between axle counters (FVA-4, FVA-5).
 
-Every claim is written from the axles told in a cycle, from what is really in the section, and from the state that the
-requirement speaks of: mode, count, lead time, the ways that a sweep has gone since the reset.
+Every property is written from the axles reported in a cycle, from the axles really in the section, and from the state that
+the requirement names: mode, count, lead time, and the ways of a sweep since the reset.
 """
 
 from __future__ import annotations
@@ -24,27 +24,39 @@ from safeloc.models.axle_section.variables import (
 
 REQUIREMENTS = ("FVA-4", "FVA-5")
 LAW = (
-    "heads without a fault count truly; who reports a sweep ran it after the reset was asked for, on sight, has left, and met "
-    "nothing where he ran through"
+    "heads without a fault count truly; the driver who reports a sweep ran it on sight after the reset was "
+    "requested, has left, and met nothing where he ran through"
 )
 
 
 def properties(model: AxleSection) -> list[Property]:
-    """Clear is clear; a reset never frees; a fault is occupied in the same step."""
-    return [*_truth(model), *_resets(model), *_answers(model), *_occupied(model), *_sweeps(model), *_frees(model)]
+    """Return the properties: clear is clear; a reset never clears; a fault is occupied in the same step."""
+    return [
+        *_healthy(model),
+        *_truth(model),
+        *_resets(model),
+        *_refused(model),
+        *_lead_time(model),
+        *_answers(model),
+        *_occupied(model),
+        *_disturbed(model),
+        *_from_power_up(model),
+        *_sweeps(model),
+        *_frees(model),
+    ]
 
 
 def _held(name: str, term: Bool, statement: str) -> Property:
-    """A claim for all inputs in range."""
+    """Return a property for all inputs in range."""
     return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _lawful(name: str, term: Bool, statement: str) -> Property:
-    """A claim that rests on the world's clauses."""
+    """Return a property that rests on the world's laws."""
     return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
 
 
-# ------------------------------------------------------------------ terms from what is told
+# ------------------------------------------------------------------ terms from the inputs
 
 
 def _passed(own: Parts) -> Bool:
@@ -52,7 +64,7 @@ def _passed(own: Parts) -> Bool:
 
 
 def _came_in(own: Parts) -> Num:
-    """The count before the cycle, and what came in at both ends."""
+    """Return the count before the cycle plus the axles that came in at both ends."""
     return before(own.count) + own.into[0] + own.into[1]
 
 
@@ -61,12 +73,12 @@ def _went_out(own: Parts) -> Num:
 
 
 def _ways(own: Parts) -> list[tuple[BoolVar, NumVar]]:
-    """The state that keeps each way of the sweep, and the axles told there."""
+    """Return the state for each way of the sweep, with the axles reported there."""
     return list(zip((*own.swept_from, *own.swept_to), (*own.into, *own.out), strict=True))
 
 
 def _ran_through(own: Parts) -> Bool:
-    """Before this cycle axles had come in at one end only, and gone out at the other only."""
+    """Return the condition that before this cycle axles had come in at one end only, and gone out at the other only."""
     (in_low, in_high), (out_low, out_high) = map(was, own.swept_from), map(was, own.swept_to)
     return (in_low & ~in_high & ~out_low & out_high) | (in_high & ~in_low & ~out_high & out_low)
 
@@ -74,21 +86,28 @@ def _ran_through(own: Parts) -> Bool:
 # ------------------------------------------------------------------ claims
 
 
-def _truth(model: AxleSection) -> Iterator[Property]:
-    machine, own = model.machine, model.own
-    _, clear, occupied, _, _ = machine.modes
+def _healthy(model: AxleSection) -> Iterator[Property]:
+    """Claim the states with a healthy count."""
+    machine = model.machine
+    _, clear, occupied, *_ = machine.modes
     yield _held(
         "a section that counts is healthy",
         machine.flag("healthy").iff(machine.mode.eq(clear) | machine.mode.eq(occupied)),
-        "the count is said to be healthy while the section is told to be clear or occupied, and at no other time",
+        "the count is reported as healthy while the section is clear or occupied, and at no other time",
     )
+
+
+def _truth(model: AxleSection) -> Iterator[Property]:
+    """Claim clear, count and reset against the axles that are really in the section."""
+    machine, own = model.machine, model.own
+    _, clear, occupied, *_ = machine.modes
     is_clear, before_ = machine.flag("clear"), before(machine.mode)
     accepted = own.answer.eq(ACCEPTED)
     yield _lawful("clear is clear", is_clear.implies(own.axles.eq(0)), "a section reported clear has no axle in it")
     yield _lawful(
         "a healthy count is the truth",
         machine.flag("healthy").implies(machine.output("axles").eq(own.axles)),
-        "where the count is healthy, as many axles are told as are really in the section",
+        "while the count is healthy, the reported number of axles is the true one",
     )
     yield _lawful(
         "cleared only by a sweep that met nothing",
@@ -101,13 +120,14 @@ def _truth(model: AxleSection) -> Iterator[Property]:
     yield _lawful(
         "refused while a train is in",
         (accepted & before_.one_of(clear, occupied)).implies(before(own.axles).eq(0)),
-        "while the count is believed, a reset is accepted only where no axle really is in the section",
+        "while the count is believed, a reset is accepted only if no axle really is in the section",
     )
 
 
 def _resets(model: AxleSection) -> Iterator[Property]:
+    """Claim that a reset never clears."""
     machine, own = model.machine, model.own
-    unknown, clear, occupied, disturbed, sweeping = machine.modes
+    _, clear, occupied, disturbed, sweeping = machine.modes
     mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
     accepted = own.answer.eq(ACCEPTED)
     yield _held(
@@ -125,9 +145,17 @@ def _resets(model: AxleSection) -> Iterator[Property]:
         (is_clear & ~before_.one_of(clear, occupied)).implies(
             before_.eq(sweeping) & _ran_through(own) & ~_passed(own) & own.reported_clear
         ),
-        "unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and out and "
-        "reported it free",
+        "unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and "
+        "out, and its driver reported the section free",
     )
+
+
+def _refused(model: AxleSection) -> Iterator[Property]:
+    """Claim the reasons to refuse a reset."""
+    machine, own = model.machine, model.own
+    unknown, clear, _, disturbed, _ = machine.modes
+    before_ = before(machine.mode)
+    accepted = own.answer.eq(ACCEPTED)
     yield _held(
         "refused while occupied",
         (accepted & ~before_.one_of(unknown, clear, disturbed)).implies(before(own.count).eq(0)),
@@ -143,6 +171,10 @@ def _resets(model: AxleSection) -> Iterator[Property]:
         accepted.implies(before(own.quiet) >= own.config.lead_cycles),
         "a reset is refused until no axle passed for the lead time",
     )
+
+
+def _lead_time(model: AxleSection) -> Iterator[Property]:
+    own = model.own
     longer = minimum(before(own.quiet) + 1, own.config.lead_cycles)
     yield _held(
         "the lead time is counted",
@@ -153,7 +185,7 @@ def _resets(model: AxleSection) -> Iterator[Property]:
 
 
 def _answers(model: AxleSection) -> Iterator[Property]:
-    """Each answer exactly in its case."""
+    """Claim that each answer comes exactly in its case."""
     machine, own = model.machine, model.own
     unknown, clear, _, disturbed, _ = machine.modes
     counted = ~before(machine.mode).one_of(unknown, clear, disturbed) & before(own.count).ne(0)
@@ -169,21 +201,19 @@ def _answers(model: AxleSection) -> Iterator[Property]:
     yield _held(
         "a request for reset is answered",
         _always_in_a_step(model, all_of([*right, own.answer.eq(NOT_ASKED).iff(~own.reset)])),
-        "a request is answered with the first reason against it, and accepted where there is none",
+        "a request is answered with the first reason against it, and accepted if there is none",
     )
 
 
 def _always_in_a_step(model: AxleSection, term: Bool) -> Bool:
-    """The term of every step; of the first state nothing is asked."""
+    """Return the term for every step; the first state is not concerned."""
     return (model.machine.stayed() | ~model.machine.stayed()).implies(term)
 
 
 def _occupied(model: AxleSection) -> Iterator[Property]:
+    """Claim the inputs that keep the section from being clear at once."""
     machine, own = model.machine, model.own
-    unknown, clear, occupied, disturbed, sweeping = machine.modes
-    mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
-    impossible = (_came_in(own) < _went_out(own)) | (_came_in(own) > _went_out(own) + own.config.axle_limit)
-    believed = before_.one_of(clear, occupied, sweeping)
+    is_clear = machine.flag("clear")
     yield _held(
         "a fault is occupied",
         own.fault.implies(~is_clear),
@@ -194,6 +224,15 @@ def _occupied(model: AxleSection) -> Iterator[Property]:
         own.damped.implies(~is_clear),
         "while a wheel stands on a counting head the section is not clear, whatever is counted",
     )
+
+
+def _disturbed(model: AxleSection) -> Iterator[Property]:
+    """Claim the events that disturb the count; only a reset ends that."""
+    machine, own = model.machine, model.own
+    _, clear, occupied, disturbed, sweeping = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
+    impossible = (_came_in(own) < _went_out(own)) | (_came_in(own) > _went_out(own) + own.config.axle_limit)
+    believed = before_.one_of(clear, occupied, sweeping)
     yield _held(
         "an impossible count is disturbed",
         (believed & impossible).implies(mode.eq(disturbed)),
@@ -209,6 +248,12 @@ def _occupied(model: AxleSection) -> Iterator[Property]:
         before_.eq(disturbed).implies(mode.one_of(disturbed, sweeping)),
         "a disturbed section stays so, also when the fault is gone, until it is reset",
     )
+
+
+def _from_power_up(model: AxleSection) -> Iterator[Property]:
+    machine = model.machine
+    unknown, _, _, disturbed, sweeping = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
     yield _held(
         "power-up is occupied",
         before_.eq(unknown).implies(mode.one_of(unknown, sweeping)),
@@ -217,7 +262,7 @@ def _occupied(model: AxleSection) -> Iterator[Property]:
     yield _held(
         "a needed reset is asked for",
         machine.flag("needs_reset").iff(mode.one_of(unknown, disturbed)),
-        "after power-up and once disturbed, the section tells that it needs a reset, and only then",
+        "the section reports that it needs a reset after power-up and while it is disturbed, and at no other time",
     )
 
 
@@ -240,7 +285,7 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
 
 
 def _frees(model: AxleSection) -> Iterator[Property]:
-    """When the section must become clear."""
+    """Claim the events with which the section must become clear."""
     machine, own = model.machine, model.own
     _, clear, occupied, _, sweeping = machine.modes
     mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
@@ -248,12 +293,12 @@ def _frees(model: AxleSection) -> Iterator[Property]:
     yield _held(
         "axles counted out clear",
         (before_.one_of(clear, occupied) & calm).implies(is_clear),
-        "where every axle that was counted in is counted out, the section is clear in the same cycle",
+        "when every axle that was counted in is counted out, the section is clear in the same cycle",
     )
     swept = _ran_through(own) & own.reported_clear & ~_passed(own)
     yield _held(
         "a sweep through clears",
         (before_.eq(sweeping) & swept & calm).implies(mode.eq(clear)),
-        "a sweep that ran through, was counted in and out and reports the section free clears it",
+        "a sweep that ran through and was counted in and out clears the section when its driver reports it free",
     )
     yield reachable("clear", is_clear, statement="a section can become clear", requirements=REQUIREMENTS)

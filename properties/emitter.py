@@ -1,6 +1,6 @@
-"""What must hold of the function check by a test emitter (FVA-8).
+"""Properties of the function check by a test emitter (FVA-8).
 
-When the emitter is to send is a fact of the world: its ghosts `silent` and `may_answer` count it, not the machine.
+The times at which the emitter is to send are facts of the world: its ghosts `silent` and `may_answer` count them, not the machine.
 """
 
 from __future__ import annotations
@@ -21,19 +21,29 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: Emitter) -> list[Property]:
-    """Only the own pattern, at its time, counts; a dead chain is told within the due time and one cycle."""
-    return [*_chain(model), *_tested(model), *_patterns(model), *_times(model), *_failures(model), *_recovery(model)]
+    """Return the properties: only the own pattern counts, at its time; a dead chain is reported within the due time and one cycle."""
+    return [
+        *_chain(model),
+        *_request(model),
+        *_tested(model),
+        *_modes(model),
+        *_patterns(model),
+        *_times(model),
+        *_failures(model),
+        *_in_time(model),
+        *_recovery(model),
+    ]
 
 
 def _chain(model: Emitter) -> Iterator[Property]:
-    """A chain that is silent, dead or does not answer is not said to be tested for long."""
+    """Claim that a dead or silent chain is soon no longer tested."""
     own, config, works = model.own, model.own.config, model.machine.flag("chain_tested")
     yield within(
         "dead chain is told",
         config.due_cycles,
         ~own.works,
         own.works | ~works,
-        statement="a chain that works no longer is not said to be tested when its due time and one cycle are over, "
+        statement="a chain that no longer works is not reported as tested once its due time and one cycle are over, "
         "counted from the last pattern",
         requirements=REQUIREMENTS,
         assumption=LAW,
@@ -44,11 +54,15 @@ def _chain(model: Emitter) -> Iterator[Property]:
         config.due_cycles,
         ~own.pattern.present,
         own.pattern.present | ~works,
-        statement="when nothing is heard at all, the chain is not said to be tested beyond its due time and one cycle",
+        statement="if no pattern comes at all, the chain is not reported as tested beyond its due time and one cycle",
         requirements=REQUIREMENTS,
         unconditional=True,
         helper=lambda waited: works.implies(waited <= own.since),
     )
+
+
+def _request(model: Emitter) -> Iterator[Property]:
+    own, config, works = model.own, model.own.config, model.machine.flag("chain_tested")
     yield within(
         "request is answered",
         config.answer_cycles,
@@ -62,19 +76,19 @@ def _chain(model: Emitter) -> Iterator[Property]:
 
 
 def _tested(model: Emitter) -> Iterator[Property]:
-    """What makes a chain tested, and what does not."""
+    """Claim that only the own pattern makes a chain tested."""
     machine, own = model.machine, model.own
-    untested, tested, failed = machine.modes
+    _, tested, _ = machine.modes
     mode, works, passed = machine.mode, machine.flag("chain_tested"), own.judged.eq(PASSED)
     yield for_all_inputs(
         "only the own pattern passes",
         passed.implies(_ours(own) & own.place.present & ~_off_place(own)),
-        statement="a pattern passes only if every bit is that of this emitter and it comes from where the emitter stands",
+        statement="a pattern passes only if every bit is that of this emitter and it comes from the emitter's place",
     )
     yield for_all_inputs(
         "tested rests on a pattern",
         (works & before(mode).ne(tested)).implies(passed),
-        statement="the chain is said to be tested again only in a cycle in which a pattern passed",
+        statement="the chain is reported as tested again only in a cycle in which a pattern passed",
     )
     yield for_all_inputs(
         "foreign patterns do not pass",
@@ -83,6 +97,12 @@ def _tested(model: Emitter) -> Iterator[Property]:
         ),
         statement="another emitter's pattern, and the own one when it is not due or without its place, renew nothing",
     )
+
+
+def _modes(model: Emitter) -> Iterator[Property]:
+    """Claim that the first mode never comes back, and that the others are reachable."""
+    untested, tested, failed = model.machine.modes
+    mode = model.machine.mode
     yield for_all_inputs(
         "untested is the start only",
         mode.eq(untested).implies(before(mode).eq(untested)),
@@ -92,29 +112,29 @@ def _tested(model: Emitter) -> Iterator[Property]:
     yield reachable(
         "chain fails",
         mode.eq(failed),
-        statement="a chain that was tested can be found to fail",
+        statement="a chain that was tested can fail",
         requirements=REQUIREMENTS,
     )
 
 
 def _ours(own: Parts) -> Bool:
-    """Every bit heard is that of this emitter."""
+    """Return the condition that every received bit is that of this emitter."""
     return own.pattern.present & own.pattern.value.eq(own.config.pattern)
 
 
 def _off_place(own: Parts) -> Bool:
-    """What is heard comes from farther from the emitter than the front end errs."""
+    """Return the condition that the pattern comes from farther from the emitter than the front end's error."""
     off = own.place.value - own.config.place_mm
     return (off > own.config.place_tolerance_mm) | (off < -own.config.place_tolerance_mm)
 
 
 def _to_send(own: Parts) -> Bool:
-    """In the world: the emitter's silence was over before this cycle, or a request to it was open."""
+    """Return the condition, in the world, that the emitter's silence was over before this cycle, or a request was open."""
     return before(own.silent).eq(0) | before(own.may_answer).ne(0)
 
 
 def _patterns(model: Emitter) -> Iterator[Property]:
-    """What is told of a pattern, from what was heard and when."""
+    """Claim the verdict on a pattern, from its content and its time."""
     own, config, told = model.own, model.own.config, model.own.judged
     ours, off_place = _ours(own), _off_place(own)
     here = ours & own.place.present & ~off_place
@@ -126,20 +146,21 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     yield under_assumption(
         "a pattern passes when the emitter is to send, and only then",
         told.eq(PASSED).iff(here & _to_send(own)) & told.eq(NOT_DUE).iff(here & ~_to_send(own)),
-        statement="the own pattern from its own place passes at the emitter's regular time or while a request is open, and "
-        "is told to be not due at any other time",
+        statement="the own pattern from its own place passes at the emitter's regular time or while a request is open; at "
+        "any other time the verdict is that it is not due",
     )
     meanings = {NOTHING: ~own.pattern.present, FOREIGN: own.pattern.present & own.pattern.value.ne(config.pattern)}
     meanings |= {NO_PLACE: ours & ~own.place.present, ELSEWHERE: ours & own.place.present & off_place}
     yield for_all_inputs(
         "a pattern that does not pass is told as what it is",
         all_of(told.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
-        statement="nothing heard, another emitter's pattern, the own one without a place and from elsewhere are told apart",
+        statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the "
+        "own one from elsewhere",
     )
 
 
 def _times(model: Emitter) -> Iterator[Property]:
-    """When the next pattern is awaited."""
+    """Claim the time at which the next pattern is awaited."""
     machine, own, config = model.machine, model.own, model.own.config
     left, awaited = machine.output("next_due_in_cycles"), _awaited(model)
     one_less = ite(awaited > 0, awaited - 1, as_num(0, COUNT))
@@ -151,21 +172,28 @@ def _times(model: Emitter) -> Iterator[Property]:
 
 
 def _failures(model: Emitter) -> Iterator[Property]:
-    """When the chain has failed."""
+    """Claim the failure of a chain as reported."""
     machine, own = model.machine, model.own
-    _, tested, failed = machine.modes
-    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    *_, failed = machine.modes
+    mode, elsewhere = machine.mode, own.judged.eq(ELSEWHERE)
     yield for_all_inputs(
         "a failed chain is told",
         machine.flag("failed").iff(mode.eq(failed)),
-        statement="the chain is said to have failed from the failure until it is tested again",
+        statement="the chain is reported as failed from the failure until it is tested again",
     )
-    in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
     yield for_all_inputs(
         "own pattern from elsewhere fails",
         elsewhere.implies(mode.eq(failed)),
         statement="the own pattern from another place ends the tested state in the same cycle",
     )
+
+
+def _in_time(model: Emitter) -> Iterator[Property]:
+    """Claim the reasons for a failure, and the patterns that show a tested chain."""
+    machine, own = model.machine, model.own
+    _, tested, failed = machine.modes
+    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
     yield under_assumption(
         "a chain fails for a reason",
         ite(before(mode).eq(failed), (~passed).implies(mode.eq(failed)), mode.eq(failed).iff(~in_time | elsewhere)),
@@ -180,7 +208,7 @@ def _failures(model: Emitter) -> Iterator[Property]:
 
 
 def _recovery(model: Emitter) -> Iterator[Property]:
-    """When a failed chain is tested again."""
+    """Claim the conditions under which a failed chain is tested again."""
     machine, own, config = model.machine, model.own, model.own.config
     _, tested, failed = machine.modes
     mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
@@ -199,10 +227,10 @@ def _recovery(model: Emitter) -> Iterator[Property]:
     yield for_all_inputs(
         "as many patterns as asked for recover",
         (before(mode).eq(failed) & passed).implies(mode.eq(tested).iff(so_far + 1 >= config.passes_to_recover)),
-        statement="a failed chain is tested again with the last of the patterns asked for, not before and not later",
+        statement="a failed chain is tested again exactly with the last of the required patterns",
     )
 
 
 def _awaited(model: Emitter) -> Num:
-    """In how many cycles the next pattern was overdue, as told before the step."""
+    """Return the number of cycles after which the next pattern was overdue, as reported before the step."""
     return earlier_num(model.machine.output("next_due_in_cycles"))

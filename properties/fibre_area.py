@@ -1,8 +1,8 @@
-"""What must hold of a train and its line area together, from backscatter to virtual sections (FVA-1 to FVA-18, FWG-7).
+"""Properties of a train and its line area together, from backscatter to virtual sections (FVA-1 to FVA-18, FWG-7).
 
-What is proved of a machine alone for all inputs in range holds in the step as well, since `wires are in range` is proved
-here. What is proved of it alone under an assumption on an earlier machine (an interval that holds the truth, a report
-that is true) is proved here again, without that assumption: the earlier machine keeps it.
+A property proved of a machine alone for all inputs in range holds in the step as well, since `wires are in range` is proved
+here. A property proved of it alone under an assumption on an earlier machine (an interval that contains the truth, a report
+that is true) is proved here again, without that assumption: the earlier machine guarantees it.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
 
 LAW = (
-    "the fibre's bounds and code law at both ends; count and length told of a pattern are that pattern's, the count at some "
-    "moment within its run; a train with all axles counted is whole and no longer than its reference, loses vehicles at the "
-    "end that trails at any moment, and these stay there; undisturbed counters count every vehicle; top speed; no vehicle "
-    "passes another; reports of other trains are true"
+    "the fibre's bounds and code law at both ends; count and length reported for a pattern are that pattern's, "
+    "the count at some moment within its run; a train with all axles counted is whole and no longer than its "
+    "reference, may lose vehicles at the trailing end at any moment, and these stay there; undisturbed counters "
+    "count every vehicle; top speed; no vehicle passes another; reports of other trains are true"
 )
 CLAIM = ("FVA-1", "FVA-10", "FWG-1", "FWG-11")
 STAY = ("FVA-2", "FVA-11")
@@ -42,8 +42,18 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 
 def properties(model: FibreArea) -> list[Property]:
-    """Containment through all machines, withdrawal in the same step, and sections that nothing unverified frees."""
-    own = [*_truth(model), *_withdrawal(model), *_latch(model), *_sections(model), *_reached(model)]
+    """Return the properties: containment through all machines, withdrawal in the same step, and no section cleared without verification."""
+    own = [
+        *_truth(model),
+        *_guaranteed(model),
+        *_bounded(model),
+        *_withdrawal(model),
+        *_latched_error(model),
+        *_latch(model),
+        *_narrowed(model),
+        *_grows(model),
+        *_reached(model),
+    ]
     return [*own, *_of_sections(model)]
 
 
@@ -64,58 +74,73 @@ def _error(model: FibreArea, end: str) -> Bool:
 
 
 def _truth(model: FibreArea) -> Iterator[Property]:
+    """Claim that the reported position and the reported ends contain the truth."""
     of, verified = model.composition.of, model.verification
     front, rear = (of(one.machine).num(one.own.ghosts.truth) for one in (model.front, model.rear))
     seen, report = of(verified.machine), model.report
-    low, high = (verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
-                 for sign, side in ((-1, "margin_below"), (1, "margin_above")))  # fmt: skip
+    low, high = (
+        verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
+        for sign, side in ((-1, "margin_below"), (1, "margin_above"))
+    )
     yield under_assumption(
         "containment",
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
-        statement="the position that is given out holds the front of the train that the fibre follows",
+        statement="the reported position contains the front of the train that the fibre follows",
     )
     told = of(report.machine)
     low, high = told.num(report.own.told_low), told.num(report.own.told_high)
     yield under_assumption(
         "the pattern lies between its ends",
         _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
-        statement="from min safe rear to max safe front, what is told to the area holds both ends of the pattern",
+        statement="from min safe rear to max safe front, the report to the area contains both ends of the pattern",
         requirements=(*CLAIM, *CLEAR),
     )
+
+
+def _guaranteed(model: FibreArea) -> Iterator[Property]:
+    """Claim that earlier machines guarantee the assumptions of later ones."""
+    of, verified = model.composition.of, model.verification
+    seen = of(verified.machine)
     yield under_assumption(
         "the area is told the truth",
         _report_law(model),
-        statement="what the area assumes of a train's report is kept by the machines before it",
+        statement="the machines before the area guarantee its assumption on a train's report",
         requirements=CLEAR,
     )
     yield under_assumption(
         "a train that is counted out has left with all its axles",
         _left_law(model),
-        statement="what the area assumes of a train that is counted out is kept: nothing of it, and no part that it lost, is in "
-        "the area",
+        statement="the machines before the area guarantee its assumption on a train that is counted out: neither the train "
+        "nor a part that it lost is in the area",
         requirements=(*STAY, *CLEAR),
     )
     yield under_assumption(
         "the verification is told the truth",
         seen.bool(place_law(verified.own)),
-        statement="what the verification assumes of the front's interval is kept by the fibre machines",
+        statement="the fibre machines guarantee the verification's assumption on the front's interval",
     )
+
+
+def _bounded(model: FibreArea) -> Iterator[Property]:
+    """Claim the ranges of wires and of the interval."""
+    of, verified = model.composition.of, model.verification
+    seen = of(verified.machine)
     yield for_all_inputs(
         "wires are in range",
         _wired_in_range(model),
-        statement="whatever a machine is told by an earlier one lies in its input's range: nothing is clipped",
+        statement="every value on a wire lies in the range of the input: nothing is clipped",
     )
     tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
     above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
     yield for_all_inputs(
         "tolerance",
         _trusted(model).implies((above <= tolerance) & (below <= tolerance)),
-        statement="a position that is given out is never wider than the tolerable error and the run of an edge's cycle",
+        statement="a reported position is never wider than the tolerable error and the run of an edge's cycle",
     )
 
 
 def _report_law(model: FibreArea) -> Bool:
-    """The law of a report, for a train that was in the area before the step."""
+    """Return the law of a report, for a train that was in the area before the step."""
     slot, of = model.area.own.slots[0], model.composition.of(model.area.machine)
     there = of(slot.there)
     assert isinstance(there, BoolVar)
@@ -123,7 +148,7 @@ def _report_law(model: FibreArea) -> Bool:
 
 
 def _left_law(model: FibreArea) -> Bool:
-    """The law of leaving, for a train that was in the area before the step."""
+    """Return the law of leaving, for a train that was in the area before the step."""
     slot, of = model.area.own.slots[0], model.composition.of(model.area.machine)
     there = of(slot.there)
     assert isinstance(there, BoolVar)
@@ -131,7 +156,7 @@ def _left_law(model: FibreArea) -> Bool:
 
 
 def _wired_in_range(model: FibreArea) -> Bool:
-    """Inputs on board that are wired."""
+    """Return the condition that all wired inputs on board are in range."""
     free, terms = set(model.composition.system.inputs), []
     for machine in model.composition.system.machines:
         of = model.composition.of(machine)
@@ -139,7 +164,7 @@ def _wired_in_range(model: FibreArea) -> Bool:
     return all_of(terms)
 
 
-# ------------------------------------------------------------------ whatever does not agree, in the same step
+# ------------------------------------------------------------------ withdrawal in the same step
 
 
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
@@ -148,7 +173,7 @@ def _withdrawal(model: FibreArea) -> Iterator[Property]:
         yield for_all_inputs(
             f"{name} withholds",
             wrong.implies(nothing),
-            statement=f"{what} withholds the position, and tells the sections nothing, in the same cycle",
+            statement=f"{what} withholds the position, and keeps the train's report from the sections, in the same cycle",
             requirements=trace,
         )
 
@@ -158,24 +183,42 @@ def _of_slot(model: FibreArea) -> Substitution:
 
 
 def _wrong(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
-    """Everything that does not agree or does not come, in words."""
-    of, verified, entry = model.composition.of, model.verification.own, model.entry
-    emitter, seen = of(model.emitter.machine), of(model.verification.machine)
-    tested, failed = (emitter.bool(model.emitter.machine.flag(name)) for name in ("chain_tested", "failed"))
-    located = {one: of(one.machine).bool(one.machine.flag("valid")) for one in (model.front, model.rear)}
-    told = verified.associated & verified.seen_count.present
-    wrong = {
+    """Return every mismatch and every lack of data, in words."""
+    wrong = {**_wrong_ends(model), **_wrong_train(model)}
+    if model.verification.own.config.needs_emitter:
+        emitter, of = model.emitter.machine, model.composition.of(model.emitter.machine)
+        tested, failed = (of.bool(emitter.flag(name)) for name in ("chain_tested", "failed"))
+        chain = "a test pattern that failed, or has not come yet"
+        wrong["a chain that failed"] = (failed | ~tested, chain, EMITTER)
+    return wrong
+
+
+def _located(model: FibreArea, fibre: Fibre) -> Bool:
+    return model.composition.of(fibre.machine).bool(fibre.machine.flag("valid"))
+
+
+def _wrong_ends(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    front, rear = _located(model, model.front), _located(model, model.rear)
+    return {
         "error F of the front": (_error(model, "front"), "F of the front's machine", ERROR),
         "error F of the rear": (_error(model, "rear"), "F of the rear's machine", ERROR),
-        "a front not located": (~located[model.front], "a front that is not located", CLAIM),
-        "a rear not located": (~located[model.rear], "a rear that is not located", CLAIM),
+        "a front not located": (~front, "a front that is not located", CLAIM),
+        "a rear not located": (~rear, "a rear that is not located", CLAIM),
+    }
+
+
+def _wrong_train(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    of, verified, entry = model.composition.of, model.verification.own, model.entry
+    seen, told = of(model.verification.machine), verified.associated & verified.seen_count.present
+    located = _located(model, model.front) & _located(model, model.rear)
+    return {
         "another count": (
             seen.bool(told & verified.seen_count.value.ne(verified.kept_count)),
             "a count other than the entry record's: a split train, another train, or a miscount",
             COUNTS,
         ),
         "ends apart": (
-            located[model.front] & located[model.rear] & _apart(model),
+            located & _apart(model),
             "a distance between front and rear that the entry record does not allow",
             COUNTS,
         ),
@@ -187,14 +230,10 @@ def _wrong(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
         "a train that left": (of(entry.machine).bool(entry.leaves), "a train that was counted out", STAY),
         "no pattern": (seen.bool(~verified.associated), "a pattern that belongs to no known train", STAY),
     }
-    if verified.config.needs_emitter:
-        chain = "a test pattern that failed, or has not come yet"
-        wrong["a chain that failed"] = (failed | ~tested, chain, EMITTER)
-    return wrong
 
 
 def _apart(model: FibreArea) -> Bool:
-    """The ends' bounds and the record's length have nothing in common."""
+    """Return the condition that the distance of the ends' bounds fits no length of the record."""
     own, seen = model.verification.own, model.composition.of(model.verification.machine)
     (front_low, front_high), (rear_low, rear_high) = _bounds(model, model.front), _bounds(model, model.rear)
     low, high = seen.num(own.kept_low), seen.num(own.kept_high)
@@ -211,12 +250,13 @@ def _bounds(model: FibreArea, fibre: Fibre) -> tuple[Num, Num]:
 # ------------------------------------------------------------------ latched and revoked
 
 
-def _latch(model: FibreArea) -> Iterator[Property]:
+def _latched_error(model: FibreArea) -> Iterator[Property]:
+    """Claim that F makes the train untrusted."""
     verified, seen = model.verification, model.composition.of(model.verification.machine)
-    none, withheld, trusted, untrusted = verified.machine.modes
+    _, withheld, trusted, untrusted = verified.machine.modes
     mode = seen.num(verified.machine.mode)
     was_known = earlier_bool(seen.bool(verified.machine.mode.one_of(withheld, trusted)))
-    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
+    leaves = _leaves(model)
     for end in ("front", "rear"):
         yield for_all_inputs(
             f"error F of the {end} is latched",
@@ -224,24 +264,32 @@ def _latch(model: FibreArea) -> Iterator[Property]:
             statement=f"F of the {end}, with a reference stored, makes the train untrusted until another accepted record",
             requirements=ERROR,
         )
+
+
+def _latch(model: FibreArea) -> Iterator[Property]:
+    """Claim the end of distrust, and the revocation of a reported position."""
+    verified, seen = model.verification, model.composition.of(model.verification.machine)
+    none, _, _, untrusted = verified.machine.modes
+    mode = seen.num(verified.machine.mode)
+    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
     was_untrusted = earlier_bool(seen.bool(verified.machine.mode.eq(untrusted)))
     yield for_all_inputs(
         "a mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(leaves | (due & seen.bool(verified.own.sound))),
-        statement="an untrusted train becomes anything else only by a sound record in its own cycle, or by leaving",
+        statement="an untrusted train changes its state only by a sound record in its own cycle, or by leaving",
         requirements=(*CLAIM, *STAY),
     )
     given = earlier_bool(_trusted(model))
     yield for_all_inputs(
         "what was given out is revoked",
         (given & mode.eq(untrusted)).implies(seen.bool(verified.machine.flag("revoked"))),
-        statement="a position that was given out is revoked in the cycle in which the train becomes untrusted",
+        statement="a position that was reported is revoked in the cycle in which the train becomes untrusted",
         requirements=(*CLAIM, *ERROR),
     )
     yield for_all_inputs(
         "no train without a reference",
         (earlier_bool(seen.bool(verified.machine.mode.eq(none))) & mode.ne(none)).implies(due),
-        statement="nothing is verified before a reference came for this train",
+        statement="no verification begins before a reference came for this train",
         requirements=(*CLAIM, *STAY),
     )
 
@@ -253,7 +301,8 @@ def _leaves(model: FibreArea) -> Bool:
 # ------------------------------------------------------------------ sections
 
 
-def _sections(model: FibreArea) -> Iterator[Property]:
+def _narrowed(model: FibreArea) -> Iterator[Property]:
+    """Claim the conditions under which the train's interval becomes narrower."""
     slot, of = model.area.own.slots[0], _of_slot(model)
     judged, integer = of.bool(slot.judged.eq(ACCEPTED)), of.bool(slot.integer)
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
@@ -262,7 +311,7 @@ def _sections(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "only a trusted train narrows",
         judged.implies(_trusted(model) & _told(model) & (age <= limit)),
-        statement="the area narrows where a train may be only on a report that is trusted and fresh in that very cycle",
+        statement="the area narrows the train's interval only on a report that is trusted and fresh in that very cycle",
         requirements=CLEAR,
     )
     yield for_all_inputs(
@@ -272,45 +321,50 @@ def _sections(model: FibreArea) -> Iterator[Property]:
         requirements=(*COUNTS, *CLEAR),
     )
     yield from _charged(model)
+    yield from _parted(model)
     yield from _counted_out(model)
+
+
+def _grows(model: FibreArea) -> Iterator[Property]:
+    slot, of = model.area.own.slots[0], _of_slot(model)
     low, high = of.num(slot.low), of.num(slot.high)
     present, edge = of.bool(slot.present), model.config.sections.area.limit_mm
     stays = earlier_bool(present) & present & ~of.bool(slot.enters) & ~_trusted(model)
     yield for_all_inputs(
         "an untrusted train only grows",
         stays.implies(((low <= earlier_num(low)) | low.eq(-edge)) & ((high >= earlier_num(high)) | high.eq(edge))),
-        statement="while the train is not trusted, neither end of where it may be comes nearer to the other",
+        statement="while the train is not trusted, neither end of its interval comes nearer to the other",
         requirements=CLEAR,
     )
 
 
 def _counted_out(model: FibreArea) -> Iterator[Property]:
-    """A train that leaves with fewer axles than it came in with frees nothing."""
+    """Claim that a train that leaves with fewer axles than it came in with clears no section."""
     slot, area = model.area.own.slots[0], _of_slot(model)
     own, of = model.entry, model.composition.of(model.entry.machine)
     inside = of.num(own.inside)
     missing = (of.num(own.axles_out.value) - of.num(own.axles_in.value)).ne(earlier_num(inside))
-    uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
     empty = area.bool(model.area.own.healthy & model.area.own.clear)
     enters, present = area.bool(slot.enters), area.bool(slot.present)
     yield for_all_inputs(
         "a train that leaves a part behind has not left",
         (earlier_bool(present) & missing & ~enters & ~empty).implies(present & ~_leaves(model)),
-        statement="while other axles of a train were counted out than in, it stays in the area and sections may be its own: no "
-        "event of leaving frees them, only counters that report the area empty",
+        statement="while the axles counted out of a train differ from those counted in, it stays in the area and keeps its "
+        "sections: no event of leaving clears them, only counters that report an empty area",
         requirements=(*STAY, *CLEAR),
     )
+    uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
     yield for_all_inputs(
         "a train of which axles were not counted is not counted out",
         (uncounted | (~enters & ~earlier_bool(of.bool(own.sure)))).implies(~of.bool(own.sure) & ~_leaves(model)),
-        statement="from a cycle on in which a counter was disturbed, a train does not leave, until another one enters in its place: "
-        "its balance of axles is not sure any more",
+        statement="from a cycle on in which a counter was disturbed, a train does not leave until another one enters in "
+        "its place: its balance of axles is no longer sure",
         requirements=(*STAY, *CLEAR),
     )
 
 
 def _charged(model: FibreArea) -> Iterator[Property]:
-    """How far out an end of a counted train is believed, in figures of its own; and of a part that was lost."""
+    """Claim, in figures of its own, the distance of the reported ends of a counted train."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
     told = _told(model) & of.bool(model.report.machine.flag("integer"))
@@ -325,30 +379,36 @@ def _charged(model: FibreArea) -> Iterator[Property]:
             ((low + most <= front - long) | (run < -figures.count_run_mm))
             & ((high - most >= rear + long) | (run > figures.count_run_mm))
         ),
-        statement="in a cycle in which a train counts as whole, each end is told as far out as that of a whole train within the "
-        "count's run, unless that end has led for longer than this run",
+        statement="in a cycle in which a train counts as whole, each end is reported as far out as that of a whole train "
+        "within the count's run, unless that end has led for longer than this run",
         requirements=(*COUNTS, *CLEAR),
     )
     yield for_all_inputs(
         "an end leads by run one way only",
         all_of(_one_way(model, run)),
-        statement="run one way is counted from zero again by a cycle in which the train stands, turns, is not heard, or is gone",
+        statement="the run in one direction is counted from zero again in a cycle in which the train stands, turns, is not "
+        "measured, or is gone",
         requirements=(*COUNTS, *CLEAR),
     )
+
+
+def _parted(model: FibreArea) -> Iterator[Property]:
+    """Claim that a part that the train lost lies in the train's interval."""
+    own, of = model.report.own, model.composition.of(model.report.machine)
     slot, area = model.area.own.slots[0], _of_slot(model)
     parted = area.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
     low_um, high_um = (area.num(exact_to(bound, UM)) for bound in (slot.low, slot.high))
     yield under_assumption(
         "what a train lost is where the area says that the train may be",
         parted.implies((low_um <= area.num(slot.true_rear)) & (area.num(slot.true_front) <= high_um)),
-        statement="from the rear end of what a train lost last to its front end, whenever it parted, all lies in the train's interval: a "
-        "section there is not clear, for it is clear on evidence only",
+        statement="whenever the train parted, its last lost part lies in the train's interval from rear end to front end: "
+        "a section there is not clear, for it is clear on evidence only",
         requirements=(*COUNTS, *CLEAR),
     )
 
 
 def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
-    """Run one way grows while it goes on, and is none from the cycle on in which it does not."""
+    """Yield the conditions that the run in one direction grows while it goes on, and is zero from the cycle on in which it does not."""
     told = model.composition.of(model.front.machine)
     seen = model.composition.of(model.verification.machine)
     heard = told.bool(model.front.own.run.present), told.num(model.front.own.run.value)
@@ -362,13 +422,13 @@ def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
 
 
 def _of_sections(model: FibreArea) -> Iterator[Property]:
-    """The properties of area and sections, now resting on the fibre instead of on a report that is assumed true."""
+    """Yield the properties of area and sections; here they rest on the fibre instead of on a report that is assumed true."""
     whole = Sections(model.area, model.sections, model.composition)
     for prop in sections_properties.properties(whole):
         yield prop if prop.unconditional else replace(prop, assumption=LAW)
 
 
-# ------------------------------------------------------------------ what can be reached
+# ------------------------------------------------------------------ reachability
 
 
 def _reached(model: FibreArea) -> Iterator[Property]:
@@ -378,7 +438,7 @@ def _reached(model: FibreArea) -> Iterator[Property]:
     yield reachable(
         "revoked",
         seen.bool(verified.machine.flag("revoked")),
-        statement="what was given out can be revoked",
+        statement="a reported position can be revoked",
         requirements=ERROR,
     )
     first = model.sections[0].machine

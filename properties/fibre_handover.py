@@ -1,4 +1,4 @@
-"""What must hold of a train between two neighbouring areas (FVA-D1, FVA-1, FVA-2)."""
+"""Properties of a train between two neighbouring areas (FVA-D1, FVA-1, FVA-2)."""
 
 from __future__ import annotations
 
@@ -20,11 +20,22 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 
 def properties(model: FibreHandover) -> list[Property]:
-    """The truth on both sides, never both where the place is not shared, and a lost handover."""
-    return [*_truth(model), *_both(model), *_record(model), *_sent(model), *_reached(model)]
+    """Return the properties: containment on both sides, both areas only where the place is shared, and a lost handover."""
+    return [
+        *_truth(model),
+        *_given(model),
+        *_both(model),
+        *_lost(model),
+        *_arrives(model),
+        *_shared(model),
+        *_other_trains(model),
+        *_sent(model),
+        *_reached(model),
+    ]
 
 
 def _truth(model: FibreHandover) -> Iterator[Property]:
+    """Claim that each area's trusted position contains the front."""
     of = model.composition.of
     truth = of(model.giving.machine).num(model.giving.own.truth)
     for side, verified in (("giving", model.giving), ("taking", model.taking)):
@@ -34,20 +45,26 @@ def _truth(model: FibreHandover) -> Iterator[Property]:
             here.bool(verified.machine.flag("trusted")).implies(
                 between(here.num(exact_to(low, NM)), truth, here.num(exact_to(high, NM)))
             ),
-            statement=f"a position that the {side} area trusts holds the train's front",
+            statement=f"a position that the {side} area trusts contains the train's front",
         )
+
+
+def _given(model: FibreHandover) -> Iterator[Property]:
+    """Claim that the reported position contains the front, and is reported only of a trusted train."""
+    of = model.composition.of
+    truth = of(model.giving.machine).num(model.giving.own.truth)
     voice = of(model.speaker.machine)
     low, high = voice.num(model.speaker.low), voice.num(model.speaker.high)
     given = voice.bool(model.speaker.machine.flag("given"))
     yield under_assumption(
         "containment",
         given.implies(between(exact_to(low, NM), truth, exact_to(high, NM))),
-        statement="the position that is given out holds the train's front, whichever area it comes from",
+        statement="the reported position contains the train's front, whichever area it comes from",
     )
     yield for_all_inputs(
         "nobody trusts, nothing is given out",
         (~_trusted(model, model.giving) & ~_trusted(model, model.taking)).implies(~given & low.eq(0) & high.eq(0)),
-        statement="where neither area trusts the train, no position is given out",
+        statement="if neither area trusts the train, no position is reported",
         requirements=CLAIM,
     )
 
@@ -61,27 +78,26 @@ def _both(model: FibreHandover) -> Iterator[Property]:
     yield under_assumption(
         "both only where the place is shared",
         mode.eq(both).implies(between(exact_to(begins, NM), truth, exact_to(ends, NM))),
-        statement="both areas give the position of a train out only while it is in the stretch that they share",
+        statement="both areas report the position of a train only while it is in the stretch that they share",
         requirements=BORDER,
     )
     yield under_assumption(
         "each speaks of its own stretch",
         (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
         & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
-        statement="the giving area never speaks of a train beyond the shared stretch, nor the taking one of one before it",
+        statement="the giving area never reports a train beyond the shared stretch, nor the taking one a train before it",
         requirements=BORDER,
     )
 
 
-def _record(model: FibreHandover) -> Iterator[Property]:
-    of, giving, taking = model.composition.of, model.giving, model.taking
-    there, here, border = of(giving.machine), of(taking.machine), model.border.machine
-    none, withheld, trusted, untrusted = taking.machine.modes
+def _lost(model: FibreHandover) -> Iterator[Property]:
+    """Claim that a record that does not arrive in time makes the train untrusted."""
+    of, taking, border = model.composition.of, model.taking, model.border.machine
+    here = of(taking.machine)
+    *_, untrusted = taking.machine.modes
     mode = here.num(taking.machine.mode)
     on_the_way = of(border).num(border.mode)
-    before, offered, _, lost = border.modes
-    gone = of(border).bool(model.border.own.gone)
-    arrives = of(border).bool(border.fired("record arrives"))
+    *_, lost = border.modes
     yield for_all_inputs(
         "a lost handover is untrusted",
         of(border).bool(border.fired("record lost on the way", "trust lost on the way")).implies(mode.eq(untrusted)),
@@ -92,6 +108,17 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         on_the_way.eq(lost).implies(mode.eq(untrusted)),
         statement="after a lost handover the taking area does not trust the train before it is gone",
     )
+
+
+def _arrives(model: FibreHandover) -> Iterator[Property]:
+    """Claim that the record arrives only while the giving area trusts the train."""
+    of, giving, taking = model.composition.of, model.giving, model.taking
+    here, border = of(taking.machine), model.border.machine
+    none, *_ = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    on_the_way = of(border).num(border.mode)
+    before, offered, *_ = border.modes
+    arrives = of(border).bool(border.fired("record arrives"))
     yield for_all_inputs(
         "nothing is trusted before the record arrived",
         on_the_way.one_of(before, offered).implies(mode.eq(none)),
@@ -103,12 +130,21 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         arrives.implies(_trusted(model, giving)),
         statement="a record arrives only in a cycle in which the giving area trusts the train",
     )
+
+
+def _shared(model: FibreHandover) -> Iterator[Property]:
+    """Claim that both areas verify against the same record."""
+    of, giving, taking = model.composition.of, model.giving, model.taking
+    there, here, border = of(giving.machine), of(taking.machine), model.border.machine
+    _, withheld, trusted, _ = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    arrives = of(border).bool(border.fired("record arrives"))
     kept = [(one.kept_count, one.kept_low, one.kept_high) for one in (taking.own, giving.own)]
     same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in zip(*kept, strict=True))
     yield for_all_inputs(
         "the same record on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(same),
-        statement="the taking area verifies against the very record that the giving area verified against",
+        statement="the taking area verifies against the very record against which the giving area verified",
     )
     low, high = (there.num(one) for one in (giving.own.possible_low, giving.own.possible_high))
     limit = giving.own.config.position_limit_mm
@@ -118,13 +154,24 @@ def _record(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "the same bounds of the front on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(wider),
-        statement="where the front can be by the last record and the top speed is no narrower in the taking area than in the giving "
-        "one, but for the ends of the line",
+        statement="the bounds of the front by the last record and the top speed are no narrower in the taking area than in "
+        "the giving one, except at the ends of the line",
     )
+
+
+def _other_trains(model: FibreHandover) -> Iterator[Property]:
+    """Claim that no other train is taken for this one."""
+    of, taking, border = model.composition.of, model.taking, model.border.machine
+    here = of(taking.machine)
+    none, *_ = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    on_the_way = of(border).num(border.mode)
+    before, *_ = border.modes
+    gone = of(border).bool(model.border.own.gone)
     yield for_all_inputs(
         "gone is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
-        statement="of a train that is gone nothing is kept for the next one",
+        statement="after a train is gone, none of its data are kept for the next one",
     )
     counted = taking.own.associated & taking.own.seen_count.present
     yield for_all_inputs(
@@ -136,7 +183,7 @@ def _record(model: FibreHandover) -> Iterator[Property]:
 
 
 def _sent(model: FibreHandover) -> Iterator[Property]:
-    """From when on a record goes over."""
+    """Claim the moment from which a record is sent."""
     of, giving, border = model.composition.of, model.giving, model.border.machine
     on_the_way, (before, *_) = of(border).num(border.mode), border.modes
     gone = of(border).bool(model.border.own.gone)
@@ -146,8 +193,8 @@ def _sent(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "a record goes over from the shared stretch on",
         sent.implies(may_be_here) & (may_be_here & ~gone).implies(on_the_way.ne(before)),
-        statement="a record is sent first, or arrives, only while the giving area trusts the train and its front may have come "
-        "to the shared stretch; and from then on it is sent",
+        statement="a record is first sent, or arrives, only while the giving area trusts the train and its front may have "
+        "come to the shared stretch; and from then on it is sent",
     )
 
 
@@ -162,6 +209,6 @@ def _reached(model: FibreHandover) -> Iterator[Property]:
     _, _, taking, both = voice.modes
     yield reachable("taken over", mode.eq(taking), statement="a train can be taken over", requirements=BORDER)
     yield reachable(
-        "both", mode.eq(both), statement="both areas can give the same train's position", requirements=BORDER
+        "both", mode.eq(both), statement="both areas can report the same train's position", requirements=BORDER
     )
     yield reachable("lost", way.eq(border.modes[3]), statement="a handover can be lost", requirements=BORDER)

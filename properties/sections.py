@@ -1,4 +1,4 @@
-"""What must hold of virtual sections and of the line area they lie in (FVA-2, FVA-9, FVA-18)."""
+"""Properties of virtual sections and of their line area (FVA-2, FVA-9, FVA-18)."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
 
 LAW = (
-    "undisturbed counters count every vehicle; trusted reports hold the train, its rear end only if it is whole; top speed; "
-    "no vehicle passes another"
+    "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
+    "whole; top speed; no vehicle passes another"
 )
 REQUIREMENTS = ("FVA-9", "FVA-18")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -24,49 +24,73 @@ under_assumption = partial(always, requirements=("FVA-9",), assumption=LAW)
 
 
 def properties(model: Sections) -> list[Property]:
-    """Every property of the area and its sections, over the whole composition."""
+    """Return every property of the area and its sections, over the whole composition."""
     found = [*_area(model)]
     for one in model.sections:
-        found += [*_safety(model, one), *_evidence(model, one), *_told(model, one)]
+        found += [
+            *_safety(model, one),
+            *_evidence(model, one),
+            *_silence(model, one),
+            *_rule(model, one),
+            *_told(model, one),
+            *_timed(model, one),
+        ]
     return found
 
 
 def _area(model: Sections) -> Iterator[Property]:
+    for one in model.area.own.slots:
+        yield from _interval(model, one)
+        yield from _narrowed(model, one)
+    yield from _loose(model)
+
+
+def _interval(model: Sections, one: Slot) -> Iterator[Property]:
+    """Claim that the interval of a train contains it, and becomes narrower only by an accepted report."""
+    of = model.composition.of(model.area.machine)
+    inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
+    yield under_assumption(
+        f"train {one.number} containment",
+        of.bool(one.there.implies(one.present & inside)),
+        statement="a train in the area is in its slot's interval, from rear end to front end",
+    )
+    yield for_all_inputs(
+        f"train {one.number} narrows only by an accepted report",
+        _widens(of, one),
+        statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
+        requirements=("FVA-9",),
+    )
+
+
+def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
+    """Claim the limits within which a report narrows the interval."""
+    of, own = model.composition.of(model.area.machine), model.area.own
+    yield for_all_inputs(
+        f"train {one.number} report is charged its age",
+        _aged(of, one),
+        statement="a report narrows a train's interval no further than to the stretch that the train can have reached "
+        "since, at top speed",
+        requirements=("FVA-9",),
+    )
+    yield for_all_inputs(
+        f"train {one.number} that may be split is believed at its leading end only",
+        _leads(of, one),
+        statement="a report of a train that is not known to be whole, or whose report of integrity is not trusted, narrows "
+        "nothing at the trailing end",
+        requirements=("FVA-9",),
+    )
+    yield for_all_inputs(
+        f"train {one.number} is whole by a trusted word only",
+        _confirmed(of, one, own.config.integrity_is_trusted),
+        statement="the time without confirmed integrity ends by an accepted report of a train that is whole, if such "
+        "reports are trusted, and never otherwise while the train is in the area",
+        requirements=("FVA-9",),
+    )
+
+
+def _loose(model: Sections) -> Iterator[Property]:
     machine, own = model.area.machine, model.area.own
     of = model.composition.of(machine)
-    for one in own.slots:
-        inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
-        yield under_assumption(
-            f"train {one.number} containment",
-            of.bool(one.there.implies(one.present & inside)),
-            statement="a train in the area is in its slot's interval, from rear end to front end",
-        )
-        yield for_all_inputs(
-            f"train {one.number} narrows only by an accepted report",
-            _widens(of, one),
-            statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
-            requirements=("FVA-9",),
-        )
-        yield for_all_inputs(
-            f"train {one.number} report is charged its age",
-            _aged(of, one),
-            statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
-            requirements=("FVA-9",),
-        )
-        yield for_all_inputs(
-            f"train {one.number} that may be split is believed at its leading end only",
-            _leads(of, one),
-            statement="a report of a train that is not known to be whole, or not to be trusted in that, narrows nothing at the end "
-            "that does not lead",
-            requirements=("FVA-9",),
-        )
-        yield for_all_inputs(
-            f"train {one.number} is whole by a trusted word only",
-            _confirmed(of, one, own.config.integrity_is_trusted),
-            statement="the time without confirmed integrity ends by an accepted report of a train that is whole, where such reports are "
-            "trusted, and never otherwise while the train is in the area",
-            requirements=("FVA-9",),
-        )
     loose = own.loose.implies(
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
@@ -75,12 +99,12 @@ def _area(model: Sections) -> Iterator[Property]:
     yield under_assumption(
         "loose vehicles are accounted for",
         of.bool(loose),
-        statement="a vehicle that was never counted is only where the area says that one may be",
+        statement="a vehicle that was never counted is only within the area's bounds for such vehicles",
     )
 
 
 def _widens(of: Substitution, one: Slot) -> Bool:
-    """Without an accepted report or an event, both bounds move outward (the ends of the world apart)."""
+    """Return the condition that both bounds move outward without an accepted report or an event (except at the ends of the world)."""
     limit, present = one.reach.limit_mm, of.bool(one.present)
     low, high = of.num(one.low), of.num(one.high)
     quiet = of.bool(one.judged.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
@@ -90,7 +114,7 @@ def _widens(of: Substitution, one: Slot) -> Bool:
 
 
 def _aged(of: Substitution, one: Slot) -> Bool:
-    """Bounds after an accepted report, in figures of their own: the law speaks of what the machine charges."""
+    """Return bounds after an accepted report, in figures of their own, since the law uses the run that the machine adds."""
     low, high = of.num(um(one.low)), of.num(um(one.high))
     run = with_unit(one.age * one.reach.max_speed_mm_s, UM)
     lowest = maximum(earlier_num(low), of.num(um(one.rear.value) - run))
@@ -115,48 +139,62 @@ def _confirmed(of: Substitution, one: Slot, trusted: bool) -> Bool:
     return stays.implies(longer | (word & waited.eq(0)) if trusted else longer)
 
 
-def _told(model: Sections, one: Section) -> Iterator[Property]:
-    """Every report says which rule led to it, what it rests on, how old that is, and how far to trust it."""
-    machine, name, config = one.machine, one.machine.name, one.config
+def _rule(model: Sections, one: Section) -> Iterator[Property]:
+    """Claim the rule that led to the state."""
+    machine, name = one.machine, one.machine.name
     of = model.composition.of(machine)
     mode, rule = of.num(machine.mode), of.num(machine.output("rule"))
-    evidence, trust = of.num(machine.output("evidence")), of.num(machine.output("trust"))
-    age = of.num(machine.output("evidence_age_cycles"))
-    _, free, occupied, _ = machine.modes
     by_label = {member.label: member for member in machine.modes}
-    led = [
+    changed = [
         (earlier_num(mode).eq(by_label[source]) & mode.eq(by_label[target])).implies(rule.eq(number))
         for (source, target), number in RULES.items()
     ]
-    led.append(earlier_num(mode).eq(mode).implies(rule.eq(earlier_num(rule))))
+    stays = earlier_num(mode).eq(mode).implies(rule.eq(earlier_num(rule)))
     yield for_all_inputs(
         f"{name} names the rule",
-        all_of(led),
-        statement="the rule told is that of the change of state that happened, and stays while the state does",
+        all_of([*changed, stays]),
+        statement="the reported rule is that of the change of state that happened, and stays while the state does",
     )
+
+
+def _told(model: Sections, one: Section) -> Iterator[Property]:
+    """Claim the evidence of the state, and its trust."""
+    machine, name, config = one.machine, one.machine.name, one.config
+    of = model.composition.of(machine)
+    mode = of.num(machine.mode)
+    evidence, trust = of.num(machine.output("evidence")), of.num(machine.output("trust"))
+    age = of.num(machine.output("evidence_age_cycles"))
+    _, free, occupied, _ = machine.modes
     yield for_all_inputs(
         f"{name} says what it rests on",
         mode.eq(free).iff(evidence.one_of(NO_TRAIN, TRAINS_ELSEWHERE))
         & mode.eq(occupied).iff(evidence.eq(TRAIN_FOLLOWED)),
-        statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train that is followed and whole, "
-        "and neither on anything else",
+        statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train with recent reports "
+        "that is whole, and neither on anything else",
     )
     yield for_all_inputs(
         f"{name} is trusted as far as its reports are fresh",
         trust.eq(VERIFIED).implies((age <= config.mute_limit_cycles) & evidence.ne(UNCOUNTED))
         & mode.eq(occupied).implies(trust.eq(VERIFIED)),
-        statement="a state told as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
+        statement="a state reported as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
     )
+
+
+def _timed(model: Sections, one: Section) -> Iterator[Property]:
+    machine, name = one.machine, one.machine.name
+    of = model.composition.of(machine)
+    mode = of.num(machine.mode)
+    _, _, occupied, _ = machine.modes
     yield for_all_inputs(
         f"{name} keeps to its timers",
         mode.eq(occupied).implies(all_of(_in_time(model, one))),
-        statement="OCCUPIED by a train that was not heard of beyond the mute timer, or whose integrity was not confirmed beyond its "
-        "timer, is told no longer, from the cycle on in which the timer ends",
+        statement="the state is no longer OCCUPIED from the cycle on in which the mute timer or the integrity timer of a "
+        "train in the section ends",
     )
 
 
 def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
-    """Of every train that may be in the section: within both timers."""
+    """Yield the condition that a train is within both timers, for every train that may be in the section."""
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     for train in model.area.own.slots:
         low, high = there.num(train.low), there.num(train.high)
@@ -178,8 +216,8 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
     yield under_assumption(
         f"{name} is never clear with a train in it",
         free.implies(~any_of(trains)),
-        statement="a section in which any part of any train is, from min safe rear to max safe front, is never FREE: with "
-        "several trains, entering, leaving, reversing, lost and coming back",
+        statement="a section that contains any part of any train, from min safe rear to max safe front, is never FREE: "
+        "with several trains, entering, leaving, reversing, lost and coming back",
         requirements=REQUIREMENTS,
     )
     yield under_assumption(
@@ -195,6 +233,7 @@ def _overlaps(rear: Num, front: Num, start: Num, end: Num) -> Bool:
 
 
 def _evidence(model: Sections, one: Section) -> Iterator[Property]:
+    """Claim that a section is clear only on evidence."""
     name = one.machine.name
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     free = of.bool(one.machine.flag("clear"))
@@ -206,8 +245,16 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name} is clear only on evidence",
         free.implies(all_of(apart)),
-        statement="FREE is stated only where every counted train is known to be elsewhere",
+        statement="a section is FREE only if every counted train is known to be elsewhere",
     )
+
+
+def _silence(model: Sections, one: Section) -> Iterator[Property]:
+    """Claim that missing reports clear no section."""
+    name = one.machine.name
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    free = of.bool(one.machine.flag("clear"))
+    slots = model.area.own.slots
     silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine
     quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))

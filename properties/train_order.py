@@ -1,4 +1,4 @@
-"""What must hold of the association of patterns with trains (FVA-2)."""
+"""Properties of the association of patterns with trains (FVA-2)."""
 
 from __future__ import annotations
 
@@ -11,26 +11,28 @@ from safeloc.language.units import COUNT, UM
 from safeloc.models.train_order import REQUIREMENTS, Parts, TrainOrder
 
 LAW = (
-    "no train passes another; undisturbed counters tell each train that enters or leaves, unless what they tell cannot be; as "
-    "many patterns as trains, lying apart, hold a train each"
+    "no train passes another; undisturbed counters report each train that enters or leaves, unless their reports "
+    "are impossible; if there are as many patterns as trains, lying apart, each contains a train"
 )
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: TrainOrder) -> list[Property]:
-    """A pattern that belongs to a train holds it; any doubt, and no pattern belongs to anyone."""
+    """Return the properties: a pattern of a train contains it; in any doubt no pattern belongs to a train."""
     associated = model.machine.flag("associated")
-    seen = reachable("associated", associated, statement="patterns can be told apart", requirements=REQUIREMENTS)
-    return [*_true(model), *_patterns(model), *_order(model), seen]
+    seen = reachable(
+        "associated", associated, statement="patterns can be associated with trains", requirements=REQUIREMENTS
+    )
+    return [*_true(model), *_patterns(model), *_faults(model), *_begins(model), *_ends(model), *_follows(model), seen]
 
 
 def _true(model: TrainOrder) -> Iterator[Property]:
-    """What is told is so on the track."""
+    """Claim order and association against the true trains on the track."""
     machine, own = model.machine, model.own
     yield always(
         "a pattern holds its train",
         all_of(_held(own, rank) for rank in range(len(own.belongs))),
-        statement="the train that a pattern is said to be is within that pattern, however near others are",
+        statement="the train to which a pattern belongs is within that pattern, however near other trains are",
         requirements=REQUIREMENTS,
         assumption=LAW,
     )
@@ -38,21 +40,21 @@ def _true(model: TrainOrder) -> Iterator[Property]:
     yield always(
         "the order is that on the track",
         machine.flag("ordered").implies(all_of([*listed, _from_the_low_end(own)])),
-        statement="while an order is known, it names just the trains that are between the counters, from the low end on",
+        statement="while an order is known, it names exactly the trains that are between the counters, from the low end on",
         requirements=REQUIREMENTS,
         assumption=LAW,
     )
 
 
 def _held(own: Parts, rank: int) -> Bool:
-    """Whoever the pattern is said to be is within it."""
+    """Return the condition that the train to which the pattern belongs is within it."""
     low, high = exact_to(own.lows[rank], UM), exact_to(own.highs[rank], UM)
     told = own.belongs[rank]
     return all_of(told.eq(train.number).implies(between(low, train.place, high)) for train in own.trains)
 
 
 def _from_the_low_end(own: Parts) -> Bool:
-    """Of two trains that are named one after the other the second is farther up."""
+    """Return the condition that of two trains named one after the other the second is farther up."""
     pairs = [(a, b) for a in own.trains for b in own.trains if a is not b]
     return all_of(
         (one.ne(a.number) | other.ne(b.number)) | (b.place > a.place)
@@ -62,27 +64,34 @@ def _from_the_low_end(own: Parts) -> Bool:
 
 
 def _patterns(model: TrainOrder) -> Iterator[Property]:
-    """Whose the patterns are, as they compare with the order that is known."""
+    """Claim the association of patterns from the known order."""
     machine, own = model.machine, model.own
     associated, is_ordered = machine.flag("associated"), machine.flag("ordered")
     trains = _how_many(one.ne(0) for one in own.order)
     yield for_all_inputs(
         "another number of patterns belongs to nobody",
         associated.implies(is_ordered & own.patterns.eq(trains) & _lie_apart(own)),
-        statement="more or fewer patterns than trains, or patterns that overlap: none belongs to anyone, in that cycle",
+        statement="with more or fewer patterns than trains, or patterns that overlap, no pattern belongs to a train in "
+        "that cycle",
     )
     yield for_all_inputs(
         "as many patterns as trains belong to them in their order",
         (is_ordered & own.patterns.eq(trains) & _lie_apart(own)).implies(
             all_of(one.eq(train) for one, train in zip(own.belongs, own.order, strict=True))
         ),
-        statement="as many patterns as trains, lying apart: the first belongs to the first train, and so on, in that cycle",
+        statement="with as many patterns as trains, lying apart, the first pattern belongs to the first train, and so on, "
+        "in that cycle",
     )
     yield for_all_inputs(
         "associated patterns are somebody's",
         associated.iff(any_of(one.ne(0) for one in own.belongs)),
-        statement="patterns are told to be associated exactly where one of them is said to be a train",
+        statement="patterns are reported as associated exactly if one of them belongs to a train",
     )
+
+
+def _faults(model: TrainOrder) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    associated, is_ordered = machine.flag("associated"), machine.flag("ordered")
     yield for_all_inputs(
         "a fault ends the order",
         own.fault.implies(~associated & ~is_ordered),
@@ -98,7 +107,7 @@ def _how_many(conditions: Iterable[Bool]) -> Num:
 
 
 def _lie_apart(own: Parts) -> Bool:
-    """Each pattern that is seen begins behind the one before it, and does not end before it begins."""
+    """Return the condition that each pattern begins behind the one before it, and does not end before it begins."""
     terms = list[Bool]()
     for rank, (low, high) in enumerate(zip(own.lows, own.highs, strict=True)):
         behind = all_of([high >= low, low > own.highs[rank - 1]]) if rank else high >= low
@@ -107,21 +116,29 @@ def _lie_apart(own: Parts) -> Bool:
 
 
 def _events(own: Parts) -> Num:
-    """How many events the counters tell in the cycle."""
+    """Return the number of events that the counters report in the cycle."""
     return _how_many([own.leaves_low, own.leaves_high, own.enters_low > 0, own.enters_high > 0])
 
 
-def _order(model: TrainOrder) -> Iterator[Property]:
-    """The order is that of the counters' events since the area was empty; what cannot be ends it."""
+def _begins(model: TrainOrder) -> Iterator[Property]:
+    """Claim that an order begins with an empty area."""
     machine, own = model.machine, model.own
     unknown, ordered = machine.modes
-    was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
+    is_ordered = machine.mode.eq(ordered)
     nobody = all_of(one.eq(0) for one in own.order)
     yield for_all_inputs(
         "an order begins with an empty area",
         (before(machine.mode).eq(unknown) & is_ordered).implies(all_of([own.clear, nobody, _events(own).eq(0)])),
-        statement="an order is known again only in a cycle in which the counters tell that the area is empty, and no event",
+        statement="an order is known again only in a cycle in which the counters report an empty area, and no event",
     )
+
+
+def _ends(model: TrainOrder) -> Iterator[Property]:
+    """Claim the events that end an order."""
+    machine, own = model.machine, model.own
+    _, ordered = machine.modes
+    was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
+    nobody = all_of(one.eq(0) for one in own.order)
     none = before(own.order[0]).eq(0)
     impossible = {
         "two events at once": (_events(own) >= 2, "two events in one cycle"),
@@ -138,13 +155,21 @@ def _order(model: TrainOrder) -> Iterator[Property]:
         yield for_all_inputs(
             f"{name} ends the order",
             (was_ordered & event).implies(~is_ordered & nobody & ~machine.flag("associated")),
-            statement=f"{what}: no order is known any more, and no pattern belongs to anyone, in that cycle",
+            statement=f"{what}: no order is known any more, and no pattern belongs to a train, in that cycle",
         )
     yield for_all_inputs(
         "an order ends only for a reason",
         (was_ordered & ~is_ordered).implies(any_of([own.fault, *(event for event, _ in impossible.values())])),
-        statement="an order that is known is given up for a disturbed counter, or an event that cannot be, and for nothing else",
+        statement="a known order is given up only for a disturbed counter or an impossible event",
     )
+
+
+def _follows(model: TrainOrder) -> Iterator[Property]:
+    """Claim the change of the order with each event."""
+    machine, own = model.machine, model.own
+    _, ordered = machine.modes
+    was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
+    nobody = all_of(one.eq(0) for one in own.order)
     for name, moved in _moved(model).items():
         yield for_all_inputs(
             f"the order follows: {name}",
@@ -154,19 +179,19 @@ def _order(model: TrainOrder) -> Iterator[Property]:
     yield for_all_inputs(
         "an empty area has nobody in its order",
         (is_ordered & own.clear & _events(own).eq(0)).implies(nobody),
-        statement="where the counters tell that the area is empty, and no event, the order names nobody",
+        statement="when the counters report an empty area, and no event, the order names no train",
     )
 
 
 def _again(model: TrainOrder) -> Bool:
-    """A train enters that is there already, or there is no room for one more."""
+    """Return the condition that a train enters that is there already, or that there is no room for one more."""
     own, full = model.own, before(model.own.order[-1]).ne(0)
     again = [before(one).eq(told) for one in own.order for told in (own.enters_low, own.enters_high)]
     return any_of((told > 0) & any_of([full, *again[n::2]]) for n, told in enumerate((own.enters_low, own.enters_high)))
 
 
 def _moved(model: TrainOrder) -> dict[str, Bool]:
-    """What becomes of the order by each event, from the low end to the high end."""
+    """Return the order after each event, from the low end to the high end."""
     own, ranks = model.own, range(len(model.own.order))
     now, earlier, zero = own.order, [before(one) for one in own.order], as_num(0, COUNT)
     trains = _how_many(one.ne(0) for one in earlier)

@@ -32,7 +32,6 @@ from safeloc.railway.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
 from safeloc.runtime.outside import read_bytes
 from safeloc.shipped import ENTRIES
-from safeloc.shipped.hosting import for_hosts
 from safeloc.shipped.own_sources import KINDS, SEPARATOR, WITH_SOURCES, with_own_sources
 from safeloc.target import Entry, Target
 
@@ -122,7 +121,7 @@ def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
         raise InputError(f"{sources!r} names no source; give FILE.py:NAME or package.module:NAME, several joined by +.")
     own, makers = read_config(ENTRIES[WITH_SOURCES].config, config), [_maker(one) for one in named]
     with _as_input_error(sources):
-        return for_hosts(with_own_sources(kind, makers, own))
+        return with_own_sources(kind, makers, own)
 
 
 def _maker(spec: str) -> Callable[..., Any]:
@@ -136,7 +135,7 @@ def _maker(spec: str) -> Callable[..., Any]:
     return made
 
 
-def _made(entry: Entry, config: BaseModel, path: Path | None) -> Target:
+def _made(entry: Entry[Any], config: BaseModel, path: Path | None) -> Target:
     """The shipped machine of a configuration; InputError where each figure is permitted but no machine comes of all."""
     if path is None:
         return _built(entry, config)
@@ -155,7 +154,7 @@ def _made(entry: Entry, config: BaseModel, path: Path | None) -> Target:
         ) from error
 
 
-def _built(entry: Entry, config: BaseModel) -> Target:
+def _built(entry: Entry[Any], config: BaseModel) -> Target:
     """The machine. It is many small nodes in no cycles, so looking for garbage meanwhile would find none, and takes an eighth."""
     looking = gc.isenabled()
     gc.disable()

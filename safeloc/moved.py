@@ -119,6 +119,11 @@ MOVED = {
     "safeloc.runtime.reported": "safeloc.reported",
     "safeloc.runtime.service.pace": "safeloc.runtime.service.clock_lag",
     "safeloc.service": "safeloc.runtime.service",
+    "safeloc.shipped.localizer": "safeloc.models.localizer.target",
+    "safeloc.shipped.making": "safeloc.target",
+    "safeloc.shipped.odometry": "safeloc.models.odometry.target",
+    "safeloc.shipped.receiver": "safeloc.models.guard.target",
+    "safeloc.shipped.satellite": "safeloc.models.satellite.target",
     "safeloc.signals": "safeloc.sensing",
     "safeloc.spec": "safeloc.language.spec",
     "safeloc.streams": "safeloc.runtime.streams",
@@ -135,9 +140,17 @@ MOVED = {
 If one of these lower modules has another place, it has a row of its own.
 """
 
+_A_FILE_EACH = (
+    "it is gone. Each machine's entry stands in target.py of its folder, such as safeloc.models.emitter.target; "
+    "safeloc.shipped.ENTRIES has all of them."
+)
 GONE = {
     "safeloc.codegen.runtime": "to_fsm and to_async_fsm are gone. Controller(target).follow(model) of "
     "safeloc.runtime.embedding lets a host's object follow the machine, behind the border (docs/embedding.md).",
+    "safeloc.shipped.fibre": _A_FILE_EACH,
+    "safeloc.shipped.hosting": "SILENT and UNITS are gone. Entry.silent and Entry.records_of of safeloc.shipped.ENTRIES state it "
+    "of each machine; Entry.make hands it to the target.",
+    "safeloc.shipped.markers": _A_FILE_EACH,
 }
 """Name of a removed module -> instructions for its users."""
 

@@ -1,21 +1,31 @@
-"""A system with everything that is to be shown of it, and what makes one from a configuration."""
+"""Targets and catalogue entries. A target is a system with its properties, recordings and pictures; an entry makes one from
+a configuration.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel
 
 from safeloc.config import Configurations
+from safeloc.errors import InputError
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property
-from safeloc.language.system import TransitionSystem
+from safeloc.language.system import TransitionSystem, lower
 from safeloc.railway.pictures import Picture
 from safeloc.reported import Reported
+
+AnyConfig = TypeVar("AnyConfig", bound=BaseModel)
+Simulate = Callable[[int], Sequence[Mapping[str, Value | str]]]
+"""A simulation: seed -> steps of simulated sensors."""
+STREAMS = Path(__file__).parent / "models" / "streams"
+"""The folder of the recordings that ship."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +52,7 @@ class Target:
     doc: str = ""
     streams: tuple[Path, ...] = ()
     reported: Reported | None = None
-    simulate: Callable[[int], Sequence[Mapping[str, Value | str]]] | None = None
+    simulate: Simulate | None = None
     pictures: tuple[Picture, ...] = ()
     silent: tuple[str, ...] = ()
     said: Mapping[str, str] = field(default_factory=dict)
@@ -52,16 +62,84 @@ class Target:
     members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
 
 
-Maker = Callable[[BaseModel], Target]
+class Family(Enum):
+    """What a machine locates by. `safeloc list` names the families in this order, and README.md has a row for each."""
+
+    ODOMETRY = "odometry"
+    MARKERS = "markers"
+    FIBRE = "fibre"
+    SATELLITES = "satellites"
+    RECEIVER = "receiver"
+    LOCALIZER = "localizer"
+
+
+LAST = 1000
+"""The place of a machine that states none."""
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
-    """A shipped machine: its configuration class, how to make it, and the configurations beside the defaults in which it is
-    proved."""
+class Entry(Generic[AnyConfig]):
+    """A machine of the catalogue, declared in `ENTRIES` of its `models/<mode>/target.py`.
+
+    config          the class of its configuration; its defaults are what `safeloc verify` proves
+    maker           makes the target from a configuration
+    place           where it stands within its family in `safeloc list`; machines of equal place are in order of their names
+    configurations  those in which it is proved beside its defaults
+    no_interval     the reason why it reports no interval; "" for a machine that reports one
+    silent          machines of the target that may get no input in a step. Some inputs cannot be absent: a truth value, a
+                    member, a number that always comes with them. Where their device is silent they get the neutral value:
+                    false, the first member, the number nearest zero. For a machine that is named here
+                    tests/runtime/embedding/test_silence.py proves: from each step that obeys the assumption all its inputs
+                    can be taken away, and the rest obeys the assumption too. So every proof covers the silent step. A
+                    machine that is not named stops in such a step (an axle that was not reported is an axle lost)
+    records_of      record name -> input name, for inputs whose records have another name, such as that of the
+                    odometer's unit (docs/records.md)
+    folder          its folder of `models/`; `safeloc.shipped` writes it down when it finds the entry
+    """
 
     name: str
     summary: str
-    config: type[BaseModel]
-    make: Maker
+    config: type[AnyConfig]
+    maker: Callable[[AnyConfig], Target]
+    family: Family
+    place: int = LAST
     configurations: Configurations = Configurations()
+    no_interval: str = ""
+    silent: tuple[str, ...] = ()
+    records_of: Mapping[str, str] = field(default_factory=dict)
+    folder: str = ""
+
+    def make(self, config: AnyConfig) -> Target:
+        """Make the target for a configuration. InputError for a configuration of another machine."""
+        if not isinstance(config, self.config):
+            raise InputError(f"{self.name} takes a {self.config.__name__}, got {type(config).__name__}.")
+        return self.for_hosts(self.maker(config))
+
+    def for_hosts(self, target: Target) -> Target:
+        """Return a target of this machine with what a host has to know of it, for machines and inputs that its configuration has."""
+        names = {machine.name for machine in target.machines}
+        inputs = {var.name for var in target.system.inputs}
+        silent = tuple(name for name in self.silent if name in names)
+        said = {record: name for record, name in self.records_of.items() if name in inputs}
+        return replace(target, silent=silent, said=said)
+
+
+def recorded(name: str) -> tuple[Path, ...]:
+    """Return the recordings that ship for a machine: `models/streams/NAME-what-happens.jsonl.gz`."""
+    return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl.gz")))
+
+
+def single(
+    machine: Machine,
+    properties: Sequence[Property],
+    config: BaseModel,
+    *,
+    reported: Reported | None = None,
+    simulate: Simulate | None = None,
+    pictures: tuple[Picture, ...] = (),
+) -> Target:
+    """Make the target of a single machine, with the recordings that ship under its name."""
+    return Target(
+        machine.name, (machine,), lower(machine), tuple(properties), config, machine.doc, recorded(machine.name),
+        reported, simulate, pictures,
+    )  # fmt: skip

@@ -86,10 +86,9 @@ def centres(found: list[list[Stop]]) -> dict[Stop, int]:
 
 
 def words(graph: nx.DiGraph[str], room: str) -> list[str]:
-    """What a box says under its name."""
+    """What a box says under its name; a new file alone changes nothing in the picture."""
     named = ", ".join(sorted(graph.successors(room))) or "nothing"
-    number = graph.nodes[room]["files"]
-    return [f"{number} file{'s' * (number > 1)}; imports", *textwrap.wrap(named, LETTERS)]
+    return textwrap.wrap(f"imports {named}", LETTERS)
 
 
 def tall(graph: nx.DiGraph[str], row: Iterable[Stop]) -> int:

@@ -1,7 +1,8 @@
 """Who imports whom, room by room, as it is read from the code's own imports.
 
 A room is a folder of `safeloc/`, or `models/` or `properties/`. What stands in `railway/` is a room each, and so is a file
-beside the folders, such as `errors`. The doors of the package belong to no room.
+beside the folders, such as `errors`. The files `models/<mode>/target.py` are one room, `targets`: they tie a machine to its
+properties. The doors of the package belong to no room.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import networkx as nx
 ROOT = Path(__file__).parents[1]
 DOORS = [ROOT / "safeloc" / name for name in ("__init__.py", "__main__.py", "moved.py", "railway/__init__.py")]
 DIVIDED = "railway"
+TARGETS = "targets"
 LINKS = (ROOT / "safeloc" / "models", ROOT / "safeloc" / "properties")
 
 
@@ -29,6 +31,8 @@ def files() -> list[Path]:
 def room_of(path: Path) -> str:
     """The room that a file belongs to, such as `language`, `railway.map` or `errors`."""
     first, *rest = path.relative_to(ROOT).with_suffix("").parts
+    if first == "models" and rest[1:] == ["target"]:
+        return TARGETS
     if first != "safeloc":
         return first
     return f"{DIVIDED}.{rest[1]}" if rest[0] == DIVIDED else rest[0]
@@ -54,12 +58,12 @@ def imported(code: str) -> Iterator[str]:
 
 @cache
 def rooms() -> nx.DiGraph[str]:
-    """All rooms with the number of their files; an edge from each room to each that it imports, with the number of files that do."""
+    """All rooms; an edge from each to each that it imports, with the number of files that do."""
     homes = {module_of(path): room_of(path) for path in files()}
     graph: nx.DiGraph[str] = nx.DiGraph()
     for path in files():
         room = room_of(path)
-        graph.add_node(room, files=graph.nodes.get(room, {}).get("files", 0) + 1)
+        graph.add_node(room)
         for target in {home(name, homes) for name in imported(path.read_text(encoding="utf-8"))}:
             if target not in (None, room):
                 times = graph.get_edge_data(room, target, {"times": 0})["times"]

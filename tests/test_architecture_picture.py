@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.cli.commands import COMMANDS
 from tests.architecture_picture import COMMAND, PICTURE, drawn
-from tests.rooms import DIVIDED, ROOT, arrows, downward, files, heights, home, room_of, rooms, upward
+from tests.rooms import DIVIDED, ROOT, TARGETS, arrows, downward, files, heights, home, room_of, rooms, upward
 
 PAGE = ROOT / "docs" / "architecture.md"
 
@@ -30,7 +30,7 @@ def test_each_room_has_its_box_with_all_that_it_imports() -> None:
     for room in graph:
         assert room in texts
         named = ", ".join(sorted(graph.successors(room))) or "nothing"
-        assert re.search(rf"{re.escape(room)} {graph.nodes[room]['files']} files?; imports {re.escape(named)}", said)
+        assert f"{room} imports {named}" in said
 
 
 def test_arrows_say_as_much_as_the_imports() -> None:
@@ -77,8 +77,9 @@ def test_rooms_are_read_from_the_folders() -> None:
 
 def test_the_page_has_a_sentence_for_each_room() -> None:
     """In the table of rooms, and for no other ones."""
-    named = re.findall(r"^\| `(?:safeloc/)?([\w/]+?)(?:/|\.py)` \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-    assert sorted(rooms()) == sorted(name.replace("/", ".") for name in named)
+    named = re.findall(r"^\| `(?:safeloc/)?([\w/<>]+?)(?:/|\.py)` \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    names = [TARGETS if name == "models/<mode>/target" else name.replace("/", ".") for name in named]
+    assert sorted(rooms()) == sorted(names)
 
 
 PAGES = ["docs/architecture.md", "docs/glossary.md", "CONTRIBUTING.md"]

@@ -237,7 +237,7 @@ def test_a_machine_without_a_meaning(tmp_path: Path, monkeypatch: pytest.MonkeyP
             "machine 'lamp' (x.py:1):\n  - transition 'on' (x.py:2): a comparison in its guard never changes."
         )
 
-    entry = replace(ENTRIES["delocalized"], make=fails)
+    entry = replace(ENTRIES["delocalized"], maker=fails)
     monkeypatch.setattr("safeloc.catalogue.ENTRIES", {"delocalized": entry})
     path = tmp_path / "own.toml"
     path.write_text("tolerance_mm = 7", encoding="utf-8")
@@ -372,7 +372,7 @@ def test_making_a_machine_leaves_the_garbage_collector_as_it_was(
         asked.append(gc.isenabled())
         raise RuntimeError("cannot be made")
 
-    wrong = {"emitter": replace(ENTRIES["emitter"], make=fails)}
+    wrong = {"emitter": replace(ENTRIES["emitter"], maker=fails)}
     try:
         (gc.enable if looking else gc.disable)()
         load_target("emitter")

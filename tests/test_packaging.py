@@ -12,6 +12,7 @@ import tomllib
 import venv
 import zipfile
 from collections.abc import Iterator
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,16 @@ LEFT_OUT = shutil.ignore_patterns(
 def project() -> dict[str, Any]:
     """pyproject.toml."""
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def setup_py() -> Any:
+    """setup.py as a module; it sets up nothing when it is imported."""
+    spec = spec_from_file_location("setup_py", ROOT / "setup.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def delivered() -> Iterator[tuple[Path, str]]:
@@ -84,10 +95,10 @@ def test_one_top_level_name(wheel: Path) -> None:
 
 
 def test_packages_are_the_trees() -> None:
-    """The list of packages in pyproject.toml is the list of folders with Python files."""
+    """The packages that setup.py finds are the folders with Python files, each of which has an __init__.py."""
     expected = {name.rpartition("/")[0].replace("/", ".") for _, name in delivered() if name.endswith(".py")}
-    listed = project()["tool"]["setuptools"]["packages"]
-    assert sorted(listed) == sorted(expected)
+    assert sorted(setup_py().packages()) == sorted(expected)
+    assert not {"packages", "package-data", "package-dir"} & set(project()["tool"].get("setuptools", {}))
     missing = [name for _, name in delivered() if name.endswith(".py") and not _has_init(name)]
     assert missing == []
 

@@ -1,9 +1,9 @@
-"""A line area between axle counters: which trains are in it, where each may be, and where uncounted vehicles may be.
+"""A line area between axle counters: its trains, the interval of each, and the stretch in which uncounted vehicles may be.
 
-Trains are counted in and out by axle counters at both ends of the area (ES fibre source, l. 479-546; FVA-2). Between,
-each is followed by reports of the fibre system that were verified. What is in the area without having been counted
-(at the start, or while a counter was disturbed) is called loose. It may be anywhere, until it was pushed out: no
-vehicle passes another, so a train that came in at the low end has every loose vehicle above it.
+Axle counters at both ends of the area count trains in and out (ES fibre source, l. 479-546; FVA-2). In between, verified
+reports of the fibre system follow each train. Vehicles that are in the area without having been counted (at the start, or
+after a disturbance of a counter) are called loose. They may be anywhere until they are pushed out: no vehicle passes
+another, so a train that came in at the low end has every loose vehicle above it.
 
     UNSWEPT   loose vehicles may be in [loose_low, loose_high]
     SWEPT     every vehicle in the area was counted in
@@ -31,6 +31,8 @@ from safeloc.language.expr import (
     minimum,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.nodes import Value
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
@@ -55,22 +57,22 @@ REQUIREMENTS = ("FVA-9",)
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """The machine together with the terms it was built from."""
+    """The machine together with the terms from which it was built."""
 
     machine: Machine
     own: Parts
 
 
 def machine(config: AreaConfig | None = None) -> Machine:
-    """The area machine (FVA-2, FVA-9)."""
+    """Return the area machine (FVA-2, FVA-9)."""
     return build(parts(config or AreaConfig())).machine
 
 
 def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] = ()) -> Area:
-    """The machine over the given variables.
+    """Return the machine over the given variables.
 
-    kept         slots whose reports an earlier machine vouches for, not assumed
-    counted_out  slots of which an earlier machine counts the axles: that all of the train left is its to tell, not assumed
+    kept         slots whose reports an earlier machine guarantees, so they are not assumed
+    counted_out  slots whose axles an earlier machine counts: it guarantees that all of the train left, so that is not assumed
     """
     table = modes("UNSWEPT", "SWEPT")
     current = current_mode(table)
@@ -85,20 +87,21 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
         lemmas=lemmas(own, current, table),
         initially=ends_in_order(own),
         doc=(
-            "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
-            "undisturbed every vehicle that comes in is counted and given a free slot, a train that is counted out has "
-            "left completely, and a clear area is empty; a trusted report holds the end of the train that leads, and both "
-            "if it is known to be whole, where that is trusted; nothing exceeds the top speed; no vehicle passes another."
+            "Trains between two axle counters, and vehicles that were never counted. Assumed: undisturbed "
+            "counters count every vehicle that comes in and give it a free slot; a train that they count out has "
+            "left completely, and an area that they report clear is empty; a trusted report contains the leading "
+            "end of the train, and both ends if the train is known to be whole and reports of that are trusted; "
+            "nothing exceeds the top speed; no vehicle passes another."
         ),
     )
     return Area(made, own)
 
 
-# ------------------------------------------------------------------ judging a cycle
+# ------------------------------------------------------------------ conditions of a cycle
 
 
 def _leaves(own: Parts, one: Slot) -> Bool:
-    """The train has left completely: counted out while undisturbed, and possible by its interval."""
+    """Return the condition that the train has left completely: undisturbed counters counted it out, and its interval allows it."""
     low, high = one.run_on
     at_low = one.event.eq(LEAVES_LOW) & (low <= own.low_end)
     at_high = one.event.eq(LEAVES_HIGH) & (high >= own.high_end)
@@ -106,18 +109,18 @@ def _leaves(own: Parts, one: Slot) -> Bool:
 
 
 def _empty(own: Parts) -> Bool:
-    """Positive evidence of an empty area: clear counters, no train coming in, none seen inside."""
+    """Return the positive evidence of an empty area: clear counters, no train coming in, no report accepted."""
     seen = any_of(one.enters | one.accepted for one in own.slots)
     return own.healthy & own.clear & ~seen
 
 
 def _uncounted(own: Parts) -> Bool:
-    """Something may have come in without being counted: counters disturbed, or a train counted into a taken slot."""
+    """Return the condition that vehicles may have come in uncounted: counters disturbed, or a train counted into a taken slot."""
     return ~own.healthy | any_of(one.enters & one.present for one in own.slots)
 
 
 def _swept(own: Parts) -> tuple[Num, Num]:
-    """Where loose vehicles may be after the cycle: they run, but past no train that has them on one side."""
+    """Return the bounds of loose vehicles after the cycle: they run, but pass no train that has them on one side."""
     cycle, limit = own.config.reach.cycle_mm, own.config.limit_mm
     low, high = maximum(own.loose_low - cycle, -limit), minimum(own.loose_high + cycle, limit)
     for one in own.slots:
@@ -137,67 +140,88 @@ def _swept(own: Parts) -> tuple[Num, Num]:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unswept, swept = table
-    limit = own.config.limit_mm
     low, high = _swept(own)
     none_left = (low > own.high_end) | (high < own.low_end) | (low > high)
-    anywhere: dict[Var, Expr] = {own.loose_low: as_num(-limit, MM), own.loose_high: as_num(limit, MM)}
-    forgotten: dict[Var, Expr] = {var: FALSE for one in own.slots for var in (one.below, one.above)}
-    followed = _followed(own)
-    emptied = {var: term for one in own.slots for var, term in one.nobody().items()}
-    judged: dict[Var, Expr] = {one.judged: one.verdict for one in own.slots}
-    nothing: dict[Var, Expr] = {**anywhere, own.rejected: as_num(0, COUNT)}
+    limit, verdicts = own.config.limit_mm, _verdicts(own)
+    anywhere: Updates = {own.loose_low: -limit, own.loose_high: limit}
+    apart: Updates = {own.loose_low: low, own.loose_high: high}
+    trains = together(verdicts, _trains(own), _rejected(own))
+    followed = together(trains, _order(own))
     yield Transition(
-        "something came in uncounted",
-        table,
-        unswept,
-        _uncounted(own),
-        {**followed, **anywhere, **forgotten},
-        REQUIREMENTS,
-        0,
-    )
-    yield Transition("counters are clear", table, swept, _empty(own), {**emptied, **judged, **nothing}, REQUIREMENTS, 1)
+        "something came in uncounted", table, unswept, _uncounted(own),
+        together(trains, _no_order(own), anywhere), REQUIREMENTS, 0)  # fmt: skip
     yield Transition(
-        "everything loose is pushed out", unswept, swept, none_left, {**followed, **anywhere}, REQUIREMENTS, 2
-    )
-    kept = {**followed, own.loose_low: low, own.loose_high: high}
-    yield Transition("follow trains, loose vehicles apart", unswept, unswept, TRUE, kept, REQUIREMENTS, 3)
-    yield Transition("follow trains", swept, swept, TRUE, {**followed, **anywhere}, REQUIREMENTS, 3)
+        "counters are clear", table, swept, _empty(own),
+        together(verdicts, _no_trains(own), _no_order(own), {own.rejected: 0}, anywhere), REQUIREMENTS, 1)  # fmt: skip
+    yield Transition(
+        "everything loose is pushed out", unswept, swept, none_left, together(followed, anywhere), REQUIREMENTS, 2)  # fmt: skip
+    yield Transition(
+        "follow trains, loose vehicles apart", unswept, unswept, TRUE, together(followed, apart), REQUIREMENTS, 3)  # fmt: skip
+    yield Transition("follow trains", swept, swept, TRUE, together(followed, anywhere), REQUIREMENTS, 3)
 
 
-def _followed(own: Parts) -> dict[Var, Expr]:
-    """Every slot after the cycle; a rejected event is counted."""
-    updates: dict[Var, Expr] = {}
-    rejected = as_num(0, COUNT)
-    for one in own.slots:
-        updates |= _after(own, one)
-        strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)
-        rejected = rejected + ite(strange, as_num(1, COUNT), 0)
-    return {**updates, own.rejected: rejected}
+# ------------------------------------------------------------------ groups of updates
 
 
-def _after(own: Parts, one: Slot) -> dict[Var, Expr]:
-    gone, limit = _leaves(own, one), own.config.count_limit
-    present = (one.present & ~gone) | one.enters
-    low, high = one.bounds(own.low_end, own.high_end)
+def _verdicts(own: Parts) -> Updates:
+    return {one.judged: one.verdict for one in own.slots}
+
+
+def _trains(own: Parts) -> Updates:
+    """Set presence, interval and waiting times of every train."""
+    return together(*(_train(own, one) for one in own.slots))
+
+
+def _train(own: Parts, one: Slot) -> Updates:
+    present, (low, high) = _present_after(own, one), one.bounds(own.low_end, own.high_end)
     taken = one.enters & one.present  # two trains in one slot: it covers both, wherever they are
-    zero, none = as_num(0, MM), as_num(0, COUNT)
-    far = own.config.limit_mm
-
-    def while_present(term: Num, otherwise: Num) -> Num:
-        return ite(present, term, otherwise)
-
+    far, limit, none = own.config.limit_mm, own.config.count_limit, as_num(0, COUNT)
+    silent = ite(one.accepted | one.enters, none, minimum(one.silent + 1, limit))
+    unconfirmed = ite(one.confirmed | one.enters, none, minimum(one.unconfirmed + 1, limit))
     return {
         one.present: present,
-        one.low: while_present(ite(taken, as_num(-far, MM), low), zero),
-        one.high: while_present(ite(taken, as_num(far, MM), high), zero),
-        one.silent: while_present(ite(one.accepted | one.enters, none, minimum(one.silent + 1, limit)), none),
-        one.unconfirmed: while_present(
-            ite(one.confirmed | one.enters, none, minimum(one.unconfirmed + 1, limit)), none
-        ),
-        one.below: present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below),
-        one.above: present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above),
-        one.judged: one.verdict,
+        one.low: ite(present, ite(taken, as_num(-far, MM), low), 0),
+        one.high: ite(present, ite(taken, as_num(far, MM), high), 0),
+        one.silent: ite(present, silent, none),
+        one.unconfirmed: ite(present, unconfirmed, none),
     }
+
+
+def _no_trains(own: Parts) -> Updates:
+    """Clear every slot."""
+    numbers = [var for one in own.slots for var in (one.low, one.high, one.silent, one.unconfirmed)]
+    return together({one.present: FALSE for one in own.slots}, dict.fromkeys(numbers, 0))
+
+
+def _order(own: Parts) -> Updates:
+    """Set which trains have all loose vehicles on one side: those that came in at that end."""
+    updates: dict[Var, Expr | Value] = {}
+    for one in own.slots:
+        present = _present_after(own, one)
+        updates[one.below] = present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below)
+        updates[one.above] = present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above)
+    return updates
+
+
+def _no_order(own: Parts) -> Updates:
+    """Allow loose vehicles on either side of any train."""
+    return {var: FALSE for one in own.slots for var in (one.below, one.above)}
+
+
+def _rejected(own: Parts) -> Updates:
+    """Count the impossible events of this cycle: a train leaves where it is not, or enters a taken slot."""
+    rejected = as_num(0, COUNT)
+    for one in own.slots:
+        strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)
+        rejected = rejected + ite(strange, as_num(1, COUNT), 0)
+    return {own.rejected: rejected}
+
+
+def _present_after(own: Parts, one: Slot) -> Bool:
+    return (one.present & ~_leaves(own, one)) | one.enters
+
+
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:

@@ -1,4 +1,4 @@
-"""What a cycle tells of a virtual section: its state, what that rests on, how old that is, and how far to trust it."""
+"""Terms of one cycle of a virtual section: its state, the evidence for it, the age of that, and its trust."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NO_TRUST, RUN_ON, VERIFIED = TRUST
 
 @dataclass(frozen=True, eq=False)
 class TrainHere:
-    """What a section is told of one train of the area: inputs."""
+    """Inputs of a section for one train of the area."""
 
     present: BoolVar
     low: NumVar
@@ -36,10 +36,10 @@ class TrainHere:
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """What a cycle tells of a section.
+    """Terms of one cycle of a section.
 
-    mute, integrity  cycles without a trusted report, without confirmed integrity, that are still borne
-    loose            something that was never counted may be here
+    mute, integrity  greatest number of cycles without a trusted report, and without confirmed integrity
+    loose            vehicles that were never counted may be here
     """
 
     mute: int
@@ -50,35 +50,35 @@ class Judged:
     loose: Bool
 
     def reaches(self, train: TrainHere) -> Bool:
-        """The train may be in the section."""
+        """Return the condition that the train may be in the section."""
         return train.present & (train.low <= self.end) & (train.high >= self.start)
 
     def silent(self, train: TrainHere) -> Bool:
-        """It was not heard of for longer than the mute timer."""
+        """Return the condition that the last report of the train is older than the mute timer."""
         return train.silent > self.mute
 
     def followed(self, train: TrainHere) -> Bool:
-        """It may be here, and was heard of lately."""
+        """Return the condition that the train may be here, and its last report is recent."""
         return self.reaches(train) & ~self.silent(train)
 
     @property
     def free(self) -> Bool:
-        """Nothing can be here."""
+        """No vehicle can be here."""
         return ~self.loose & all_of(~self.reaches(train) for train in self.trains)
 
     @property
     def any_followed(self) -> Bool:
-        """Some train that was heard of lately may be here."""
+        """Some train with a recent report may be here."""
         return any_of(self.followed(train) for train in self.trains)
 
     @property
     def only_whole(self) -> Bool:
-        """Whatever may be here was heard of lately and is whole."""
+        """Every vehicle that may be here belongs to a train with a recent report that is whole."""
         whole = [(~self.reaches(t)) | (self.followed(t) & (t.unconfirmed <= self.integrity)) for t in self.trains]
         return ~self.loose & all_of(whole)
 
     def status(self, label: str) -> Bool:
-        """Whether that is what the cycle tells; exactly one of the four holds."""
+        """Return the condition of one of the four states; exactly one of them holds."""
         match label:
             case "FREE":
                 return self.free
@@ -89,21 +89,21 @@ class Judged:
             case _:
                 return ~self.free & ~self.any_followed
 
-    # -------------------------------------------------------------- what it rests on
+    # -------------------------------------------------------------- evidence
 
     @property
     def count(self) -> Num:
-        """How many trains may be here."""
+        """Number of trains that may be here."""
         return _sum(self.reaches(train) for train in self.trains)
 
     @property
     def followed_count(self) -> Num:
-        """How many of them were heard of lately."""
+        """Number of those with a recent report."""
         return _sum(self.followed(train) for train in self.trains)
 
     @property
     def first(self) -> Num:
-        """The first slot whose train may be here; 0 for none."""
+        """First slot whose train may be here; 0 for none."""
         found = as_num(0, COUNT)
         for index in range(len(self.trains), 0, -1):
             found = ite(self.reaches(self.trains[index - 1]), as_num(index, COUNT), found)
@@ -111,7 +111,7 @@ class Judged:
 
     @property
     def evidence(self) -> Num:
-        """What the state rests on; of several things the one that is worst."""
+        """Evidence for the state; the worst of several."""
         silent = any_of(self.reaches(train) & self.silent(train) for train in self.trains)
         part = any_of(self.reaches(train) & (train.unconfirmed > self.integrity) for train in self.trains)
         here = ite(silent, TRAIN_SILENT, ite(part, PART_LEFT_BEHIND, TRAIN_FOLLOWED))
@@ -119,12 +119,12 @@ class Judged:
         return ite(self.free, nobody, ite(self.loose, UNCOUNTED, here))
 
     def rests_on(self, train: TrainHere) -> Bool:
-        """Of a clear section, that every train is elsewhere; of another one, what may be here."""
+        """Return the condition that the state rests on this train: a clear section on all trains, another one on those in it."""
         return train.present & (self.free | self.reaches(train))
 
     @property
     def age(self) -> Num:
-        """Cycles since the oldest report that the state rests on; 0 where it rests on none."""
+        """Cycles since the oldest report on which the state rests; 0 if it rests on none."""
         oldest: Num = as_num(0, COUNT)
         for train in self.trains:
             oldest = maximum(oldest, ite(self.rests_on(train), train.silent, 0))
@@ -132,7 +132,7 @@ class Judged:
 
     @property
     def trust(self) -> Num:
-        """Verified reports not older than the mute timer; or such that were run on since, at top speed; or none."""
+        """Trust in the state: reports within the mute timer; older reports extended at top speed; or none, with loose vehicles."""
         old = any_of(self.rests_on(train) & self.silent(train) for train in self.trains)
         return ite(self.loose, NO_TRUST, ite(old, RUN_ON, VERIFIED))
 

@@ -1,4 +1,4 @@
-"""What helps to prove of the area machine. Lemmas read the machine and the world; they are proved themselves."""
+"""Lemmas for the proofs of the area machine. They read the machine and the world, and are proved themselves."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from safeloc.models.area.world import um
 
 
 def ends_in_order(own: Parts) -> Bool:
-    """The low end before the high end, both at least a cycle's run from the ends of the world."""
+    """Return the order of the ends: low before high, both at least a cycle's run from the ends of the world."""
     inner = own.config.limit_mm - own.config.reach.cycle_mm
     return all_of([own.low_end < own.high_end, own.low_end >= -inner, own.high_end <= inner])
 
 
 def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """Each interval holds its train, loose vehicles are where they may be, and a train that pushes them is really there."""
+    """Return the lemmas: intervals contain their trains, loose vehicles are in bounds, and a train that pushes is there."""
     swept = current.eq(table[1])
     found: dict[str, Bool] = {
         "ends in order": ends_in_order(own),

@@ -1,15 +1,15 @@
-"""How close trains can follow each other where virtual sections tell the way ahead: a figure of the configuration.
+"""Achieved separation of two trains whose movement authority ends at virtual sections: a figure of the configuration.
 
-Small sections approach moving block (source 003, l. 620-631). What keeps two trains apart, from the front of the one
-behind to the rear of the one ahead, both at one speed:
+Small sections approach moving block (source 003, l. 620-631). The distance from the front of the train behind to the
+rear of the train ahead, both at one speed, consists of:
 
-    a section's length      the one that the train ahead still touches is not clear, wherever in it its rear end is
-    the rear's interval     accuracy, and what both trains run while a report grows old
-    the cycle               a section is told clear at the end of the cycle in which that shows
+    a section's length      the section that the train ahead still touches is not clear, wherever its rear end is in it
+    the rear's interval     accuracy, and the run of both trains while a report grows old
+    the cycle               a section is reported clear at the end of the cycle in which it becomes clear
     delivery and reaction   from the report to the brake: the train behind runs on
     the braking distance    to a stand before the first section that is not clear
 
-The machines prove that a clear section is clear; how far a train keeps away from one that is not is its own supervision.
+The machines prove that a clear section is clear; a train's own supervision keeps it away from sections that are not.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class Following(Config):
 
     @property
     def braking_mm(self) -> int:
-        """Braking distance, rounded up."""
+        """Braking distance, mm rounded up."""
         return _up(self.speed_mm_s**2, 2 * self.brake_mm_s2)
 
 
 def separation_mm(area: AreaConfig, following: Following) -> int:
-    """Least distance from the front of a train to the rear of the one ahead that hinders it nowhere, mm, rounded up."""
+    """Return the least distance from a train's front to the rear of the one ahead that never hinders it, mm, rounded up."""
     speed, age = following.speed_mm_s, area.report_age_limit_ms
     aged = _up((speed + area.max_speed_mm_s) * age, MS_PER_S)
     run = _up(speed * (area.period_ms + following.delivery_ms + following.reaction_ms), MS_PER_S)
@@ -45,7 +45,7 @@ def separation_mm(area: AreaConfig, following: Following) -> int:
 
 
 def headway_ms(area: AreaConfig, following: Following) -> int:
-    """Time from one train's front to the next one's at one place, ms, rounded up."""
+    """Return the time from one train's front to the next one's at one place, ms, rounded up."""
     return _up((separation_mm(area, following) + following.train_mm) * MS_PER_S, following.speed_mm_s)
 
 

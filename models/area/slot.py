@@ -1,8 +1,8 @@
-"""One train of a line area: where it may be, from what was reported of it, and from what it can have run since.
+"""One train of a line area: its interval, from its reports and from its possible run since.
 
-The interval [low, high] holds the whole train, from its min safe rear end to its max safe front end. A trusted report
-narrows it; a cycle without one widens it by the highest speed. Without confirmed integrity only the end that leads is
-believed: a part that was left behind is not seen. Nor is a report of integrity believed, where it is not to be trusted.
+The interval [low, high] contains the whole train, from its min safe rear end to its max safe front end. A trusted report
+narrows it; a cycle without one widens it by the run at top speed. Without confirmed integrity a report narrows the leading
+end only: the fibre does not see a part that was left behind. The configuration may also distrust reports of integrity.
 """
 
 from __future__ import annotations
@@ -14,11 +14,9 @@ from safeloc.language.expr import (
     FALSE,
     Bool,
     BoolVar,
-    Expr,
     Num,
     NumVar,
     Optional,
-    Var,
     as_num,
     boolean,
     choice,
@@ -43,7 +41,7 @@ NO_REPORT, ACCEPTED, UNTRUSTED, INCOMPLETE, STALE, CONTRADICTED, NOBODY = VERDIC
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """How far anything gets: in one cycle (mm), at top speed (mm/s), and where the world ends (mm)."""
+    """Limits of all motion: run of a cycle (mm), top speed (mm/s), age of reports (ms), and the ends of the world (mm)."""
 
     cycle_mm: int
     max_speed_mm_s: int
@@ -51,7 +49,7 @@ class Reach:
     limit_mm: int
 
     def charge_mm(self, age_ms: Num) -> Num:
-        """What can have been run since a report, rounded up."""
+        """Return the greatest run since a report, mm rounded up."""
         return with_unit(floor_div(with_unit(age_ms, MM) * self.max_speed_mm_s + 999, 1_000), MM)
 
 
@@ -67,7 +65,7 @@ class Slot:
                         low (high) end and no vehicle passes another
     there, true_rear, true_front  ghosts: the train itself, um
     from_low, from_high  ghosts: it came in at that end, and since then the counters were undisturbed
-    next_all_out        ghost: none of its axles is in the area, nor of a part that it lost; where an earlier machine counts them
+    next_all_out        ghost: neither its axles nor those of a part that it lost are in the area; if an earlier machine counts them
     """
 
     number: int
@@ -99,53 +97,53 @@ class Slot:
 
     @property
     def enters(self) -> Bool:
-        """It is counted in."""
+        """The train is counted in."""
         return self.event.one_of(ENTERS_LOW, ENTERS_HIGH)
 
     @property
     def leaves(self) -> Bool:
-        """It is counted out."""
+        """The train is counted out."""
         return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
 
     @property
     def holds_low(self) -> Bool:
-        """A trusted report holds the train's low end."""
+        """A trusted report bounds the train's low end."""
         return self.integer | self.downwards if self.integrity_is_trusted else self.downwards
 
     @property
     def holds_high(self) -> Bool:
-        """A trusted report holds the train's high end."""
+        """A trusted report bounds the train's high end."""
         return self.integer | ~self.downwards if self.integrity_is_trusted else ~self.downwards
 
     @property
     def confirmed(self) -> Bool:
-        """An accepted report confirms that it is whole."""
+        """An accepted report confirms that the train is whole."""
         return self.accepted & self.integer if self.integrity_is_trusted else FALSE
 
     @property
     def charge(self) -> Num:
-        """What it can have run since it was measured, mm."""
+        """Greatest run since the measurement, mm."""
         return self.reach.charge_mm(self.age)
 
     @property
     def lowest(self) -> Num:
-        """Lower bound from the report, now."""
+        """Lower bound from the report, now, mm."""
         return self.rear.value - self.charge
 
     @property
     def highest(self) -> Num:
-        """Upper bound from the report, now."""
+        """Upper bound from the report, now, mm."""
         return self.front.value + self.charge
 
     @property
     def run_on(self) -> tuple[Num, Num]:
-        """Bounds after the cycle if nothing is heard; the world's ends are not passed."""
+        """Bounds after a cycle without a report, within the ends of the world, mm."""
         cycle, limit = self.reach.cycle_mm, self.reach.limit_mm
         return maximum(self.low - cycle, -limit), minimum(self.high + cycle, limit)
 
     @property
     def verdict(self) -> Num:
-        """What becomes of the report, with the reason where it is not used."""
+        """Verdict on the report: accepted, or the reason against it."""
         low, high = self.run_on
         whole = self.rear.present & self.front.present & (self.rear.value <= self.front.value)
         meets = (self.lowest <= high) & (low <= self.highest)
@@ -161,7 +159,7 @@ class Slot:
         return self.verdict.eq(ACCEPTED)
 
     def bounds(self, area_low: Num, area_high: Num) -> tuple[Num, Num]:
-        """The interval after the cycle. A train that enters is just inside one end, its other end unknown outside."""
+        """Return the interval after the cycle. A train that enters is just inside one end; its other end is unknown, outside."""
         low, high = self.run_on
         limit, cycle = self.reach.limit_mm, self.reach.cycle_mm
         seen_low = ite(self.accepted & self.holds_low, maximum(low, self.lowest), low)
@@ -170,22 +168,9 @@ class Slot:
         new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
         return ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
 
-    def nobody(self) -> dict[Var, Expr]:
-        """Updates after which nobody is here."""
-        zero = as_num(0, MM)
-        return {
-            self.present: FALSE,
-            self.low: zero,
-            self.high: zero,
-            self.silent: as_num(0, COUNT),
-            self.unconfirmed: as_num(0, COUNT),
-            self.below: FALSE,
-            self.above: FALSE,
-        }
-
 
 def slot(declared: Declared, number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: bool) -> Slot:
-    """A slot with fresh variables."""
+    """Return a slot with fresh variables."""
     name, limit = f"train_{number_}", reach.limit_mm
     far, step = limit * 1_000, reach.cycle_mm * 1_000
     return Slot(

@@ -11,10 +11,10 @@ from safeloc.models.area.slot import Reach, slot
 
 
 class AreaConfig(Config):
-    """What the area machine depends on.
+    """Figures of the area machine.
 
-    integrity_is_trusted  a train that reports itself whole is believed at both ends; if not, at the end that leads only, and
-                          the ground behind it is cleared when it was counted out, or the area was swept
+    integrity_is_trusted  a report that the train is whole is believed at both ends; if not, a report is believed at the leading end
+                          only, and the ground behind the train becomes clear when it is counted out, or the area was swept
     """
 
     trains: int = quantity(3, "count", 1, 16, "[D] trains at a time in 10 to 40 km")
@@ -27,7 +27,7 @@ class AreaConfig(Config):
 
     @property
     def reach(self) -> Reach:
-        """How far anything gets."""
+        """Limits of all motion."""
         cycle = -(-self.max_speed_mm_s * self.period_ms // 1_000)
         return Reach(cycle, self.max_speed_mm_s, self.report_age_limit_ms, self.limit_mm)
 
@@ -35,10 +35,10 @@ class AreaConfig(Config):
 class Parts:
     """The variables of the machine.
 
-    low_end, high_end  the axle counters, mm: fixed, any two places
+    low_end, high_end  places of the axle counters, mm: fixed, any two places
     healthy, clear     the axle counters: undisturbed; no axle is counted in
-    loose_low, loose_high  where loose vehicles may be, rear to front
-    loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area, and where, um
+    loose_low, loose_high  bounds of loose vehicles, rear to front
+    loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area; its true ends, um
     """
 
     def __init__(self, config: AreaConfig) -> None:
@@ -66,5 +66,5 @@ class Parts:
 
 
 def parts(config: AreaConfig) -> Parts:
-    """Fresh variables for one machine."""
+    """Return fresh variables for one machine."""
     return Parts(config)

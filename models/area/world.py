@@ -1,12 +1,12 @@
-"""The world of a line area: trains and vehicles that were never counted, and what counters and reports tell of them.
+"""The world of a line area: trains and vehicles that were never counted, and the laws of counters and reports.
 
     trains    run no faster than the top speed, and are on the line
     counters  undisturbed, count every train in and out at its end, into a free slot, and are clear only over an empty area
-    reports   of a train, where they are trusted: hold the end that leads, and both if it is known to be whole
+    reports   of a train, if trusted, contain its leading end, and both ends if it is known to be whole
     others    vehicles that were never counted come in only while a counter is disturbed, and no vehicle passes another
 
 A train that came in at the low end, with undisturbed counters ever since, has every such vehicle above it: the world
-remembers at which end each train came in, and forgets it in a disturbance.
+remembers the end at which each train came in, and forgets it in a disturbance.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from safeloc.models.area.variables import Parts
 
 
 def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> World:
-    """Trains and uncounted vehicles.
+    """Return the world: trains and uncounted vehicles.
 
-    kept         slots whose reports an earlier machine vouches for, not assumed
-    counted_out  slots of which an earlier machine vouches that all of the train left
+    kept         slots whose reports an earlier machine guarantees
+    counted_out  slots for which an earlier machine guarantees that all of the train left
     """
     moves: dict[Var, Expr] = {
         own.loose: own.next_loose,
@@ -49,28 +49,28 @@ def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
 
 
 def _stays(own: Parts, one: Slot) -> Bool:
-    """The train is in the area after the cycle, as the undisturbed counters have it."""
+    """Return the condition that the train is in the area after the cycle, by the undisturbed counters."""
     return (one.there | one.enters) & ~(own.healthy & one.leaves) & ~(own.healthy & own.clear & ~one.enters)
 
 
 def _came_in(one: Slot) -> tuple[Bool, Bool]:
-    """The train came in at the low end, at the high end, in this cycle or before."""
+    """Return the conditions that the train came in at the low end and at the high end, in this cycle or before."""
     low, high = (one.event.eq(end) for end in (ENTERS_LOW, ENTERS_HIGH))
     return ite(one.enters, low, one.from_low), ite(one.enters, high, one.from_high)
 
 
 def um(term: Num) -> Num:
-    """A length in mm as um."""
+    """Return a length in mm as um."""
     return exact_to(term, UM)
 
 
 def moves_clause(one: Slot) -> str:
-    """The name of the clause that its train moves as a train does."""
+    """Return the name of the law of this train's motion."""
     return f"train {one.number} moves as one"
 
 
 def reports_clause(one: Slot) -> str:
-    """The name of the clause that its train's reports are true."""
+    """Return the name of the law of this train's reports."""
     return f"reports of train {one.number} are true"
 
 
@@ -114,8 +114,8 @@ def _movement_law(own: Parts, one: Slot) -> Law:
     runs = (abs_(front - one.true_front) <= step) & (abs_(rear - one.true_rear) <= step)
     return Law(
         all_of([_on_the_line(own, rear, front), known.implies(rear <= front), one.there.implies(runs)]),
-        "A train is on the line, its rear end behind its front end; while it is in the area they run no faster than the top "
-        "speed.",
+        "A train is on the line, its rear end behind its front end; while it is in the area, both run no faster "
+        "than the top speed.",
         ("limit_mm", "max_speed_mm_s", "period_ms"),
         "[D] 160 km/h",
         "operator",
@@ -124,7 +124,7 @@ def _movement_law(own: Parts, one: Slot) -> Law:
 
 
 def left_law(own: Parts, one: Slot) -> Bool:
-    """One that undisturbed counters count out has left completely, at the end that they tell."""
+    """Return the condition that a train counted out by undisturbed counters has left completely, at the end that they report."""
     out_low, out_high = one.next_front < um(own.low_end), one.next_rear > um(own.high_end)
     gone = one.there & own.healthy
     return (gone & one.event.eq(LEAVES_LOW)).implies(out_low) & (gone & one.event.eq(LEAVES_HIGH)).implies(out_high)
@@ -144,9 +144,11 @@ def _counting_law(own: Parts, one: Slot, *, by_axles: bool) -> Law:
     )
     enters = "A train that is counted in gets a slot that no train in the area has, and is no farther in than it runs in a cycle; "
     leaves = (
-        "one that leaves, with no axle of it or of a part that it lost between undisturbed counters, is beyond the end that they tell."
+        "one that leaves, with no axle of it or of a part that it lost between undisturbed counters, is beyond "
+        "the end that they report."
         if by_axles
-        else "one that undisturbed counters count out has left completely, at the end that they tell: as many axles as came in."
+        else "one that undisturbed counters count out has left completely, at the end that they report: as many axles "
+        "as came in."
     )
     return Law(
         term,
@@ -160,7 +162,7 @@ def _counting_law(own: Parts, one: Slot, *, by_axles: bool) -> Law:
 
 
 def report_law(one: Slot) -> Bool:
-    """What a trusted, complete and recent report says of the train is true, of the ends that it holds."""
+    """Return the condition that a trusted, complete and recent report is true of the ends that it bounds."""
     ran = with_unit(one.age * one.reach.max_speed_mm_s, UM)
     seen = all_of(
         [
@@ -183,8 +185,8 @@ def _reports_law(one: Slot) -> Law:
     both = "and both ends where the train is known to be whole" if one.integrity_is_trusted else "which it tells truly"
     return Law(
         report_law(one),
-        f"A trusted report, complete and recent, held the train's leading end when it was measured, {both}; since then the "
-        "train ran no faster than the top speed.",
+        f"A trusted report, complete and recent, contained the train's leading end when it was measured, {both}; "
+        "since then the train ran no faster than the top speed.",
         ("max_speed_mm_s", "report_age_limit_ms"),
         "[D] proved of the fibre's machines and their verification, under their own laws",
         "supplier",
@@ -222,7 +224,7 @@ def _loose_law(own: Parts) -> Law:
 
 
 def _beside(own: Parts, one: Slot) -> Bool:
-    """A loose vehicle stays above a train that came in at the low end, and below one from the high end."""
+    """Return the condition that a loose vehicle stays above a train that came in at the low end, and below one from the high end."""
     rear, front = own.next_loose_rear, own.next_loose_front
     low, high = _came_in(one)
     return low.implies(rear >= one.next_front) & high.implies(front <= one.next_rear)

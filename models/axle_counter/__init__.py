@@ -1,25 +1,26 @@
-"""The entry record of a train, from the axles that a counting head tells: count, speed, length, place (FVA-3, FVA-5).
+"""The entry record of a train, from the axles that a counting head reports: count, speed, length, place (FVA-3, FVA-5).
 
-    SPOILT   after power-up, or something is wrong with this passage: no record until it is told that it is over
+    SPOILT   after power-up, or after a flaw in this passage: no record until an input reports that the passage is over
     IDLE     no train is passing
     PASSING  axles of one train are counted; its run since the first axle is bounded
-    DONE     in this cycle the train has passed; the record, or why there is none, is out
+    DONE     the train has passed in this cycle: the outputs hold the record, or the reason why there is none
 
 The length from first to last axle is the integral of the speed over the occupation, not the speed times the time
 (figures, 003 item 6): between axles the speed is bounded by traction and braking ability, and the bounds are summed. A
-train has passed when it has surely run farther than two of its axles are ever apart. Where it runs too slowly for that, an axle
-that comes after a pause as long as the headway may be another train's, and spoils the passage.
+train has passed when it has certainly run farther than its longest distance between two axles. If it runs too slowly for that,
+an axle that comes after a pause as long as the headway may be another train's, and spoils the passage.
 
-The run is reckoned from the first axle in whole um, positive in the direction in which the train came.
+The run is counted from the first axle in whole um, positive in the direction in which the train came.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, Var, any_of, as_num, ite, maximum, minimum
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, any_of, ite, maximum, minimum
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM_S, MS, UM, UM_PER_MM
+from safeloc.language.rows import Updates, together
+from safeloc.language.units import MS, UM_PER_MM
 from safeloc.models.axle_counter.cycle import Cycle
 from safeloc.models.axle_counter.lemmas import lemmas
 from safeloc.models.axle_counter.passage import (
@@ -38,6 +39,7 @@ from safeloc.models.axle_counter.passage import (
 )
 from safeloc.models.axle_counter.world import world
 from safeloc.models.axle_head import NO_AXLE
+from safeloc.models.vocabulary.first_of import first_of
 
 REQUIREMENTS = ("FVA-3", "FVA-5")
 
@@ -49,12 +51,12 @@ AxleCounter = Model[Parts]
 
 
 def machine(config: AxleCounterConfig | None = None) -> Machine:
-    """The machine that makes entry records (FVA-5)."""
+    """Return the machine that makes entry records (FVA-5)."""
     return build(parts(config or AxleCounterConfig())).machine
 
 
 def build(own: Parts) -> AxleCounter:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("SPOILT", "IDLE", "PASSING", "DONE")
     current = current_mode(table)
     *_, done = table
@@ -73,17 +75,17 @@ def build(own: Parts) -> AxleCounter:
             "run at least": cycle.runs[0], "run at most": cycle.runs[1], "train has passed": cycle.passed,
         },
         doc=(
-            "Entry record of a train from the axles a counting head tells. Assumed: without a fault every axle is told in "
-            "its cycle and in its direction, with true bounds of its speed; no train changes its speed faster, or has two "
-            "axles farther apart, than configured; trains follow each other at the headway; a passage is told to be over "
-            "only when it is."
+            "Entry record of a train from the axles that a counting head reports. Assumed: without a fault the "
+            "head reports every axle in its cycle and in its direction, with true bounds of its speed; no train "
+            "changes its speed faster, or has two axles farther apart, than configured; trains follow each other "
+            "at the headway; the input that a passage is over is true."
         ),
     )  # fmt: skip
     return Model(made, own)
 
 
 def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
-    """The record, in the cycle in which it is ready; zero otherwise."""
+    """Return the outputs: the record in the cycle in which it is ready, otherwise zeros."""
     sound = done & own.flaw.eq(SOUND)
 
     def told(term: Num) -> Num:
@@ -109,78 +111,80 @@ def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     spoilt, idle, passing, done = table
-    free = (idle, done)
+    free, counted = (idle, done), cycle.counted & ~own.fault
     speeds_told = own.slow.present & own.fast.present & (own.slow.value <= own.fast.value)
-    agrees = speeds_told & (cycle.measured[0] <= cycle.measured[1])
-    heard = cycle.counted & ~own.fault
+    onward, flaws = counted & cycle.onward, _flaws(own, cycle, counted, speeds_told)
+    wrong, flaw = any_of(when for when, _ in flaws), first_of(*flaws, default=SOUND)
+    nothing, ran = _nothing(own), _ran(own, cycle)
+    found: Updates = {own.flaw: ite(cycle.length_known, SOUND, LENGTH_UNKNOWN)}
+    over = own.over & ~cycle.counted & ~own.fault
+    yield Transition(
+        "head at fault", (idle, passing, done), spoilt, own.fault,
+        together(nothing, {own.flaw: HEAD_FAULT}), REQUIREMENTS, 0)  # fmt: skip
+    yield Transition(
+        "first axle without a speed", free, spoilt, counted & ~speeds_told,
+        together(nothing, {own.flaw: NO_SPEED}), REQUIREMENTS, 1)  # fmt: skip
+    yield Transition(
+        "first axle", free, passing, counted & speeds_told,
+        together(_first(own), {own.flaw: SOUND}), REQUIREMENTS, 1)  # fmt: skip
+    yield Transition(
+        "passage spoilt", passing, spoilt, wrong, together(nothing, {own.flaw: flaw}), REQUIREMENTS, 1)  # fmt: skip
+    yield Transition("next axle", passing, passing, onward, _next(own, cycle), REQUIREMENTS, 2)
+    yield Transition("train has passed", passing, done, cycle.passed, together(ran, found), REQUIREMENTS, 3)
+    yield Transition("between axles", passing, passing, TRUE, ran, REQUIREMENTS, 4)
+    yield Transition("passage without a record is over", spoilt, done, over, nothing, REQUIREMENTS, 3)
+    yield Transition("no train", free, idle, TRUE, together(nothing, {own.flaw: SOUND}), REQUIREMENTS, 4)
 
-    def spoil(name: str, source: Lit | tuple[Lit, ...], when: Bool, flaw: Lit, rank: int) -> Transition:
-        return Transition(name, source, spoilt, when, {**_nothing(own), own.flaw: flaw}, REQUIREMENTS, rank)
 
-    onward = heard & cycle.onward
-    full = own.count + own.number > own.config.axle_limit
+def _flaws(own: Parts, cycle: Cycle, counted: Bool, speeds_told: Bool) -> list[tuple[Bool, Lit]]:
+    """Return each reason to give no record of this passage; the first that holds is reported."""
+    onward = counted & cycle.onward
     long = (own.length_high > own.config.length_limit_mm * UM_PER_MM) | cycle.lost
-    yield spoil("head at fault", (idle, passing, done), own.fault, HEAD_FAULT, 0)
-    yield spoil("first axle without a speed", free, heard & ~speeds_told, NO_SPEED, 1)
-    yield Transition("first axle", free, passing, heard & speeds_told, _first(own), REQUIREMENTS, 1)
-    flaws = [
+    agrees = speeds_told & (cycle.measured[0] <= cycle.measured[1])
+    full = own.count + own.number > own.config.axle_limit
+    return [
         (long, TOO_LONG),
-        (heard & ~cycle.onward, TURNED),
+        (counted & ~cycle.onward, TURNED),
         (onward & cycle.maybe_another, MAYBE_ANOTHER_TRAIN),
         (onward & ~speeds_told, NO_SPEED),
         (onward & ~agrees, SPEED_CONTRADICTED),
         (onward & full, TOO_MANY),
     ]
-    flaw: Num = SOUND
-    for wrong, why in reversed(flaws):
-        flaw = ite(wrong, why, flaw)
-    spoiling = {**_nothing(own), own.flaw: flaw}
-    yield Transition("passage spoilt", passing, spoilt, any_of(wrong for wrong, _ in flaws), spoiling, REQUIREMENTS, 1)
-    yield Transition("next axle", passing, passing, onward, _next(own, cycle), REQUIREMENTS, 2)
-    sound = {**_ran(own, cycle), own.flaw: ite(cycle.length_known, SOUND, LENGTH_UNKNOWN)}
-    yield Transition("train has passed", passing, done, cycle.passed, sound, REQUIREMENTS, 3)
-    yield Transition("between axles", passing, passing, TRUE, _ran(own, cycle), REQUIREMENTS, 4)
-    over = own.over & ~cycle.counted & ~own.fault
-    yield Transition("passage without a record is over", spoilt, done, over, _nothing(own), REQUIREMENTS, 3)
-    yield Transition("no train", free, idle, TRUE, {**_nothing(own), own.flaw: SOUND}, REQUIREMENTS, 4)
 
 
-def _nothing(own: Parts) -> dict[Var, Expr]:
-    """Nobody passes."""
-    speed, um = as_num(0, MM_S), as_num(0, UM)
+# ------------------------------------------------------------------ groups of updates: all but the flaw
+
+
+def _nothing(own: Parts) -> Updates:
+    """Clear the passage: no train is on the counter."""
     return {
-        **dict.fromkeys((own.low_speed, own.high_speed), speed),
-        **dict.fromkeys((own.run_low, own.run_high, own.length_low, own.length_high, own.past_low), um),
-        own.came: NO_AXLE,
-        own.count: as_num(0, COUNT),
-        own.pause: as_num(0, COUNT),
-    }
+        own.low_speed: 0, own.high_speed: 0, own.run_low: 0, own.run_high: 0, own.length_low: 0, own.length_high: 0,
+        own.past_low: 0, own.came: NO_AXLE, own.count: 0, own.pause: 0,
+    }  # fmt: skip
 
 
-def _first(own: Parts) -> dict[Var, Expr]:
-    """The run begins with this axle, at some time of this cycle."""
+def _first(own: Parts) -> Updates:
+    """Begin the run at this axle, which passed at some time of this cycle."""
     change, period, most = own.config.change_mm_s, own.config.period_ms, own.config.max_speed_mm_s
     low, high = maximum(own.slow.value - change, -most), minimum(own.fast.value + change, most)
     return {
-        **_nothing(own),
-        own.came: own.axle,
-        own.count: own.number,
-        own.length_low: minimum(low * Lit(period, MS), 0),
-        own.length_high: maximum(high * Lit(period, MS), 0),
         own.low_speed: low,
         own.high_speed: high,
         own.run_low: minimum(low * Lit(period, MS), 0),
         own.run_high: maximum(high * Lit(period, MS), 0),
+        own.length_low: minimum(low * Lit(period, MS), 0),
+        own.length_high: maximum(high * Lit(period, MS), 0),
         own.past_low: minimum(low * Lit(period, MS), 0),
-        own.flaw: SOUND,
+        own.came: own.axle,
+        own.count: own.number,
+        own.pause: 0,
     }
 
 
-def _next(own: Parts, cycle: Cycle) -> dict[Var, Expr]:
-    """Another axle of the train, at some time of this cycle: the length ends here so far."""
+def _next(own: Parts, cycle: Cycle) -> Updates:
+    """Count another axle of the train, which passed at some time of this cycle: the length ends here so far."""
     low, high = cycle.runs
     return {
-        own.count: own.count + own.number,
         own.low_speed: cycle.measured[0],
         own.high_speed: cycle.measured[1],
         own.run_low: low,
@@ -188,12 +192,13 @@ def _next(own: Parts, cycle: Cycle) -> dict[Var, Expr]:
         own.length_low: minimum(own.run_low, low),
         own.length_high: maximum(own.run_high, high),
         own.past_low: minimum(cycle.speeds[0] * Lit(own.config.period_ms, MS), 0),
-        own.pause: as_num(0, COUNT),
+        own.count: own.count + own.number,
+        own.pause: 0,
     }
 
 
-def _ran(own: Parts, cycle: Cycle) -> dict[Var, Expr]:
-    """A cycle without an axle."""
+def _ran(own: Parts, cycle: Cycle) -> Updates:
+    """Continue the run: a cycle without an axle."""
     return {
         own.low_speed: cycle.speeds[0],
         own.high_speed: cycle.speeds[1],

@@ -1,4 +1,4 @@
-"""What one cycle means to the entry record: bounds of speed and run after it, and whether the train has passed."""
+"""Terms of one cycle of the entry record: bounds of speed and run after it, and the end of the passage."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ class Cycle:
 
     @cached_property
     def onward(self) -> Bool:
-        """The axle came in the direction of the first one."""
+        """The axle passed in the direction of the first one."""
         return self.own.axle.eq(self.own.came)
 
     @cached_property
     def speeds(self) -> tuple[Num, Num]:
-        """Bounds of the speed at any time of this cycle, from those before it."""
+        """Bounds of the speed at any time of this cycle, from those before it, mm/s."""
         change, most = self.own.config.change_mm_s, self.own.config.max_speed_mm_s
         return maximum(self.own.low_speed - change, -most), minimum(self.own.high_speed + change, most)
 
     @cached_property
     def runs(self) -> tuple[Num, Num]:
-        """Bounds of the run after this cycle."""
+        """Bounds of the run after this cycle, um."""
         low, high = self.speeds
         period = self.own.config.period_ms
         after_low, after_high = self.own.run_low + low * Lit(period, MS), self.own.run_high + high * Lit(period, MS)
@@ -43,35 +43,35 @@ class Cycle:
 
     @cached_property
     def measured(self) -> tuple[Num, Num]:
-        """Bounds of the speed after a cycle with axles."""
+        """Bounds of the speed after a cycle with axles, mm/s."""
         low, high = self.speeds
         change = self.own.config.change_mm_s
         return maximum(low, self.own.slow.value - change), minimum(high, self.own.fast.value + change)
 
     @cached_property
     def passed(self) -> Bool:
-        """The train has surely run farther since its last axle than two axles are apart."""
+        """The train has certainly run farther since its last axle than its longest distance between two axles."""
         return self.past > Lit(self.own.config.axle_gap_mm * UM_PER_MM, UM)
 
     @cached_property
     def past(self) -> Num:
-        """Lower bound of the run since the last axle, after a cycle without one."""
+        """Lower bound of the run since the last axle, after a cycle without one, um."""
         return self.own.past_low + self.speeds[0] * Lit(self.own.config.period_ms, MS)
 
     @cached_property
     def lost(self) -> Bool:
-        """The train may be farther than a passage is followed."""
+        """The run may have left the range in which the machine follows a passage."""
         most = self.own.config.run_limit_um
         return any_of(~between(-most, run, most) for run in (*self.runs, self.past))
 
     @cached_property
     def length_known(self) -> Bool:
-        """The bounds of the length are close enough."""
+        """The bounds of the length are close enough to be used."""
         return self.own.length_high - self.own.length_low <= self.own.config.length_spread_mm * UM_PER_MM
 
     @cached_property
     def maybe_another(self) -> Bool:
-        """After so long a pause an axle may be another train's."""
+        """The pause is so long that the axle may be another train's."""
         return self.own.pause >= self.own.config.pause_cycles
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What helps to prove the entry record: the bounds hold what is true of the train, in the direction in which it came."""
+"""Lemmas for the proofs of the entry record: its bounds contain the truth, in the direction in which the train came."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from safeloc.models.axle_head import NO_AXLE, UP
 
 
 def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """While a passage is followed, and in the cycle of its record."""
+    """Return the lemmas: while a passage is followed, and in the cycle of its record."""
     spoilt, idle, passing, done = table
     followed = current.eq(passing) | (current.eq(done) & own.flaw.eq(SOUND))
     run = between(exact_to(own.run_low, NM), _ahead(own, own.run), exact_to(own.run_high, NM))
@@ -32,5 +32,5 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
 
 
 def _ahead(own: Parts, along: Num) -> Num:
-    """Of what is reckoned upwards, what is ahead of a train that came so."""
+    """Return an upward distance as a distance in the direction in which the train came."""
     return ite(own.came.eq(UP), along, -along)

@@ -1,4 +1,4 @@
-"""What an entry record rests on: the axles that a head tells, and bounds of speed and run between them; its configuration."""
+"""Inputs, state and configuration of the entry record: reported axles, and bounds of speed and run between them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FLAW = members(
 
 
 class AxleCounterConfig(Config):
-    """What the record rests on."""
+    """Figures of the record."""
 
     period_ms: int = quantity(100, "ms", 1, 1_000, "[S] EVC cycles <= 100 ms; several axles may pass in one")
     max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
@@ -49,39 +49,40 @@ class AxleCounterConfig(Config):
     @model_validator(mode="after")
     def _a_train_is_heard(self) -> AxleCounterConfig:
         if self.pause_cycles < 1:
-            raise ValueError(f"headway_ms ({self.headway_ms}) is at least twice period_ms ({self.period_ms}).")
+            raise ValueError(f"headway_ms ({self.headway_ms}) has to be at least twice period_ms ({self.period_ms}).")
         return self
 
     @model_validator(mode="after")
     def _a_train_passes(self) -> AxleCounterConfig:
         if self.surest_run_um <= self.axle_gap_mm * UM_PER_MM:
             raise ValueError(
-                f"after {self.surest_run_um // UM_PER_MM} mm at most a train of max_speed_mm_s {self.max_speed_mm_s} may have "
-                f"stopped with change_mm_s2 {self.change_mm_s2}, so it has never surely run farther than axle_gap_mm "
-                f"{self.axle_gap_mm}, and no record can come; raise the speed, or lower the change or the gap."
+                f"after {self.surest_run_um // UM_PER_MM} mm at most, a train with max_speed_mm_s "
+                f"{self.max_speed_mm_s} and change_mm_s2 {self.change_mm_s2} may have stopped. So it never "
+                f"certainly runs farther than axle_gap_mm {self.axle_gap_mm}, and no record can come; raise the "
+                "speed, or lower the change or the gap."
             )
         return self
 
     @property
     def surest_run_um(self) -> int:
-        """The farthest that a train has surely run since its last axle: at the highest speed, slower in every cycle."""
+        """Greatest run since its last axle that is certain of a train, um: from the highest speed on, braking in every cycle."""
         cycles = max(1, (self.max_speed_mm_s - 1) // self.change_mm_s)
         slower = self.change_mm_s * (cycles * (cycles + 1) // 2 - 1)
         return ((cycles - 1) * self.max_speed_mm_s - slower) * self.period_ms
 
     @property
     def pause_cycles(self) -> int:
-        """After so many cycles without an axle the next one may be another train's: both may be at the ends of theirs."""
+        """Pause, in cycles, after which the next axle may be another train's; both axles may lie at the edges of their cycles."""
         return self.headway_ms // self.period_ms - 1
 
     @property
     def change_mm_s(self) -> int:
-        """Greatest change of speed in one cycle, rounded up."""
+        """Greatest change of speed in one cycle, mm/s rounded up."""
         return -(-self.change_mm_s2 * self.period_ms // MS_PER_S)
 
     @property
     def run_limit_um(self) -> int:
-        """Farthest a passage is followed."""
+        """Greatest run up to which the machine follows a passage, um."""
         step = self.max_speed_mm_s * self.period_ms
         return (self.length_limit_mm + self.axle_gap_mm) * UM_PER_MM + step
 
@@ -89,20 +90,20 @@ class AxleCounterConfig(Config):
 class Parts:
     """The variables of the machine.
 
-    axle, number     axles were counted in this cycle, all in one direction, and how many
+    axle, number     direction of the axles counted in this cycle (the same for all of them), and their number
     slow, fast       bounds of the speeds of all of them
-    fault             the head is disturbed or its two channels disagree
-    over              no train is on the counter: told by the counters around, or by the operator
+    fault            the head is disturbed, or its two channels disagree
+    over             no train is on the counter; reported by the counters around, or by the operator
     low_speed, high_speed    bounds of the speed now
     run_low, run_high        bounds of the run since the first axle
     length_low, length_high  bounds of the run up to the last axle
     past_low                 lower bound of the run since the last axle
     pause                    cycles since the last axle
-    speed, run, length, axles  ghosts: the train's speed, its run since the first axle, up to its last axle; its axles so
-                               far; all of them upwards along the line
+    speed, run, length, axles  ghosts: the train's speed, its run since the first axle, that run up to its last axle, its axles so
+                               far; upwards along the line
     axle_speed                 ghost: its speed when the axle passed
-    away                       ghost: the next axle is another passage's
-    waited, last_up            ghosts: cycles since the last axle; it went upwards
+    away                       ghost: the next axle belongs to another passage
+    waited, last_up            ghosts: cycles since the last axle; it passed upwards
     """
 
     def __init__(self, config: AxleCounterConfig) -> None:
@@ -144,5 +145,5 @@ class Parts:
 
 
 def parts(config: AxleCounterConfig) -> Parts:
-    """Fresh variables for one counter."""
+    """Return fresh variables for one counter."""
     return Parts(config)

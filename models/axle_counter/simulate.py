@@ -1,7 +1,7 @@
-"""Trains that pass a counting head, as steps of the machine that makes their entry record.
+"""Simulated trains that pass a counting head, as steps of the machine that makes their entry record.
 
-A train is told as distances of its axles behind the first one and as a speed for every cycle. All is whole numbers, so
-the truth beside the steps is exact: the run since the first axle, the run up to the last one, every axle.
+A train is given by the distances of its axles behind the first one and by a speed for every cycle. All numbers are whole, so
+the truth in the steps is exact: the run since the first axle, the run up to the last one, every axle.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell
 
-SPREAD_MM_S = 200  # how far the told bounds of an axle's speed lie from it
+SPREAD_MM_S = 200  # distance of the reported bounds of an axle's speed from it
 BETWEEN_CYCLES = 300  # the headway
-SLOWEST_MM_S = 12_000  # slower trains need not be surely past before another one comes
+SLOWEST_MM_S = 12_000  # slower trains may not certainly have passed before another one comes
 
 
 @dataclass(frozen=True)
 class Passage:
-    """A train and how it passes.
+    """A train and its passage.
 
     behind_mm   every axle's distance behind the first one
     speeds      mm/s in every cycle, the first axle passes in the first one; negative: it runs back
-    faults      cycle -> cells that differ from what a healthy head tells, None: the cell is missing
-    untrue      what the head tells is not true in those cycles: no truth is given in the whole run
+    faults      cycle -> cells that differ from those of a healthy head, None: the cell is missing
+    untrue      the head's reports are not true in those cycles: the whole run carries no truth
     begins_at   the run begins in this cycle of the passage
     """
 
@@ -41,7 +41,7 @@ class Passage:
 def bogies(
     vehicles: int, length_mm: int = 26_400, apart_mm: int = 19_000, wheelbase_mm: int = 2_500
 ) -> tuple[int, ...]:
-    """Axles of coaches with two bogies each."""
+    """Return the axles of coaches with two bogies each."""
     middle = [(length_mm - apart_mm) // 2, (length_mm + apart_mm) // 2]
     places = [
         vehicle * length_mm + bogie + side * wheelbase_mm // 2
@@ -53,7 +53,7 @@ def bogies(
 
 
 def passed(config: AxleCounterConfig, passages: Sequence[Passage]) -> Steps:
-    """Trains one after the other. Before each, quiet cycles in which it is told that the one before is over."""
+    """Return trains one after the other. Quiet cycles before each report that the passage before is over."""
     steps, speed = Steps(), 0
     for passage in passages:
         train = _Train(config, passage).steps()
@@ -65,7 +65,7 @@ def passed(config: AxleCounterConfig, passages: Sequence[Passage]) -> Steps:
 
 
 def simulate(config: AxleCounterConfig, *, seed: int) -> Steps:
-    """Four trains of their own length and course; now and then one brakes or accelerates on the counter."""
+    """Return four trains of their own length and course; now and then one brakes or accelerates on the counter."""
     rng = Random(seed)
     passages = []
     for _ in range(4):
@@ -78,7 +78,7 @@ def simulate(config: AxleCounterConfig, *, seed: int) -> Steps:
 def _until_passed(
     config: AxleCounterConfig, behind_mm: Sequence[int], first_mm_s: int, change_mm_s: int = 0
 ) -> tuple[int, ...]:
-    """Speeds for as long as it takes to be surely over: the last axle, and farther than two axles are apart."""
+    """Return speeds for as long as the passage lasts: until the last axle, and farther than two axles are apart."""
     way, run, speeds = behind_mm[-1] + 2 * config.axle_gap_mm, 0, list[int]()
     while run < way * 1_000:
         speeds.append(min(max(first_mm_s + change_mm_s * len(speeds), SLOWEST_MM_S), config.max_speed_mm_s))
@@ -87,7 +87,7 @@ def _until_passed(
 
 
 def _quiet(config: AxleCounterConfig, speed_mm_s: int, *, over: bool) -> dict[str, Cell]:
-    """No axle; the train is somewhere else, and still runs."""
+    """Return a cycle without an axle; the train is elsewhere, and still runs."""
     speed = speed_mm_s * UM_PER_MM
     return {
         "axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "passage_over": over, "next_true_speed_um_s": speed,
@@ -101,7 +101,7 @@ def _without_truth(step: Mapping[str, Cell]) -> dict[str, Cell]:
 
 
 class _Train:
-    """Rolls over the head; its first axle is in the middle of the first cycle's way before it."""
+    """A train that rolls over the head; its first axle is half of the first cycle's way before the head."""
 
     def __init__(self, config: AxleCounterConfig, passage: Passage) -> None:
         self._config, self._passage = config, passage
@@ -109,7 +109,7 @@ class _Train:
         self._first_nm = passage.speeds[0] * config.period_ms * UM_PER_MM // 2
 
     def steps(self) -> Steps:
-        """One step a cycle."""
+        """Return one step per cycle."""
         run, steps = -self._first_nm, Steps()
         for cycle, speed in enumerate(self._passage.speeds):
             way = speed * self._config.period_ms * UM_PER_MM
@@ -120,7 +120,7 @@ class _Train:
         return steps
 
     def _axles(self, before: int, after: int) -> list[int]:
-        """Places of the axles that pass within the cycle, upwards or back."""
+        """Return the places of the axles that pass within the cycle, upwards or back."""
         return [place for place in self._behind if min(before, after) < place <= max(before, after)]
 
     def _told(self, before: int, after: int, speed: int) -> dict[str, Cell]:
@@ -135,7 +135,7 @@ class _Train:
         }  # fmt: skip
 
     def _truth(self, cycle: int, before: int, after: int, speed: int) -> dict[str, Cell]:
-        """The run since the first axle begins with it, within the first cycle."""
+        """Return the ghosts of a cycle. In the first one, the run since the first axle begins within the cycle."""
         axles = self._axles(before, after)
         since = 0 if cycle == 0 else before
         last = (axles[-1] if speed > 0 else axles[0]) if axles else since
@@ -164,12 +164,12 @@ def _service(config: AxleCounterConfig) -> Passages:
 
 
 def _braking(config: AxleCounterConfig) -> Passages:
-    """1 m/s2 over the counter."""
+    """Brake with 1 m/s2 over the counter."""
     return [Passage(COACHES, _until_passed(config, COACHES, 22_000, -config.change_mm_s * 2 // 3))]
 
 
 def _turning(config: AxleCounterConfig) -> Passages:
-    """Brakes to a stand over the counter and runs back."""
+    """Brake to a stand over the counter and run back."""
     change = config.change_mm_s - 10
     down = [max(6_000 - change * cycle, 0) for cycle in range(45)]
     back = [max(-change * cycle, -3_000) for cycle in range(130)]
@@ -177,14 +177,14 @@ def _turning(config: AxleCounterConfig) -> Passages:
 
 
 def _crawling(config: AxleCounterConfig) -> Passages:
-    """A train too slow to be surely past before the next one comes, at the headway."""
+    """Let a train run so slowly that it has not certainly passed when the next one comes at the headway."""
     crawl, wagon = 2_000, bogies(1)
     cycles = (wagon[-1] + config.axle_gap_mm) * 1_000 // (crawl * config.period_ms) + 5
     return [Passage(wagon, (crawl,) * cycles), _steady(config), _steady(config)]
 
 
 def _spoilt(cells: Mapping[str, Cell | None], *, untrue: bool = False) -> Callable[[AxleCounterConfig], Passages]:
-    """One axle's cycle differs; the next train is as it should be."""
+    """Return passages in which one axle's cycle differs; the next train is as it should be."""
 
     def passages(config: AxleCounterConfig) -> Passages:
         train = _steady(config)
@@ -195,7 +195,7 @@ def _spoilt(cells: Mapping[str, Cell | None], *, untrue: bool = False) -> Callab
 
 
 def _power_up(config: AxleCounterConfig) -> Passages:
-    """The machine starts while a train is on the counter."""
+    """Start the machine while a train is on the counter."""
     return [replace(_steady(config), untrue=True, begins_at=30), _steady(config)]
 
 
@@ -206,12 +206,12 @@ def _worked(outcome: str, passages: Callable[[AxleCounterConfig], Passages]) -> 
 RUNS: Mapping[str, WorkedRun[AxleCounterConfig]] = {
     "axle_counter-service": _worked("Two trains, 20 and 4 axles: a sound record of each.", _service),
     "axle_counter-braking": _worked(
-        "The train brakes on the counter: the record's bounds hold its length; speed times time would not.", _braking
+        "The train brakes on the counter: the record's bounds contain its length; speed times time would not.", _braking
     ),
     "axle_counter-turned": _worked("The train turns on the counter: no record, flaw TURNED; the next has one.", _turning),
     "axle_counter-crawling": _worked(
-        "A train is not surely past when the next one comes, at the headway: no record of either, flaw MAYBE_ANOTHER_TRAIN; "
-        "the third one has one.",
+        "A train has not certainly passed when the next one comes at the headway: no record of either, flaw "
+        "MAYBE_ANOTHER_TRAIN; the third one has one.",
         _crawling,
     ),
     "axle_counter-direction-unknown": _worked(
@@ -223,11 +223,11 @@ RUNS: Mapping[str, WorkedRun[AxleCounterConfig]] = {
         _spoilt({"axle_speed_low_mm_s": None}),
     ),
     "axle_counter-power-up": _worked(
-        "Started while a train passes: no record of what is left of it; the next train has one.", _power_up
+        "Started while a train passes: no record of the rest of it; the next train has one.", _power_up
     ),
     "axle_counter-miscount": _worked(
-        "The head loses an axle and does not tell: the record is one axle short. This machine cannot know; whoever "
-        "compares it with the fibre's count refuses it.",
+        "The head misses an axle without reporting a fault: the record is one axle short. This machine cannot "
+        "notice it; the comparison with the fibre's count does.",
         _spoilt(NOT_TOLD, untrue=True),
     ),
 }  # fmt: skip

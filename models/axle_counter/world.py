@@ -1,13 +1,13 @@
 """The world of an entry record: a train that passes a counting head, upwards or downwards.
 
-Speed and run are reckoned upwards along the line, whatever way the train came. A passage is what passes with no two axles
-farther apart than two axles of a train ever are: where the last axle is farther behind, the next one begins another passage,
-be it of another train or of the same one that comes back.
+Speed and run are counted upwards along the line, in whatever direction the train came. A passage is a series of axles with no
+two neighbours farther apart than the longest distance between two axles of a train: if the last axle is farther behind, the
+next one begins another passage, of another train or of the same one coming back.
 """
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, abs_, all_of, between, exact_to, ite, maximum, minimum
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, between, exact_to, ite, maximum, minimum
 from safeloc.language.units import MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
@@ -17,20 +17,25 @@ ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
 
 
 def world(own: Parts) -> World:
-    """The train on the counter: speed, run since its first axle, length so far, axles so far; whether it is away.
+    """Return the world of the train on the counter: speed, run since its first axle, length and axles so far, and its distance.
 
-    What stands on the counter when the machine starts begins with its first axle that passes after that.
+    A train that stands on the counter when the machine starts begins with the first axle that passes after that.
     """
     run, length = _run_after(own)
     axles = ite(_first(own), own.true_axles, minimum(own.axles + own.true_axles, own.axles.high))
     passes = own.true_axles > 0
-    moves: dict[Var, Expr] = {own.speed: own.next_speed, own.run: run, own.length: length, own.axles: axles}
-    moves |= {own.away: _away_after(own), own.last_up: ite(passes, own.axle_speed > 0, own.last_up)}
-    moves[own.waited] = ite(passes, 0, minimum(own.waited + 1, own.waited.high))
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
-        moves=moves,
+        moves={
+            own.speed: own.next_speed,
+            own.run: run,
+            own.length: length,
+            own.axles: axles,
+            own.away: _away_after(own),
+            own.last_up: ite(passes, own.axle_speed > 0, own.last_up),
+            own.waited: ite(passes, 0, minimum(own.waited + 1, own.waited.high)),
+        },
         clauses={**_head_laws(own), **_train_laws(own)},
     )
 
@@ -60,7 +65,7 @@ def _head_laws(own: Parts) -> dict[str, Bool | Law]:
         ),
         "a passage is told to be over when it is": Law(
             (own.over & own.true_axles.eq(0)).implies(_away_after(own)),
-            "The counter is reported clear only if the next axle belongs to another passage.",
+            "The input that the counter is clear is true only if the next axle belongs to another passage.",
             figures=("axle_gap_mm",),
             source="[D] the counters around, or the operator's eyes",
             owner="operator",
@@ -87,7 +92,7 @@ def _train_laws(own: Parts) -> dict[str, Bool | Law]:
         ),
         "the way follows from the speed": Law(
             ite(_first(own), _since_first(own), _since_before(own, low, high)),
-            "The way of a part of a cycle lies between those at the least and at the greatest speed of that cycle.",
+            "The run in a part of a cycle lies between those at the least and at the greatest speed of that cycle.",
             figures=ABILITY,
             source="[D] kinematics",
             owner="operator",
@@ -95,7 +100,8 @@ def _train_laws(own: Parts) -> dict[str, Bool | Law]:
         ),
         "trains follow each other at the headway": Law(
             (_first(own) & own.last_up.iff(own.axle_speed > 0)).implies(_headway_over(own)),
-            "From the last axle of a passage to the first one of the next in the same direction it takes the headway at least.",
+            "Between the last axle of a passage and the first one of the next in the same direction, at least "
+            "the headway passes.",
             figures=("headway_ms",),
             source="[M, fairly sure] signalling headway, a minute or more",
             owner="operator",
@@ -106,7 +112,7 @@ def _train_laws(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _line_laws(own: Parts) -> dict[str, Bool | Law]:
-    """What keeps the coordinates finite."""
+    """Return the laws that keep the coordinates finite."""
     run, length = _run_after(own)
     return {
         "the train stays on the line": Law(
@@ -131,7 +137,7 @@ def _line_laws(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _change(own: Parts) -> Num:
-    """What a speed changes in a cycle: mm/s2 times ms are um/s."""
+    """Return the greatest change of speed in a cycle, um/s: mm/s2 times ms."""
     return Lit(own.config.change_mm_s2 * own.config.period_ms, UM_S)
 
 
@@ -144,25 +150,25 @@ def _gap_nm(own: Parts) -> int:
 
 
 def _first(own: Parts) -> Bool:
-    """The first axle of a passage."""
+    """Return the condition that the first axle of a passage passes in this cycle."""
     return own.away & (own.true_axles > 0)
 
 
 def _run_after(own: Parts) -> tuple[Num, Num]:
-    """The run begins at the first axle of a passage, within the cycle; the length is the run at the last axle."""
+    """Return run and length after the cycle: the run begins at the first axle of a passage; the length is the run at the last axle."""
     run = ite(_first(own), own.step, own.run + own.step)
     length = ite(_first(own), own.axle_step, ite(own.true_axles > 0, own.run + own.axle_step, own.length))
     return run, length
 
 
 def _away_after(own: Parts) -> Bool:
-    """Since the last axle the train was farther than two axles of a train are apart."""
+    """Return the condition that the next axle belongs to another passage: the last one is too far behind."""
     run, length = _run_after(own)
     return (own.away & own.true_axles.eq(0)) | (abs_(run - length) > _gap_nm(own))
 
 
 def _headway_over(own: Parts) -> Bool:
-    """The two axles passed in cycles with `waited` others between: at most two periods more have gone by."""
+    """Return the condition that the headway is over; the two axles may lie at the edges of their cycles: two periods more."""
     config = own.config
     return own.waited * config.period_ms > config.headway_ms - 2 * config.period_ms
 
@@ -175,25 +181,25 @@ def _can_stop(own: Parts, run: Num) -> Bool:
 
 
 def _since_first(own: Parts) -> Bool:
-    """In what is left of the cycle after the first axle, up to the last one in it, and after that."""
+    """Return the bounds for the rest of the cycle after the first axle: up to the last axle in it, and after that."""
     low, high = own.axle_speed - _change(own), own.axle_speed + _change(own)
     return _within_cycle(own, (own.step, own.axle_step, own.step - own.axle_step), low, high)
 
 
 def _since_before(own: Parts, low: Num, high: Num) -> Bool:
-    """In the whole cycle; up to the last axle within it, and after that."""
+    """Return the bounds for the whole cycle, up to the last axle within it, and after that."""
     slowest, fastest = _ways(own, low, high)
     whole = between(slowest, own.step, fastest)
     return whole & _within_cycle(own, (own.axle_step, own.step - own.axle_step), low, high)
 
 
 def _within_cycle(own: Parts, runs: tuple[Num, ...], low: Num, high: Num) -> Bool:
-    """Runs in parts of a cycle."""
+    """Return bounds for runs in parts of a cycle."""
     slowest, fastest = _ways(own, low, high)
     return all_of(between(minimum(slowest, 0), run, maximum(fastest, 0)) for run in runs)
 
 
 def _ways(own: Parts, low: Num, high: Num) -> tuple[Num, Num]:
-    """The runs of a whole cycle at the least and at the greatest speed."""
+    """Return the runs of a whole cycle at the least and at the greatest speed."""
     period, most = Lit(own.config.period_ms, MS), _most(own.config)
     return exact_to(maximum(low, -most) * period, NM), exact_to(minimum(high, most) * period, NM)

@@ -1,10 +1,10 @@
 """One counting head: axles and their direction from the overlapping pulses of two channels (FVA-5).
 
-A wheel that runs up damps channel A, then both, then B alone, then none; running down, the other way round. Only the
+A wheel that rolls up damps channel A, then both, then B alone, then none; rolling down, the other way round. Only the
 whole sequence counts an axle (overlapping pulses, DP 1 728 700). A wheel that turns back on the head unwinds the
-sequence and counts nothing. A step that no wheel makes leaves the direction unknown: the head is disturbed.
+sequence and counts nothing. A change of the channels that no wheel makes leaves the direction unknown: the head is disturbed.
 
-A step of this machine is one sample of both channels, often enough that no wheel passes between two samples.
+A step of this machine is one sample of both channels; samples come so often that no wheel passes between two of them.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ AxleHead = Model[Parts]
 
 
 def machine(config: AxleHeadConfig | None = None) -> Machine:
-    """The machine of one counting head (FVA-5)."""
+    """Return the machine of one counting head (FVA-5)."""
     return build(parts(config or AxleHeadConfig())).machine
 
 
 def build(own: Parts) -> AxleHead:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes(*MODES)
     current = current_mode(table)
     made = Machine(
@@ -66,10 +66,10 @@ def build(own: Parts) -> AxleHead:
         world=world(own),
         lemmas=lemmas(own, current, table),
         doc=(
-            "Axles and their direction from the overlapping pulses of a two-channel head. A sample that no wheel can make "
-            "after the one before disturbs the head until both channels are free. Assumed "
-            "of truth: wheels follow each other with both channels free between them, damp nothing but what they are "
-            "over, and are sampled often enough."
+            "Axles and their direction from the overlapping pulses of a two-channel head. A sample that no wheel "
+            "can make after the previous one disturbs the head until both channels are free. Assumed: wheels "
+            "follow each other with both channels free between them, damp only the channels on whose stretch "
+            "they are, and are sampled often enough."
         ),
     )
     return Model(made, own)
@@ -109,9 +109,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def axle_speed_mm_s(elapsed_us: int, config: AxleHeadConfig | None = None) -> tuple[int, int]:
-    """Bounds of an axle's speed, mm/s, from the time between the two channels' rises, rounded outward (FVA-5).
+    """Return bounds of an axle's speed, mm/s, from the time between the rises of the two channels, rounded outward (FVA-5).
 
-    Each instant is known to one sample. InputError for a time in which no permitted wheel gets from one to the other.
+    Each rise is known to one sample. InputError for a time in which no permitted wheel gets from one channel to the other.
     """
     config = config or AxleHeadConfig()
     near, far = config.spacing_mm - config.spacing_error_mm, config.spacing_mm + config.spacing_error_mm

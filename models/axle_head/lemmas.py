@@ -1,4 +1,4 @@
-"""What helps to prove the counting head: its mode tells where the wheel is, and from where it came."""
+"""Lemmas for the proofs of the counting head: the mode gives the place of the wheel, and the side from which it came."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from safeloc.models.axle_head.variables import NO_AXLE, Parts
 
 
 def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """Mode by mode."""
+    """Return the lemmas, mode by mode."""
     free, a_first, both_up, b_last, b_first, both_down, a_last, disturbed = table
     spacing, end = own.config.spacing_mm * UM_PER_MM, (2 * own.config.spacing_mm + own.config.overlap_mm) * UM_PER_MM
     over_a, over_b = between(0, own.wheel, spacing - 1), between(end - spacing, own.wheel, end - 1)

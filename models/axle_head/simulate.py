@@ -1,4 +1,4 @@
-"""Samples of a counting head while wheels roll over it: which channels are damped, and where the wheel really is.
+"""Simulated samples of a counting head while wheels roll over it: damped channels, and the true place of the wheel.
 
 A wheel damps channel A over one stretch and channel B over the next; where the two stretches overlap it damps both.
 """
@@ -20,7 +20,7 @@ BOGIE_MM = 2_500
 
 @dataclass(frozen=True)
 class Roll:
-    """Wheels one behind the other, and how they run.
+    """Wheels one behind the other, and their motion.
 
     behind_mm    every wheel's distance behind the first one
     speeds       (mm/s, ms) one after the other; negative: downwards
@@ -31,18 +31,18 @@ class Roll:
 
 
 def through(config: AxleHeadConfig, behind_mm: tuple[int, ...], speed_mm_s: int) -> Roll:
-    """All wheels over the head at one speed."""
+    """Return all wheels rolling over the head at one speed."""
     way = _length_mm(config) + behind_mm[-1] + 2 * _clearance_mm(config, speed_mm_s)
     return Roll(behind_mm, ((speed_mm_s, way * 1_000 // abs(speed_mm_s) + 1),))
 
 
 def samples(config: AxleHeadConfig, rolls: Sequence[Roll]) -> Steps:
-    """The rolls one after the other, as steps: both channels, and the ghost input."""
+    """Return the rolls one after the other as steps: both channels, and the ghost input."""
     return [_sample(config, place) for roll in rolls for place in _places(config, roll)]
 
 
 def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
-    """Eight vehicles of two or four wheels, either way, at speeds of their own."""
+    """Return eight vehicles of two or four wheels, in either direction, each at its own speed."""
     rng = Random(seed)
     rolls = []
     for _ in range(8):
@@ -52,17 +52,17 @@ def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
 
 
 def _length_mm(config: AxleHeadConfig) -> int:
-    """From where A begins to where B ends."""
+    """Return the distance from the beginning of A to the end of B."""
     return 2 * config.spacing_mm + config.overlap_mm
 
 
 def _clearance_mm(config: AxleHeadConfig, speed_mm_s: int) -> int:
-    """Free rail on either side of the head: at least the run between two samples."""
+    """Return the free rail on either side of the head: at least the run between two samples."""
     return max(CLEARANCE_MM, abs(speed_mm_s) * config.sample_us // US_PER_S + 1)
 
 
 def _places(config: AxleHeadConfig, roll: Roll) -> list[int]:
-    """Where the wheel nearest to the head is, um above its low end, sample by sample."""
+    """Return the place of the wheel nearest to the head, um above its low end, sample by sample."""
     ahead, middle = (1 if roll.speeds[0][0] > 0 else -1), _length_mm(config) * UM_PER_MM // 2
     clearance = _clearance_mm(config, roll.speeds[0][0])
     first = -clearance if ahead > 0 else _length_mm(config) + clearance
@@ -76,7 +76,7 @@ def _places(config: AxleHeadConfig, roll: Roll) -> list[int]:
 
 
 def _over(config: AxleHeadConfig, at_um: int) -> tuple[bool, bool]:
-    """Which channels a wheel damps."""
+    """Return the channels that a wheel damps: A, B."""
     at_mm, alone, both = at_um // UM_PER_MM, config.spacing_mm, config.overlap_mm
     return 0 <= at_mm < alone + both, alone <= at_mm < 2 * alone + both
 
@@ -101,7 +101,7 @@ def _turned_back(config: AxleHeadConfig) -> Steps:
 
 
 def _metal_over_both(config: AxleHeadConfig) -> Steps:
-    """Something damps both channels in the same sample, as a magnetic rail brake does; then a vehicle."""
+    """Damp both channels in the same sample, as a magnetic rail brake does; then let a vehicle pass."""
     brake: dict[str, Cell] = {"channel_a_damped": True, "channel_b_damped": True}
     free: dict[str, Cell] = {"channel_a_damped": False, "channel_b_damped": False}
     after = samples(config, [through(config, (0, BOGIE_MM), 25_000)])
@@ -109,7 +109,7 @@ def _metal_over_both(config: AxleHeadConfig) -> Steps:
 
 
 def _sample_lost(config: AxleHeadConfig) -> Steps:
-    """A wheel whose time on both channels was not sampled; then another one."""
+    """Let a wheel pass whose time on both channels was not sampled; then another one."""
     steps = samples(config, [through(config, (0, BOGIE_MM), 20_000)])
     both = [number for number, step in enumerate(steps) if step["channel_a_damped"] and step["channel_b_damped"]]
     first = [number for number in both if number < both[0] + len(steps) // 4]
@@ -117,7 +117,7 @@ def _sample_lost(config: AxleHeadConfig) -> Steps:
 
 
 def _without_truth(steps: Steps) -> Steps:
-    """The recording alone: what happens in it no wheel does, and the truth is not claimed."""
+    """Return the steps without the ghost: no wheel makes these samples, so the recording claims no truth."""
     return [{name: value for name, value in step.items() if name != "next_wheel_um"} for step in steps]
 
 
@@ -131,6 +131,6 @@ RUNS: Mapping[str, WorkedRun[AxleHeadConfig]] = {
         _metal_over_both,
     ),
     "axle_head-no-overlap": WorkedRun(
-        "A wheel that was never seen on both channels disturbs and is not counted; the next one is.", _sample_lost
+        "A wheel that was never sampled on both channels disturbs and is not counted; the next one is.", _sample_lost
     ),
 }

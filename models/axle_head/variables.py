@@ -1,4 +1,4 @@
-"""What a counting head hears and keeps, where the wheel really is, and its configuration."""
+"""Inputs, state, ghosts and configuration of a counting head."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from safeloc.language.units import UM, US_PER_S
 AXLE = members("axle", "NONE", "UP", "DOWN")
 NO_AXLE, UP, DOWN = AXLE
 BESIDE_UM = 100_000_000
-"""How far beside the head a wheel is spoken of: 100 m."""
+"Greatest distance of a wheel from the head in the world, um: 100 m."
 
 
 class AxleHeadConfig(Config):
-    """What the sampling rests on. ValueError where a wheel could pass between two samples."""
+    """Sampling and dimensions of a head. ValueError if a wheel could pass between two samples."""
 
     sample_us: int = quantity(500, "us", 1, 100_000, "[M] 2 kHz")
     overlap_mm: int = quantity(60, "mm", 1, 1_000, "[M, unsure] shortest stretch in which a wheel damps both channels")
@@ -33,7 +33,7 @@ class AxleHeadConfig(Config):
                 f"{self.overlap_mm} mm; sample more often."
             )
         if self.spacing_error_mm >= self.spacing_mm:
-            raise ValueError("spacing_error_mm lies below spacing_mm.")
+            raise ValueError("spacing_error_mm has to lie below spacing_mm.")
         alone = self.spacing_mm - self.spacing_error_mm
         if run >= alone * US_PER_S:
             raise ValueError(

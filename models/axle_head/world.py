@@ -16,7 +16,7 @@ SAMPLED = ("max_speed_mm_s", "sample_us")
 
 
 def world(own: Parts) -> World:
-    """The wheel nearest to the head, and from which side it came."""
+    """Return the world: the wheel nearest to the head, and the side from which it came."""
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
@@ -26,12 +26,12 @@ def world(own: Parts) -> World:
 
 
 def length_um(config: AxleHeadConfig) -> int:
-    """From where a wheel begins to damp A to where it no longer damps B."""
+    """Return the distance from the place where a wheel begins to damp A to the one where it no longer damps B, um."""
     return (2 * config.spacing_mm + config.overlap_mm) * UM_PER_MM
 
 
 def over_head(wheel: NumVar, config: AxleHeadConfig) -> Bool:
-    """The wheel damps some channel."""
+    """Return the condition that the wheel damps some channel."""
     return between(0, wheel, length_um(config) - 1)
 
 
@@ -48,12 +48,12 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
             figures=("spacing_mm", "overlap_mm"),
             source="[S] DP 1 728 700: overlapping pulses",
             owner="supplier",
-            check="type test with the smallest wheel; brakes and other metal, by what disturbs the head",
+            check="type test with the smallest wheel; brakes and other metal disturb the head and are reported by it",
         ),
         "wheels do not jump": Law(
             between(-run, then - own.wheel, run) | off,
-            "Between two samples a wheel runs no farther than at the highest speed, and of two wheels that follow each other "
-            "one has left the head before the other one comes.",
+            "Between two samples a wheel runs no farther than at the highest speed. Of two wheels that follow "
+            "each other, the first has left the head before the second comes.",
             figures=SAMPLED,
             source="[M] the smallest distance of two axles, about a metre, is longer than the head",
             owner="operator",

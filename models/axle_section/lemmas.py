@@ -1,4 +1,4 @@
-"""What helps to prove the section between axle counters."""
+"""Lemmas for the proofs of the section between axle counters."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from safeloc.models.axle_section.variables import (
 
 
 def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """The count is the truth while it is believed; while a sweep runs, it counts from what stood in its way."""
+    """Return the lemmas: a believed count is true; a sweep's count differs from it by the axles that stood in the way."""
     _, clear, occupied, _, sweeping = table
     sweeps = current.eq(sweeping)
     found_none = own.sweep.ne(NOBODY) & own.stood.eq(0)

@@ -1,4 +1,4 @@
-"""Trains through a section between axle counters, with its resets and sweeps, as steps of the section machine."""
+"""Simulated trains through a section between axle counters, with its resets and sweeps, as steps of the section machine."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ QUIET: Mapping[str, Cell] = {
 
 @dataclass(frozen=True)
 class Event:
-    """Some cycles.
+    """Several cycles with equal inputs.
 
-    cells    what is told in them, besides quiet
-    cycles   how many
-    unseen   axles that came in (left: negative) in each of them without being told
-    sweep    which head the first or last axle of a sweep passes
+    cells    inputs that differ from quiet ones
+    cycles   number of cycles
+    unseen   axles that came in (left: negative) in each cycle without being reported
+    sweep    head that the first or last axle of a sweep passes
     """
 
     cells: Mapping[str, Cell] = field(default_factory=dict)
@@ -39,12 +39,12 @@ RESET = Event({"reset_requested": True})
 
 
 def quiet(cycles: int) -> Event:
-    """Nothing, for so many cycles."""
+    """Return cycles in which nothing happens."""
     return Event(cycles=cycles)
 
 
 def train(axles: int, way: str, side: str, *, sweeps: bool = False) -> list[Event]:
-    """A train counted `in` or `out` at the `low` or the `high` side; a wheel stands on the head between its cycles."""
+    """Return a train counted `in` or `out` at the `low` or the `high` side; between its cycles a wheel stands on the head."""
     whole, rest = divmod(axles, AXLES_A_CYCLE)
     counts = [*[AXLES_A_CYCLE] * whole, *([rest] if rest else [])]
     last = len(counts) - 1
@@ -56,18 +56,18 @@ def train(axles: int, way: str, side: str, *, sweeps: bool = False) -> list[Even
 
 
 def through(axles: int, cycles: int = 12, *, sweeps: bool = False) -> list[Event]:
-    """A train in at the low side and out at the high side."""
+    """Return a train that comes in at the low side and leaves at the high side."""
     return [*train(axles, "in", "low", sweeps=sweeps), quiet(cycles), *train(axles, "out", "high", sweeps=sweeps)]
 
 
 def swept(config: AxleSectionConfig) -> list[Event]:
-    """A reset once the lead time is over, a sweep by eight axles, and its report."""
+    """Return a reset after the lead time, a sweep by eight axles, and its report."""
     report = Event({"sweep_reported_clear": True})
     return [quiet(config.lead_cycles), RESET, *through(8, 20, sweeps=True), quiet(2), report]
 
 
 def happened(events: Events) -> Steps:
-    """One step a cycle; what really passed beside what was told, unless some axles were not told."""
+    """Return one step per cycle, with the axles that really passed, unless some axles were not reported."""
     told = all(event.unseen == 0 for event in events)
     steps = [_step(event) for event in events for _ in range(event.cycles)]
     return steps if told else [{name: value for name, value in step.items() if "true" not in name} for step in steps]
@@ -80,7 +80,7 @@ def _step(event: Event) -> dict[str, Cell]:
 
 
 def simulate(config: AxleSectionConfig, *, seed: int) -> Steps:
-    """Reset, sweep, and eight trains, some of which turn back in the section."""
+    """Return reset, sweep, and eight trains, some of which turn back in the section."""
     rng = Random(seed)
     events = swept(config)
     for _ in range(8):
@@ -106,14 +106,14 @@ def _service(config: AxleSectionConfig) -> Events:
 
 
 def _refused(config: AxleSectionConfig) -> Events:
-    """Asked in vain: at once after power-up, with a train in, with a wheel on a head; then the train leaves."""
+    """Request a reset in vain: right after power-up, with a train in, with a wheel on a head; then the train leaves."""
     stays = quiet(config.lead_cycles + 2)
     damped = Event({"reset_requested": True, "head_damped": True})
     return [RESET, *swept(config), *train(36, "in", "low"), stays, RESET, damped, *train(36, "out", "high"), quiet(3)]
 
 
 def _disturbed(config: AxleSectionConfig) -> Events:
-    """The direction of an axle is not known; a reset is refused while the head is disturbed; then reset and sweep."""
+    """Lose the direction of an axle; request a reset in vain while the head is disturbed; then reset and sweep."""
     fault = Event({"head_fault": True}, 3)
     refused = Event({"head_fault": True, "reset_requested": True})
     arrives, leaves = train(36, "in", "low"), train(36, "out", "high")
@@ -121,13 +121,13 @@ def _disturbed(config: AxleSectionConfig) -> Events:
 
 
 def _miscount(config: AxleSectionConfig) -> Events:
-    """An axle comes in that is not counted, and is counted out: more out than in."""
+    """Let an axle in uncounted and count it out: more out than in."""
     lost = [*train(19, "in", "low"), Event(unseen=1)]
     return [*swept(config), *lost, quiet(9), *train(20, "out", "high"), *swept(config), *through(12), quiet(3)]
 
 
 def _sweep_turns(config: AxleSectionConfig) -> Events:
-    """The first sweep turns back where it came from and is worth nothing; another reset and sweep."""
+    """Turn the first sweep back, so that it counts for nothing; then reset and sweep once more."""
     there, back = train(8, "in", "low", sweeps=True), train(8, "out", "low", sweeps=True)
     backs_out = [*there, quiet(9), *back, Event({"sweep_reported_clear": True})]
     return [quiet(config.lead_cycles), RESET, *backs_out, *swept(config), quiet(3)]

@@ -1,4 +1,4 @@
-"""What a section between axle counters hears and keeps, what is true of it, and its configuration."""
+"""Inputs, state, ghosts and configuration of a section between axle counters."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NO_HEAD, IN_LOW, IN_HIGH, OUT_LOW, OUT_HIGH = PASSES
 
 
 class AxleSectionConfig(Config):
-    """What the section machine depends on."""
+    """Figures of the section machine."""
 
     axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
     axles_a_cycle: int = quantity(40, "axles", 1, 400, "[D] in 500 ms, 1.8 m apart, 350 km/h: 27, with room")
@@ -34,14 +34,14 @@ class AxleSectionConfig(Config):
 class Parts:
     """The variables of the machine. Axles per cycle at the low and at the high end, into and out of the section.
 
-    fault     a head is disturbed, knows no direction, or cannot be heard
+    fault     a head is disturbed, knows no direction, or does not report
     damped    a wheel stands on a head
     reported_clear  the driver of the sweep reports that he left the section and found nothing in it
     count     axles counted in less those counted out; quiet: cycles without an axle
     swept_from, swept_to  since the reset, axles came in, went out, at that end
     axles     ghost: axles really in the section; true_into, true_out: those that really pass the heads in this cycle
-    sweep     ghost: how far the sweep has come since a reset was last asked for; stood: axles in its way when it came in
-    sweep_passes  which head the sweep's first or last axle passes in this cycle
+    sweep     ghost: progress of the sweep since the last request for reset; stood: axles in its way when it came in
+    sweep_passes  head that the sweep's first or last axle passes in this cycle
     """
 
     def __init__(self, config: AxleSectionConfig) -> None:
@@ -68,5 +68,5 @@ class Parts:
 
 
 def parts(config: AxleSectionConfig) -> Parts:
-    """Fresh variables for one section."""
+    """Return fresh variables for one section."""
     return Parts(config)

@@ -1,8 +1,8 @@
-"""The world of a section between axle counters: the axles in it, and what the driver of a sweep sees.
+"""The world of a section between axle counters: the axles in it, and the driver of a sweep.
 
-A sweep is a train that runs on sight through a section of which nobody knows what stands in it. Whoever drives it sees
-what stands in his way: where he ran from one end to the other, that is everything that stood in the section when he
-came in; where he turned, he saw nothing of what lies beyond. What he lost on the way, only the counters know.
+A sweep is a train that runs on sight through a section of unknown state. Its driver sees whatever stands in his way. If he
+runs from one end to the other, he sees everything that stood in the section when he came in; if he turns, he sees nothing of
+the part beyond. Only the counters notice vehicles that he loses on the way.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from safeloc.models.axle_section.variables import (
 
 
 def world(own: Parts) -> World:
-    """Axles in the section, and how far the sweep has come."""
+    """Return the world: axles in the section, and the progress of the sweep."""
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
@@ -46,7 +46,7 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
         ),
         "no more axles leave than are in the section": Law(
             between(own.axles.low, _axles_after(own), own.axles.high),
-            "Axles come and go over the two heads only, and a section holds no more than twice the longest train.",
+            "Axles come and go only over the two heads, and a section holds no more than twice the longest train.",
             figures=("axle_limit",),
             source="[D] a section without switches or sidings",
             owner="infrastructure",
@@ -57,7 +57,7 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _sweep_laws(own: Parts) -> dict[str, Bool | Law]:
-    """What a report is good for. That nothing was lost on the way, or stands where the sweep turned, is not in it."""
+    """Return the laws of a sweep's report; they do not exclude vehicles lost on the way, or beyond its turning point."""
     ran = own.sweep.eq(RAN_THROUGH)
     turned = own.sweep.one_of(TURNED_LOW, TURNED_HIGH)
     return {
@@ -77,8 +77,8 @@ def _sweep_laws(own: Parts) -> dict[str, Bool | Law]:
         ),
         "who ran through saw all that stood in the section": Law(
             (own.reported_clear & ran).implies(own.stood.eq(0)),
-            "A driver who ran on sight from one end to the other reports the section free only if nothing stood in it when "
-            "he came in.",
+            "A driver who ran on sight from one end to the other reports the section free only if nothing stood "
+            "in it when he came in.",
             source="[D] running on sight",
             owner="operator",
             check="the rule book",
@@ -87,7 +87,7 @@ def _sweep_laws(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _told_truly(own: Parts) -> Bool:
-    """At each head as many axles are told, in each direction, as really passed it."""
+    """Return the condition that at each head, in each direction, the reported axles are those that really passed it."""
     told, true = (*own.into, *own.out), (*own.true_into, *own.true_out)
     return all_of(one.eq(other) for one, other in zip(told, true, strict=True))
 
@@ -98,7 +98,7 @@ def _axles_after(own: Parts) -> Num:
 
 
 def _over_the_heads(own: Parts) -> Bool:
-    """Its first axle comes in, and its last one goes out, over a head; in only from outside, out only from inside."""
+    """Return the condition that the sweep's first axle comes in, and its last one goes out, over a head."""
     passes, inside = own.sweep_passes, own.sweep.one_of(FROM_LOW, FROM_HIGH)
     axles = {IN_LOW: own.true_into[0], IN_HIGH: own.true_into[1], OUT_LOW: own.true_out[0], OUT_HIGH: own.true_out[1]}
     over = [passes.eq(head).implies(number > 0) for head, number in axles.items()]
@@ -106,7 +106,7 @@ def _over_the_heads(own: Parts) -> Bool:
 
 
 def _sweep_after(own: Parts) -> Num:
-    """Ordered by whoever asks for a reset: what ran before is no sweep."""
+    """Return the progress of the sweep. A request for reset orders a new one: earlier runs are no sweep."""
     inside_after: dict[Lit, Expr] = {IN_LOW: FROM_LOW, IN_HIGH: FROM_HIGH, NO_HEAD: own.sweep}
     inside_after[OUT_LOW] = ite(own.sweep.eq(FROM_LOW), TURNED_LOW, RAN_THROUGH)
     inside_after[OUT_HIGH] = ite(own.sweep.eq(FROM_HIGH), TURNED_HIGH, RAN_THROUGH)
@@ -118,5 +118,5 @@ def _sweep_after(own: Parts) -> Num:
 
 
 def _stood_after(own: Parts) -> Num:
-    """What stands in the section when the sweep comes in."""
+    """Return the axles that stand in the section when the sweep comes in."""
     return ite(own.sweep_passes.one_of(IN_LOW, IN_HIGH), own.axles, own.stood)

@@ -1,21 +1,22 @@
 """Function check of the fibre chain by an acoustic emitter beside the track (FVA-8, FVA-17).
 
-The emitter sends its own bit pattern, from a known place, every so often and whenever it is asked to. As long as the
-pattern comes back through pulse, fibre, detector and evaluation when it is due, the chain works.
+The emitter sends its own bit pattern from a known place, at regular times and on request. As long as the pattern comes back
+through pulse, fibre, detector and evaluation when it is due, the chain works.
 
-    UNTESTED  no own pattern was heard yet, or not often enough after a failure
+    UNTESTED  the own pattern has not come yet
     TESTED    the last pattern came when it was due, and the next one is not overdue
     FAILED    a pattern that was due did not come, or the own pattern came from another place
 
-Only the own pattern, from its own place, when it is due, counts. A foreign pattern changes nothing and is told.
+Only the own pattern counts, from its own place, when it is due. A foreign pattern is reported and changes nothing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import TRUE, Expr, Lit, Num, Var, any_of, as_num, ite
+from safeloc.language.expr import TRUE, Lit, Num, any_of, as_num, ite
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.emitter.judgement import due, late, overdue, verdict
 from safeloc.models.emitter.variables import (
@@ -53,12 +54,12 @@ Emitter = Model[Parts]
 
 
 def machine(config: EmitterConfig | None = None) -> Machine:
-    """The machine of one test emitter (FVA-8)."""
+    """Return the machine of one test emitter (FVA-8)."""
     return build(parts(config or EmitterConfig())).machine
 
 
 def build(own: Parts) -> Emitter:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNTESTED", "TESTED", "FAILED")
     current = current_mode(table)
     tested = current.eq(table[1])
@@ -79,8 +80,9 @@ def build(own: Parts) -> Emitter:
         lemmas=lemmas(own),
         definitions={"pattern judged": verdict(own), "a pattern may come": due(own), "overdue": overdue(own)},
         doc=(
-            "Function check of the fibre chain by an emitter with a bit pattern of its own. Assumed: nothing else makes "
-            "this pattern at this place while the emitter is to send, so that hearing it then shows that the chain works."
+            "Function check of the fibre chain by an emitter with its own bit pattern. Assumed: nothing else "
+            "makes this pattern at this place while the emitter is to send, so a pattern received then shows "
+            "that the chain works."
         ),
     )
     return Model(made, own)
@@ -91,9 +93,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     zero, heard = as_num(0, COUNT), verdict(own)
     counted = ite(late(own), zero, own.passes)
     waiting = _clocks(own)
-    anew: dict[Var, Expr] = {**waiting, own.passes: zero}
-    one_more: dict[Var, Expr] = {**waiting, own.passes: counted + 1}
-    recovering: dict[Var, Expr] = {**waiting, own.passes: counted}
+    anew = together(waiting, {own.passes: 0})
+    one_more = together(waiting, {own.passes: counted + 1})
+    recovering = together(waiting, {own.passes: counted})
     enough = counted + 1 >= own.config.passes_to_recover
     hears, elsewhere = heard.eq(PASSED), heard.eq(ELSEWHERE)
     yield Transition("own pattern from elsewhere", table, failed, elsewhere, anew, REQUIREMENTS, 0)
@@ -108,8 +110,8 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("wait for a pattern after the failure", failed, failed, TRUE, recovering, REQUIREMENTS, 5)
 
 
-def _clocks(own: Parts) -> dict[Var, Expr]:
-    """Both clocks begin anew with a pattern that counts, in whatever mode; a request is never forgotten before its time."""
+def _clocks(own: Parts) -> Updates:
+    """Advance both clocks. A pattern that counts restarts them in any mode; no request is forgotten before its time."""
     zero, heard = as_num(0, COUNT), verdict(own)
     waited = ite(late(own), own.since, own.since + 1)
     open_request = any_of([own.asked > 0, own.requested])

@@ -1,4 +1,4 @@
-"""Configurations in which the emitter's machine is proved beside its defaults, so that no case of it stays folded away."""
+"""Configurations of the emitter's machine, besides the defaults, in which all its case splits are live in some proof."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the machine makes of a pattern that it heard: its verdict, and when a pattern is due or overdue."""
+"""The machine's verdict on a received pattern, and the times at which a pattern is due or overdue."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from safeloc.models.emitter.variables import ELSEWHERE, FOREIGN, NO_PLACE, NOT_D
 
 
 def due(own: Parts) -> Bool:
-    """A pattern may come now: its regular time, or a request is open."""
+    """Return the condition that a pattern may come now: at its regular time, or because a request is open."""
     return (own.since + 1 >= own.config.due_cycles - own.config.window_cycles) | (own.asked > 0)
 
 
 def late(own: Parts) -> Bool:
-    """The regular pattern is too late in this cycle."""
+    """Return the condition that the regular pattern is late in this cycle."""
     return own.since >= own.config.due_cycles
 
 
 def overdue(own: Parts) -> Bool:
-    """The regular pattern, or the answer to a request, is too late in this cycle."""
+    """Return the condition that the regular pattern, or the answer to a request, is late in this cycle."""
     return late(own) | (own.asked >= own.config.answer_cycles)
 
 
 def near(own: Parts) -> Bool:
-    """The place told is that of this emitter."""
+    """Return the condition that the reported place is that of this emitter."""
     return abs_(own.place.value - own.config.place_mm) <= own.config.place_tolerance_mm
 
 
 def verdict(own: Parts) -> Num:
-    """What becomes of what was heard."""
+    """Return the verdict on the received pattern."""
     in_place = ite(near(own), ite(due(own), PASSED, NOT_DUE), ELSEWHERE)
     placed = ite(own.place.present, in_place, NO_PLACE)
     return ite(own.pattern.present, ite(own.pattern.value.eq(own.config.pattern), placed, FOREIGN), NOTHING)

@@ -1,4 +1,4 @@
-"""What is heard of a test emitter, and of others, as steps of the machine that checks it."""
+"""Simulated patterns of a test emitter, and of others, as steps of the machine that checks it."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ OTHER_BITS = 0b1010
 
 @dataclass(frozen=True)
 class Heard:
-    """What an emitter and the fibre do.
+    """Events of an emitter and the fibre.
 
     regular    cycles in which the own pattern comes
     foreign    cycles in which another emitter's pattern comes, from beside the own emitter
     elsewhere  cycles in which the own pattern comes from a place far away
     placeless  cycles in which the own pattern comes without a place
-    requests   cycles in which a pattern is asked for
-    dead       (from, to) cycles in which the chain does not work: nothing is heard
+    requests   cycles in which the pattern is requested
+    dead       (from, to) cycles in which the chain does not work: no pattern comes
     """
 
     cycles: int
@@ -35,19 +35,19 @@ class Heard:
 
 
 def every(config: EmitterConfig, times: int, start: int = 0) -> tuple[int, ...]:
-    """Cycles in which a regular pattern comes: in the middle of its window each time."""
+    """Return the cycles in which a regular pattern comes: in the middle of its window each time."""
     apart = config.due_cycles - config.window_cycles // 2
     return tuple(start + apart * number for number in range(1, times + 1))
 
 
 def listened(config: EmitterConfig, heard: Heard, seed: int = 0) -> Steps:
-    """One step a cycle, with the ghost input: whether the chain works."""
+    """Return one step per cycle, with the ghost input that the chain works."""
     rng = Random(seed)
     return [_step(config, heard, cycle, rng) for cycle in range(heard.cycles)]
 
 
 def simulate(config: EmitterConfig, *, seed: int) -> Steps:
-    """Forty regular patterns with a jitter of a quarter window, foreign ones between, now and then a request."""
+    """Return forty regular patterns with a jitter of a quarter window, foreign ones between, now and then a request."""
     rng = Random(seed)
     jitter = max(config.window_cycles // 4, 0)
     regular, cycle = list[int](), 0
@@ -83,7 +83,7 @@ def _pattern(config: EmitterConfig, heard: Heard, cycle: int, rng: Random) -> di
 
 
 def _service(config: EmitterConfig) -> Heard:
-    """Regular patterns; then a request and its answer, and regular ones counted from there."""
+    """Send regular patterns; then a request and its answer, and regular ones counted from there."""
     regular = every(config, 3)
     asked = regular[-1] + config.due_cycles // 2
     answered = asked + config.answer_cycles // 2
@@ -92,7 +92,7 @@ def _service(config: EmitterConfig) -> Heard:
 
 
 def _missing(config: EmitterConfig) -> Heard:
-    """The chain is dead for two due times; then it works again, and enough patterns pass."""
+    """Let the chain be dead for two due times; then it works again, and enough patterns pass."""
     regular = every(config, 2)
     dead = (regular[-1] + 3, regular[-1] + 3 + 2 * config.due_cycles)
     later = every(config, config.passes_to_recover + 1, dead[1])
@@ -100,13 +100,13 @@ def _missing(config: EmitterConfig) -> Heard:
 
 
 def _foreign(config: EmitterConfig) -> Heard:
-    """Another emitter takes the place of the own one."""
+    """Let another emitter take the place of the own one."""
     regular = every(config, 3)
     return Heard(regular[-1] + config.due_cycles + 5, regular[:1], foreign=regular[1:])
 
 
 def _early(config: EmitterConfig) -> Heard:
-    """The own pattern when it is not due, and once without a place, in between."""
+    """Send the own pattern when it is not due, and once without a place, in between."""
     regular = every(config, 3)
     return Heard(regular[-1] + 5, (*regular, regular[0] + 5), placeless=(regular[1] + 5,))
 
@@ -131,11 +131,13 @@ RUNS: Mapping[str, WorkedRun[EmitterConfig]] = {
         "The chain dies: failed one cycle after the due time; tested again once enough patterns passed.", _missing
     ),
     "emitter-foreign-pattern": _worked(
-        "Another emitter is heard in place of the own one: told, renews nothing, failed one cycle after the due time.",
+        "Another emitter's pattern comes in place of the own one: reported, renews nothing, failed one cycle "
+        "after the due time.",
         _foreign,
     ),
     "emitter-not-due": _worked(
-        "The own pattern too early, and without its place: told each, renews nothing; tested throughout by regular ones.",
+        "The own pattern comes too early, and without its place: each is reported and renews nothing; tested "
+        "throughout by regular ones.",
         _early,
     ),
     "emitter-elsewhere": _worked("The own pattern from another place: failed in that cycle.", _elsewhere),

@@ -1,4 +1,4 @@
-"""Configuration and variables of the function check by a test emitter, with the ghosts of its world."""
+"""Inputs, state, ghosts and configuration of the function check by a test emitter."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ REQUIREMENTS = ("FVA-8", "FVA-17")
 
 
 class EmitterConfig(Config):
-    """One emitter: its pattern, its place, and when it is to be heard."""
+    """One emitter: its pattern, its place, and its times."""
 
     pattern: int = quantity(0b1011_0010_1110_0011, "bits", 1, 2**MOST_BITS - 1, "[M] its own among all of the line")
     place_mm: int = quantity(1_000_000, "mm", -1_000_000_000, 1_000_000_000, "[D] where it stands")
@@ -30,8 +30,8 @@ class EmitterConfig(Config):
     def _in_time(self) -> EmitterConfig:
         if self.window_cycles >= self.due_cycles or self.answer_cycles >= self.due_cycles:
             raise ValueError(
-                f"window_cycles ({self.window_cycles}) and answer_cycles ({self.answer_cycles}) lie below due_cycles "
-                f"({self.due_cycles}); a pattern that counts at any time tests nothing."
+                f"window_cycles ({self.window_cycles}) and answer_cycles ({self.answer_cycles}) have to lie below "
+                f"due_cycles ({self.due_cycles}); a pattern that counts at any time tests nothing."
             )
         return self
 
@@ -39,13 +39,13 @@ class EmitterConfig(Config):
 class Parts:
     """The variables of the machine.
 
-    pattern, place  what was recognised in this cycle, and where along the track
-    requested       the emitter was asked for its pattern in this cycle
+    pattern, place  recognised pattern of this cycle, and its place along the track
+    requested       the host requests the emitter's pattern in this cycle
     since           cycles since the last pattern that counted
     asked           cycles since an open request, 0: none is open
     passes          patterns that counted since the failure
     works           ghost: the whole chain works
-    silent          ghost: cycles for which the emitter still keeps silent unless it is asked
+    silent          ghost: remaining cycles in which the emitter is silent unless its pattern is requested
     may_answer      ghost: cycles in which the emitter may still answer a request, 0: none is open
     """
 
@@ -67,5 +67,5 @@ class Parts:
 
 
 def parts(config: EmitterConfig) -> Parts:
-    """Fresh variables for one emitter."""
+    """Return fresh variables for one emitter."""
     return Parts(config)

@@ -1,8 +1,8 @@
-"""The world of a test emitter: when it sends, and what else may sound like it.
+"""The world of a test emitter: the times at which it sends, and other sources of the same pattern.
 
-The emitter's own timer starts with the evaluation, and again with every pattern of its that comes through. It then keeps
-silent for a while, unless it is asked. While it keeps silent, its pattern may still be heard: repeated from a memory, by
-an echo, by somebody who recorded it. So a pattern heard then shows nothing, and nothing is assumed of it.
+The emitter's own timer starts with the evaluation, and again with every pattern of its own that comes through. It then stays
+silent for a while, unless its pattern is requested. In that time the detector may still receive the pattern: repeated from a
+memory, as an echo, or from somebody who recorded it. Such a pattern shows nothing, and no law speaks of it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from safeloc.models.emitter.variables import Parts
 
 
 def world(own: Parts) -> World:
-    """Whether the chain works, and the times at which the emitter sends."""
+    """Return the world: the chain's health, and the times at which the emitter sends."""
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
@@ -35,18 +35,19 @@ def _pattern_law(own: Parts) -> Law:
         ("pattern", "place_mm", "place_tolerance_mm", "due_cycles", "window_cycles", "answer_cycles"),
         "[S] the test signal is specific to its emitter, so that no other can be taken for it",
         "infrastructure",
-        "patterns are allotted once a line; a memory of the evaluation is shorter than due_cycles less window_cycles (type "
-        "test) and emptied by a request; own patterns that are not due are counted and looked into",
+        "patterns are allotted once per line; a memory of the evaluation is shorter than due_cycles less "
+        "window_cycles (type test) and emptied by a request; own patterns that are not due are counted and "
+        "investigated",
     )
 
 
 def may_send(own: Parts) -> Bool:
-    """The emitter sends in this cycle if at all: its silence is over, or it was asked before."""
+    """Return the condition that the emitter may send in this cycle: its silence is over, or a request is open."""
     return any_of([own.silent.eq(0), own.may_answer > 0])
 
 
 def told_from_its_place(own: Parts) -> Bool:
-    """The front end tells this emitter's pattern, from within its error around the place where the emitter stands."""
+    """Return the condition that the front end reports this emitter's pattern, from within its error around the emitter's place."""
     config = own.config
     there = between(
         config.place_mm - config.place_tolerance_mm, own.place.value, config.place_mm + config.place_tolerance_mm
@@ -59,13 +60,13 @@ def _comes_through(own: Parts) -> Bool:
 
 
 def _asked(own: Parts) -> Num:
-    """A request that comes while the emitter sends, or while another is open, asks for nothing more."""
+    """Return the cycles left for an answer. A request while the emitter sends, or while another one is open, adds nothing."""
     fresh = ite(own.requested, as_num(own.config.answer_cycles, COUNT), 0)
     return ite(own.may_answer <= 1, fresh, own.may_answer - 1)
 
 
 def lemmas(own: Parts) -> dict[str, Bool]:
-    """The machine's own clocks and those of the emitter run together."""
+    """Return the lemmas: the machine's clocks and those of the emitter run together."""
     since_heard = own.silent.high - own.since
     answers = own.config.answer_cycles + 1 - own.asked
     return {

@@ -1,19 +1,19 @@
-"""Where one end of a train is, from localization sections in a fibre beside the track (FWG-1 to FWG-15).
+"""Position of one end of a train from localization sections in a fibre beside the track (FWG-1 to FWG-15).
 
 In a localization section the backscatter's amplitude is higher or lower than beside it. When the amplitude leaves
-normal, a position signal So arises; when it is normal again, the section was passed, or left where it was entered. The
-place follows from which section it was, not from any time (l. 22-32 of the source).
+normal, a position signal So arises; when it returns to normal, the end has passed the section, or has left it where it
+entered. The place follows from the section's number, not from a time (l. 22-32 of the source).
 
     WAITING   no signal yet: the count is undefined
-    COUNTING  signals are counted from the first one on, down where the train runs back; which sections they are is not known
-    LOCATED   the count tells the section: from a reference, or from a word of the position code
-    FAULTED   error signal F: what was seen and what the map has do not agree; nothing is located until a reference
+    COUNTING  signals are counted from the first one on, down where the train runs back; the sections are not identified yet
+    LOCATED   the count identifies the section: from a reference, or from a word of the position code
+    FAULTED   error signal F: detector and map disagree; the end is not located until a reference is accepted
 
-While located, every section is expected where the map has it, of its kind (raised or lowered) and of its length (short
-or long). A section that does not come, one that should not be there, one of another kind or length, and an additional
-localization (time of flight, reflecting points) that tells another place all raise F in the same cycle.
+While the end is located, the machine expects each section where the map has it, of its kind (raised or lowered) and of its
+length (short or long). F is raised in the same cycle by a section that is missing, by one that the map does not have, by one
+of another kind or length, and by an additional localization (time of flight, reflecting points) that gives another place.
 
-The two ends of a train are two such machines; the sections between them are all active at once.
+The two ends of a train are two such machines; all sections between them are active at once.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ from safeloc.language.expr import (
     Lit,
     Num,
     NumVar,
-    Var,
     abs_,
     all_of,
     as_num,
@@ -39,6 +38,7 @@ from safeloc.language.expr import (
     ite,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.cycle import Cycle
@@ -55,7 +55,7 @@ CHECKED = ("FWG-4", "FWG-5", "FWG-6", "FWG-7")
 
 @dataclass(frozen=True, eq=False)
 class Fibre:
-    """The machine together with the terms it was built from, for properties to speak about."""
+    """The machine together with the terms from which it was built; properties refer to these terms."""
 
     machine: Machine
     own: Parts
@@ -63,12 +63,12 @@ class Fibre:
 
 
 def machine(config: FibreConfig | None = None) -> Machine:
-    """The machine of one end of a train (FWG-1)."""
+    """Return the machine of one end of a train (FWG-1)."""
     return build(parts(config or FibreConfig())).machine
 
 
 def build(own: Parts, name: str = "fibre") -> Fibre:
-    """The machine over the given variables, for one end of a train."""
+    """Return the machine over the given variables, for one end of a train."""
     table = modes("WAITING", "COUNTING", "LOCATED", "FAULTED")
     current = current_mode(table)
     cycle = Cycle(own)
@@ -80,18 +80,20 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, table)),
         world=world(own),
-        lemmas=_lemmas(own, current, table),
+        lemmas=_lemmas(own, cycle, current, table),
         definitions={
             "position signal So": cycle.enters, "normal again": cycle.leaves, "signal fits the map": cycle.fits,
             "error F": cycle.error, "section overdue": cycle.overdue, "run in the section": cycle.inside,
             "interval without an edge": cycle.place,
         },
         doc=(
-            "Place of one end of a train from localization sections in a fibre. Assumed of the detector: the run of a "
-            "cycle is true within rate and floor; where the amplitude changes an edge was passed, within the edge's "
-            "tolerance, since an amplitude was last told. Of the sections: those near each other in number differ, each is as "
-            "long as its kind says, and what looks like the one expected, and is not, lies farther away than a window "
-            "bridges. References and the map's answers are true. Any section may be missed, and false ones may come."
+            "Position of one end of a train from localization sections in a fibre. Assumed of the detector: the "
+            "measured run of a cycle is within rate and floor of the true run; when the amplitude changes, the "
+            "end has passed an edge since the last amplitude, within the edge's tolerance. Assumed of the "
+            "sections: sections near each other in number differ; each is as long as its kind says; any other "
+            "change that looks like the expected section lies farther away than the expectation window can "
+            "bridge. References and the map's answers are true. Any section may be missed, and false ones may "
+            "come."
         ),
     )  # fmt: skip
     return Fibre(made, own, cycle)
@@ -102,69 +104,125 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     waiting, counting, located, faulted = table
+    heard, no_signal = _heard(own, cycle), _signal(own, v.NO_SIGNAL)
+    referred: Updates = {own.base: own.reference_place, own.count: own.reference_count, own.counted: FALSE}
+    lost: Updates = {own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
     normal = cycle.band.eq(v.NORMAL)
-    lost = {**cycle.nowhere(), own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
-    at: dict[Var, Expr] = {own.base: own.reference_place, own.since: as_num(0, MM), own.drift: as_num(0, NM)}
-    known: dict[Var, Expr] = {own.count: own.reference_count, own.counted: FALSE, own.why: v.LOCATED}
-    referred = {**cycle.heard(), **cycle.no_word(), **at, **known}
-    yield Transition("reference accepted", table, located, own.reference & normal, referred, COUNTS, 0)
-    yield Transition("pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide, lost, SEEN, 1)
+    yield Transition(
+        "reference accepted", table, located, own.reference & normal,
+        together(heard, no_signal, _no_run(own), _no_word(own), referred, {own.why: v.LOCATED}), COUNTS, 0)  # fmt: skip
+    yield Transition(
+        "pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide,
+        together(heard, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own), lost), SEEN, 1)  # fmt: skip
     yield from _located(own, cycle, located, faulted)
     yield from _counting(own, cycle, waiting, counting, located)
-    started = {**cycle.nowhere(), **cycle.enter(cycle.one), own.why: v.ONLY_COUNTING}
-    yield Transition("first signal", waiting, counting, cycle.enters & ~cycle.late, started, (*SEEN, *COUNTS), 3)
-    yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), requirements=SEEN, rank=6)
-    yield Transition("error stays", faulted, faulted, set=cycle.heard(), requirements=CHECKED, rank=6)
+    yield Transition(
+        "first signal", waiting, counting, cycle.enters & ~cycle.late,
+        together(heard, _entered(own, cycle, cycle.one), _no_word(own), _no_place(own), {own.why: v.ONLY_COUNTING}),
+        (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition("no signal yet", waiting, waiting, TRUE, together(heard, no_signal), SEEN, 6)
+    yield Transition("error stays", faulted, faulted, TRUE, together(heard, no_signal), CHECKED, 6)
 
 
 def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[Transition]:
-    """The count tells the section."""
+    """Yield the rows of LOCATED: the count identifies the section."""
+    heard, edge = _heard(own, cycle), _from_edge(own, cycle)
     _, near, far, _, long = own.next_to(cycle.forwards)
-    error = {**cycle.nowhere(), own.why: cycle.flaw, own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL)}
-    entered = {**cycle.enter(own.count + cycle.one), own.base: near, own.far: far, own.long: long}
-    passed = {**cycle.edge(v.PASSED), own.base: own.far}
-    turned = {**cycle.edge(v.TURNED_BACK), own.count: _uncounted(own)}
-
-    def row(
-        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
-    ) -> Transition:
-        return Transition(name, located, target, when, updates, trace, rank)
-
-    yield row("error", faulted, cycle.error, error, (*CHECKED, *CODE, *COUNTS), 2)
-    yield row("section counted", located, cycle.enters, entered, (*SEEN, *COUNTS), 3)
-    yield row("section passed", located, cycle.leaves & ~cycle.turned_back, passed, (*SEEN, *CODE), 3)
-    yield row("section left again", located, cycle.leaves & cycle.turned_back, turned, (*SEEN, *COUNTS), 3)
-    yield row("run on", located, TRUE, cycle.run_on(), CHECKED, 6)
+    error: Updates = {own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL), own.why: cycle.flaw}
+    entered: Updates = {own.base: near, own.far: far, own.long: long}
+    yield Transition(
+        "error", located, faulted, cycle.error,
+        together(heard, _no_run(own), _no_word(own), _no_place(own), _no_count(own), error),
+        (*CHECKED, *CODE, *COUNTS), 2)  # fmt: skip
+    yield Transition(
+        "section counted", located, located, cycle.enters,
+        together(heard, _entered(own, cycle, own.count + cycle.one), entered), (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition(
+        "section passed", located, located, cycle.leaves & ~cycle.turned_back,
+        together(heard, edge, {own.signal: v.PASSED, own.base: own.far}), (*SEEN, *CODE), 3)  # fmt: skip
+    yield Transition(
+        "section left again", located, located, cycle.leaves & cycle.turned_back,
+        together(heard, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}), (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition(
+        "run on", located, located, TRUE,
+        together(heard, _run_on(own, cycle), {own.signal: v.NO_SIGNAL}), CHECKED, 6)  # fmt: skip
 
 
 def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Lit) -> Iterator[Transition]:
-    """Which section it is, is not known yet."""
+    """Yield the rows of COUNTING: the section is not identified yet."""
+    heard, edge, on = _heard(own, cycle), _from_edge(own, cycle), _run_on(own, cycle)
+    no_signal, passed = _signal(own, v.NO_SIGNAL), _signal(own, v.PASSED)
     turns = own.counted & cycle.forwards.iff(~own.upwards)
-    edge = cycle.edge(v.PASSED)
-    anew = {**cycle.nowhere(), own.why: v.NO_END_OF_SECTION}
-    spelt: dict[Var, Expr] = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
-    entered = {**cycle.enter(own.count + cycle.one), **spelt}
-    back = {**cycle.edge(v.TURNED_BACK), **cycle.no_word(), own.count: _uncounted(own)}
-    found: dict[Var, Expr] = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
+    turned: Updates = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
+    found: Updates = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
     whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
+    yield Transition(
+        "no end of the section", counting, waiting, cycle.endless | (cycle.enters & cycle.full),
+        together(heard, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own),
+                 {own.why: v.NO_END_OF_SECTION}), SEEN, 2)  # fmt: skip
+    yield Transition(
+        "signal counted", counting, counting, cycle.enters,
+        together(heard, _entered(own, cycle, own.count + cycle.one), turned), (*SEEN, *COUNTS), 3)  # fmt: skip
+    yield Transition(
+        "symbol read", counting, counting, cycle.read,
+        together(heard, edge, passed, {own.word: cycle.word, own.read: cycle.word_length}), CODE, 3)  # fmt: skip
+    yield Transition(
+        "section left again, uncounted", counting, counting, cycle.leaves & cycle.turned_back,
+        together(heard, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}, _no_word(own)),
+        COUNTS, 3)  # fmt: skip
+    yield Transition(
+        "symbol not read", counting, counting, cycle.leaves & ~cycle.turned_back,
+        together(heard, edge, passed, _no_word(own)), CODE, 4)  # fmt: skip
+    yield Transition(
+        "word found", counting, located, whole, together(heard, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
+    yield Transition("count on", counting, counting, TRUE, together(heard, on, no_signal), COUNTS, 6)
 
-    def row(
-        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
-    ) -> Transition:
-        return Transition(name, counting, target, when, updates, trace, rank)
 
-    yield row("no end of the section", waiting, cycle.endless | (cycle.enters & cycle.full), anew, SEEN, 2)
-    yield row("signal counted", counting, cycle.enters, entered, (*SEEN, *COUNTS), 3)
-    yield row("symbol read", counting, cycle.read, {**edge, **cycle.spell()}, CODE, 3)
-    yield row("section left again, uncounted", counting, cycle.leaves & cycle.turned_back, back, COUNTS, 3)
-    yield row("symbol not read", counting, cycle.leaves & ~cycle.turned_back, {**edge, **cycle.no_word()}, CODE, 4)
-    yield row("word found", located, whole, {**cycle.run_on(), **cycle.no_word(), **found}, CODE, 5)
-    yield row("count on", counting, TRUE, cycle.run_on(), COUNTS, 6)
+# ------------------------------------------------------------------ groups of updates
 
 
-def _uncounted(own: Parts) -> Num:
-    """The count without the section that was left where it was entered."""
-    return own.count + ite(own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
+def _heard(own: Parts, cycle: Cycle) -> Updates:
+    """Set amplitude band, direction, and how long run and amplitude have been absent: in every row."""
+    return {own.band: cycle.band, own.forwards: cycle.forwards, own.gap: cycle.gap, own.unheard: cycle.unheard}
+
+
+def _signal(own: Parts, signal: Lit) -> Updates:
+    return {own.signal: signal}
+
+
+def _run_on(own: Parts, cycle: Cycle) -> Updates:
+    """Continue the run and its error bound: no edge in this cycle."""
+    return {own.since: cycle.since, own.drift: cycle.drift}
+
+
+def _from_edge(own: Parts, cycle: Cycle) -> Updates:
+    """Begin the run anew: the end passed an edge."""
+    return {own.since: 0, own.drift: cycle.fresh}
+
+
+def _entered(own: Parts, cycle: Cycle, count: Num) -> Updates:
+    """Count a position signal, and begin the run anew at the edge of the section entered."""
+    counted: Updates = {own.count: count, own.counted: TRUE, own.upwards: cycle.forwards}
+    return together(_from_edge(own, cycle), _signal(own, v.POSITION_SIGNAL), counted)
+
+
+def _no_run(own: Parts) -> Updates:
+    return {own.since: 0, own.drift: 0}
+
+
+def _no_place(own: Parts) -> Updates:
+    return {own.base: 0, own.far: 0}
+
+
+def _no_word(own: Parts) -> Updates:
+    return {own.word: 0, own.read: 0}
+
+
+def _no_count(own: Parts) -> Updates:
+    return {own.count: 0, own.counted: FALSE}
+
+
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:
@@ -189,10 +247,10 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     }
 
 
-# ------------------------------------------------------------------ what helps to prove
+# ------------------------------------------------------------------ lemmas
 
 
-def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
+def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     counting, located = current.eq(table[1]), current.eq(table[2])
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
     of_map = [seen.of_map, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
@@ -200,7 +258,7 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
     told = [own.long.iff(seen.long), onwards]
     return {
         "a section can be uncounted": (inside & (counting | located)).implies(
-            abs_(_uncounted(own)) <= own.config.section_limit
+            abs_(cycle.uncounted) <= own.config.section_limit
         ),
         "the world hears what the machine hears": all_of(
             [own.band.eq(seen.band), own.forwards.iff(seen.upwards), own.unheard.eq(seen.unheard)]
@@ -214,6 +272,6 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
 
 
 def _within(own: Parts, ran: Num) -> Bool:
-    """The run since the last edge is that, within the edge's tolerance and what the run may be wrong by."""
+    """Return the condition that `ran` is the run since the last edge, within the edge's tolerance and the error bound of the run."""
     most = own.drift + own.config.edge_tolerance_mm * NM_PER_MM
     return between(-most, ran - exact_to(own.since, NM), most)

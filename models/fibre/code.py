@@ -1,23 +1,23 @@
 """A position code made of localization sections: raised or lowered, short or long (FWG-10, FWG-15).
 
-The symbol of a section is what the guide does in it (the amplitude rises or falls) and its length (short or long). Two
-laws make a code of a row of symbols:
+The symbol of a section is its effect on the amplitude (rise or fall) and its length (short or long). Two laws make a row of
+symbols a code:
 
 reach    any two sections at most `reach` apart differ in their symbol
 window   any `window` sections in a row occur once on the line, read in either direction
 
-What they guarantee, with no counting and no measured distance (each is a function here, tested over whole lines):
+They guarantee, without counting and without measured distances (each is a function here, tested over whole lines):
 
 1. While the count is known, the next section read after up to `reach - 1` missed ones has another symbol than the one
-   expected: a missed section is noticed with the next one that is read. So is a false section, at once if its symbol
-   differs, or else with the next true one.
-2. `window` symbols that were read truly tell place and direction without counting.
+   expected: a missed section is noticed at the next section that is read. A false section is noticed at once if its symbol
+   differs, otherwise at the next true one.
+2. `window` symbols that were read correctly give place and direction without counting.
 3. `window` symbols with one section missed among them, or one false one before or between the others, or one misread, are
-   no window of the line at any other place (`strict` codes): such a reading tells nothing rather than a wrong place.
+   no window of the line at any other place (`strict` codes): such a reading gives no place rather than a wrong one.
 
-What no code of symbols can notice: a false section after the last true one whose symbol is just that of the next. The
-count is then one ahead until the next true section; the window of expected places in the fibre machine, or an additional
-localization, tells it at once.
+No code of symbols can notice a false section after the last true one whose symbol is just that of the next section. The
+count is then one ahead until the next true section; the expectation window of the fibre machine, or an additional
+localization, notices it at once.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from safeloc.errors import InputError
 
 @dataclass(frozen=True)
 class Symbol:
-    """What one section looks like."""
+    """The appearance of one section."""
 
     rises: bool
     long: bool
 
     @property
     def number(self) -> int:
-        """0 to 3, as the fibre machine's words hold it."""
+        """The symbol as a number from 0 to 3, as in the words of the fibre machine."""
         return 2 * self.rises + self.long
 
 
@@ -48,14 +48,14 @@ Word = tuple[Symbol, ...]
 
 @dataclass(frozen=True)
 class PositionCode:
-    """The symbols of a line's sections, in order of growing position, and the laws they keep."""
+    """The symbols of a line's sections, in order of growing position, and the laws that they obey."""
 
     symbols: Word
     window: int
     reach: int
 
     def __post_init__(self) -> None:
-        """InputError for a row of symbols that breaks one of its laws."""
+        """Refuse a row of symbols that breaks one of its laws (InputError)."""
         if self.window < 2 or not 1 <= self.reach < self.window:
             raise InputError(f"window {self.window}, reach {self.reach}: 1 <= reach < window is needed.")
         broken = _too_near(self.symbols, self.reach) or _ambiguous(self.symbols, self.window)
@@ -63,9 +63,9 @@ class PositionCode:
             raise InputError(f"no position code: {broken}.")
 
     def decode(self, read: Sequence[Symbol]) -> tuple[int, int] | None:
-        """Where the last of the symbols read is (section number, from 1), and the direction (1 or -1).
+        """Return the number of the section that was read last (from 1), and the direction (1 or -1).
 
-        None where they are no window of this line: fewer symbols than a window, or an error among them.
+        None if the symbols are no window of this line: fewer symbols than a window, or an error among them.
         """
         return self.places.get(tuple(read[-self.window :])) if len(read) >= self.window else None
 
@@ -75,7 +75,7 @@ class PositionCode:
         return dict(_windows(self.symbols, self.window))
 
     def faulty(self) -> Iterator[tuple[Word, int, int]]:
-        """Every window with one inner error, with the section truly read last and the direction of reading."""
+        """Yield every window with one inner error, with the section really read last and the direction of reading."""
         for line, step in ((self.symbols, 1), (self.symbols[::-1], -1)):
             for last in range(1, len(line) + 1):
                 number = last if step == 1 else len(line) - last + 1
@@ -83,7 +83,7 @@ class PositionCode:
                     yield read, number, step
 
     def undetected(self) -> list[tuple[Word, int]]:
-        """Readings with one inner error that tell another place than the section truly read last."""
+        """Return the readings with one inner error that give another place than the section really read last."""
         return [(read, number) for read, number, step in self.faulty() if self._misleads(read, (number, step))]
 
     def _misleads(self, read: Word, truth: tuple[int, int]) -> bool:
@@ -92,7 +92,7 @@ class PositionCode:
 
 
 def make_code(sections: int, window: int = 6, reach: int = 2, *, strict: bool = True) -> PositionCode:
-    """A code for so many sections: the first in order of search that keeps its laws; InputError if there is none.
+    """Return a code for a number of sections: the first in order of search that obeys its laws; InputError if there is none.
 
     strict  no reading with one inner error is a window elsewhere (guarantee 3)
     """
@@ -112,7 +112,7 @@ def make_code(sections: int, window: int = 6, reach: int = 2, *, strict: bool = 
 
 
 class _Search:
-    """A row of symbols that keeps its laws, and what its last windows must not be mistaken for."""
+    """A row of symbols that obeys its laws, with its last windows and the readings that they must not be confused with."""
 
     def __init__(self, window: int, reach: int, strict: bool) -> None:
         self.row: list[Symbol] = []
@@ -121,7 +121,7 @@ class _Search:
         self._wrong: list[list[tuple[Word, tuple[int, int]]]] = []
 
     def push(self, symbol: Symbol) -> bool:
-        """Whether the row may be longer by this symbol; it is, if so."""
+        """Append a symbol if the laws allow it; return whether they do."""
         if symbol in self.row[max(0, len(self.row) - self._reach) :]:
             return False
         self.row.append(symbol)
@@ -131,13 +131,13 @@ class _Search:
         return True
 
     def pop(self) -> None:
-        """Take the last symbol back."""
+        """Remove the last symbol."""
         self.row.pop()
         self._told.pop()
         self._wrong.pop()
 
     def _told_apart(self) -> bool:
-        """The new windows, and the new readings with an error, are told from all others."""
+        """Add the windows and readings of the new symbol if no two are confused; return whether they were added."""
         told, wrong = self._new_windows(), self._new_readings() if self._strict else []
         if told is None or any(word in known for known in self._told for word in told):
             return False
@@ -155,14 +155,14 @@ class _Search:
         return any(word in places and places[word] != truth for places in known)
 
     def _new_windows(self) -> dict[Word, tuple[int, int]] | None:
-        """The windows that end with the new symbol, read either way; None if they are one and the same word."""
+        """Return the windows that end with the new symbol, read either way; None if both are the same word."""
         first = len(self.row) - self._window
         windows = list(_windows(tuple(self.row[max(first, 0) :]), self._window))
         told = {word: (last + max(first, 0), step) for word, (last, step) in windows}
         return told if len(told) == len(windows) else None
 
     def _new_readings(self) -> list[tuple[Word, tuple[int, int]]]:
-        """Readings with an error that hold the new symbol, read either way."""
+        """Return the readings with an error that contain the new symbol, read either way."""
         number, window, row = len(self.row), self._window, tuple(self.row)
         upwards = [(word, (number, 1)) for word in _one_error(row, window)]
         downwards = [
@@ -199,7 +199,7 @@ def _windows(symbols: Word, window: int) -> Iterator[tuple[Word, tuple[int, int]
 
 
 def _one_error(passed: Word, window: int) -> Iterator[Word]:
-    """The last `window` symbols read, where one section was missed, misread, or false, but not the last one."""
+    """Yield the last `window` symbols read, with one section missed, misread or false, but not the last one."""
     whole = passed[-window - 1 :]
     if len(whole) == window + 1:
         for missed in range(1, window):

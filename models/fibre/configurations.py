@@ -1,4 +1,4 @@
-"""Case splits of fibre that the defaults fold away, and why each is folded in every configuration."""
+"""Case splits of the fibre machine that no configuration makes live."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ NEVER = {
     "properties/fibre/code.py: own.word * 0 from _symbol(model)": "a zero with the unit of a word",
     "properties/fibre/seen.py: self._inside - length_mm from self._like(0)": "turned back: a section of no length",
 }
-"""Case splits that no configuration makes live, and why."""
+"Case splits that no configuration makes live, with the reason."
 CONFIGURATIONS = Configurations({}, NEVER)

@@ -1,4 +1,4 @@
-"""What one cycle means to the fibre machine: section edges, the run, and everything that does not agree."""
+"""Terms of one cycle of the fibre machine: section edges, the run, and every disagreement."""
 
 from __future__ import annotations
 
@@ -6,13 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import (
-    FALSE,
-    TRUE,
     Bool,
-    Expr,
     Lit,
     Num,
-    Var,
     abs_,
     any_of,
     as_num,
@@ -25,6 +21,7 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
+from safeloc.models.vocabulary.first_of import first_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +34,7 @@ class Cycle:
 
     @cached_property
     def band(self) -> Num:
-        """The amplitude's band after the cycle: with hysteresis, and back to normal before the other band."""
+        """Amplitude band after the cycle: with hysteresis, and through normal from one changed band to the other."""
         own, config, value = self.own, self.own.config, self.own.amplitude.value
         from_normal = ite(value >= config.change_cdb, v.RAISED, ite(value <= -config.change_cdb, v.LOWERED, v.NORMAL))
         still = own.band.eq(v.RAISED) & (value > config.return_cdb) | own.band.eq(v.LOWERED) & (
@@ -58,7 +55,7 @@ class Cycle:
 
     @cached_property
     def forwards(self) -> Bool:
-        """Direction of running; the last one where the run tells none."""
+        """Direction of running; the last known one if the end stands or no run is measured."""
         run = self.own.run
         return ite(run.present & run.value.ne(0), run.value > 0, self.own.forwards)
 
@@ -66,7 +63,7 @@ class Cycle:
 
     @cached_property
     def charge(self) -> Num:
-        """What the run of this cycle may be wrong by, nm; all of the highest speed where it did not come."""
+        """Greatest error of this cycle's run, nm; without a measured run, the run at the highest speed."""
         own, config = self.own, self.own.config
         rate = abs_(own.run.value) * Lit(config.rate_ppm, PPM)
         moved = ite(own.run.value.eq(0), as_num(0, NM), rate + config.floor_mm * NM_PER_MM)
@@ -79,28 +76,28 @@ class Cycle:
 
     @cached_property
     def drift(self) -> Num:
-        """What that run may be wrong by."""
+        """Greatest error of that run, nm."""
         return self.own.drift + self.charge
 
     @cached_property
     def slack(self) -> Num:
-        """The same in mm, rounded up."""
+        """Greatest error of that run, mm rounded up."""
         return ceil_to(self.drift, MM)
 
     @cached_property
     def fresh(self) -> Num:
-        """An edge was passed anywhere since the amplitude was last told: all of the run since then is charged."""
+        """Greatest run since the last amplitude, nm: the end may have passed an edge anywhere in it."""
         own = self.own
         return own.unheard + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
 
     @cached_property
     def edge_slack(self) -> Num:
-        """What the run between the last edge and one that is seen in this cycle may be wrong by, mm rounded up."""
+        """Greatest error of the run between the last edge and an edge seen in this cycle, mm rounded up."""
         return ceil_to(self.drift + self.fresh, MM)
 
     @cached_property
     def late(self) -> Bool:
-        """The amplitude was not told for so long that an edge seen in this cycle has no place within the tolerance."""
+        """The amplitude was absent for so much run that an edge seen in this cycle cannot be placed within the tolerance."""
         return self.own.unheard > self._room
 
     @cached_property
@@ -110,18 +107,18 @@ class Cycle:
 
     @cached_property
     def silent(self) -> Bool:
-        """The pattern was not followed for too long."""
+        """The detector has not followed the pattern for too long."""
         return ~self.own.run.present & (self.own.gap >= self.own.config.gap_limit_cycles)
 
     @cached_property
     def too_wide(self) -> Bool:
-        """The interval would pass the tolerance, or leave the world."""
+        """The interval would exceed the tolerance, or leave the range of positions."""
         edge = (self.enters | self.leaves) & self.late
         return (self.drift > self._room) | edge | (abs_(self.since) > self.own.config.position_limit_mm)
 
     @property
     def _room(self) -> int:
-        """What a run may be wrong by."""
+        """Greatest permitted error of a run, nm."""
         return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * NM_PER_MM
 
     # -------------------------------------------------------------- the section being passed
@@ -137,44 +134,44 @@ class Cycle:
 
     @cached_property
     def reads_long(self) -> Bool:
-        """The section left in this cycle was a long one, and can have been nothing else."""
+        """The section left in this cycle can only be a long one."""
         return self._reads(self.own.config.long_mm) & ~self._reads(self.own.config.short_mm)
 
     @cached_property
     def reads_short(self) -> Bool:
-        """The section left in this cycle was a short one, and can have been nothing else."""
+        """The section left in this cycle can only be a short one."""
         others = self._reads(self.own.config.long_mm) | self._reads(0)
         return self._reads(self.own.config.short_mm) & ~others
 
     @cached_property
     def turned_back(self) -> Bool:
-        """The section was left on the side it was entered, and in no other way."""
+        """The end left the section on the side where it had entered; nothing else fits the run."""
         return self._reads(0) & ~self._reads(self.own.config.short_mm)
 
     @cached_property
     def read(self) -> Bool:
-        """The section was passed, and its length read."""
+        """The end passed a section whose length was read."""
         return self.leaves & (self.reads_long | self.reads_short)
 
     @cached_property
     def endless(self) -> Bool:
-        """Changed for longer than any section."""
+        """The amplitude has been changed for longer than any section."""
         longest = self.own.config.long_mm + self.own.config.read_tolerance_mm
         slack = ite(self.leaves, self.edge_slack, self.slack)
         return self.own.band.ne(v.NORMAL) & (abs_(self.since) - slack > longest)
 
-    # -------------------------------------------------------------- what does not agree
+    # -------------------------------------------------------------- disagreements
 
     @cached_property
     def fits(self) -> Bool:
-        """The signal is that of the section that the map has next, of its kind and where it can be."""
+        """The signal is that of the map's next section: of its kind, and where that can be."""
         known, near, _, rises, _ = self.own.next_to(self.forwards)
         window = self.own.config.read_tolerance_mm + self.edge_slack
         return known & rises.iff(self.band.eq(v.RAISED)) & (abs_(self.place - near) <= window) & ~self.full
 
     @cached_property
     def full(self) -> Bool:
-        """There are no more numbers."""
+        """The range of section numbers is exhausted."""
         return abs_(self.own.count + self.one) > self.own.config.section_limit
 
     @cached_property
@@ -187,33 +184,33 @@ class Cycle:
 
     @cached_property
     def wrong_length(self) -> Bool:
-        """The section left is not the one that the map has there, or cannot be read."""
+        """The section left is not the one that the map has there, or its length cannot be read."""
         passed = self.read & self.reads_long.iff(self.own.long)
         return self.leaves & ~self.turned_back & ~passed
 
     @cached_property
     def compared(self) -> tuple[Num, Num]:
-        """The place that an additional localization is compared with, and what it may be off by besides."""
+        """The place with which an additional localization is compared, and its error besides the threshold, mm."""
         _, near, _, _, _ = self.own.next_to(self.forwards)
         return ite(self.enters, near, self.place), ite(self.enters, 0, self.slack)
 
     @cached_property
     def flight_differs(self) -> Bool:
-        """The time of flight tells another place."""
+        """The time of flight gives another place."""
         place, slack = self.compared
         seen = self.own.flight
         return seen.present & (abs_(seen.value - place) > self.own.config.flight_threshold_mm + slack)
 
     @cached_property
     def reflection_differs(self) -> Bool:
-        """The pattern coincides with a reflecting point of another place."""
+        """The pattern coincides with a reflecting point at another place."""
         place, slack = self.compared
         seen = self.own.reflection
         return seen.present & (abs_(seen.value - place) > self.own.config.reflection_threshold_mm + slack)
 
     @cached_property
     def flaws(self) -> list[tuple[Bool, Lit]]:
-        """Every disagreement with its reason; the first one counts."""
+        """Every disagreement with its reason; the first that holds is reported."""
         return [
             (self.enters & ~self.fits, v.FALSE_SECTION),
             (self.overdue, v.MISSED_SECTION),
@@ -230,58 +227,44 @@ class Cycle:
 
     @cached_property
     def flaw(self) -> Num:
-        """Its reason."""
-        reason: Num = v.LOCATED
-        for flaw, why in reversed(self.flaws):
-            reason = ite(flaw, why, reason)
-        return reason
+        """The reason for F."""
+        return first_of(*self.flaws, default=v.LOCATED)
 
-    # -------------------------------------------------------------- updates
+    # -------------------------------------------------------------- next values of counters and word
 
     @cached_property
     def one(self) -> Num:
         """One section, with the sign of the direction."""
         return ite(self.forwards, as_num(1, COUNT), as_num(-1, COUNT))
 
-    def heard(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
+    @cached_property
+    def uncounted(self) -> Num:
+        """The count without the section that the end left where it had entered."""
+        return self.own.count + ite(self.own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
+
+    @cached_property
+    def gap(self) -> Num:
+        """Cycles since the detector last followed the pattern."""
         own = self.own
-        gap = ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
-        unheard = ite(own.amplitude.present, as_num(0, NM), minimum(self.fresh, own.unheard.high))
-        told: dict[Var, Expr] = {own.band: self.band, own.forwards: self.forwards, own.gap: gap}
-        return {**told, own.unheard: unheard, own.signal: v.NO_SIGNAL}
+        return ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
 
-    def run_on(self) -> dict[Var, Expr]:
-        """Updates of a cycle without an edge."""
-        return {**self.heard(), self.own.since: self.since, self.own.drift: self.drift}
+    @cached_property
+    def unheard(self) -> Num:
+        """Greatest run since the last amplitude, nm, up to the limit that is still told apart."""
+        return ite(self.own.amplitude.present, as_num(0, NM), minimum(self.fresh, self.own.unheard.high))
 
-    def edge(self, signal: Lit) -> dict[Var, Expr]:
-        """Updates of a cycle with an edge: the run begins anew."""
-        own = self.own
-        return {**self.heard(), own.since: as_num(0, MM), own.drift: self.fresh, own.signal: signal}
-
-    def enter(self, count: Num) -> dict[Var, Expr]:
-        """A position signal is counted."""
-        own = self.own
-        return {**self.edge(v.POSITION_SIGNAL), own.count: count, own.counted: TRUE, own.upwards: self.forwards}
-
-    def spell(self) -> dict[Var, Expr]:
-        """The symbol of the section just passed joins the word."""
+    @cached_property
+    def word(self) -> Num:
+        """The word with the symbol of the section just passed; the oldest symbol is dropped."""
         own = self.own
         symbol = ite(own.band.eq(v.RAISED), as_num(2, COUNT), as_num(0, COUNT)) + ite(
             self.reads_long, as_num(1, COUNT), 0
         )
-        oldest = v.SYMBOLS ** (own.config.window - 1)
+        oldest: int = v.SYMBOLS ** (own.config.window - 1)
         kept = own.word - floor_div(own.word, oldest) * oldest
-        read = ite(own.read >= own.config.window, own.read, own.read + 1)
-        return {own.word: kept * v.SYMBOLS + symbol, own.read: read}
+        return kept * v.SYMBOLS + symbol
 
-    def no_word(self) -> dict[Var, Expr]:
-        """No symbols are read."""
-        return {self.own.word: as_num(0, COUNT), self.own.read: as_num(0, COUNT)}
-
-    def nowhere(self) -> dict[Var, Expr]:
-        """Nothing is known of place and count."""
-        own, zero = self.own, as_num(0, MM)
-        cleared: dict[Var, Expr] = {own.base: zero, own.since: zero, own.far: zero, own.drift: as_num(0, NM)}
-        return {**self.heard(), **cleared, **self.no_word(), own.count: as_num(0, COUNT), own.counted: FALSE}
+    @cached_property
+    def word_length(self) -> Num:
+        """Number of symbols in that word."""
+        return ite(self.own.read >= self.own.config.window, self.own.read, self.own.read + 1)

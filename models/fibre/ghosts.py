@@ -1,4 +1,4 @@
-"""What no detector reads: where the end of the train really is, which section it really passes, and what was really told."""
+"""Ghosts of the fibre machine's world: the true position of the end, the section really passed, and the detector's last messages."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 class Ghosts:
     """The world's variables.
 
-    truth, step    where the end is, and what it really runs in the cycle, nm
-    edge, spot     the section's edge that was passed last, and, freely chosen, the one that is seen in this cycle, nm
-    count          sections really below the end; next_count: freely chosen, after the cycle
+    truth, step    true position of the end, and its true run in the cycle, nm
+    edge, spot     edge of the section that the end passed last; freely chosen: the edge that it sees in this cycle, nm
+    count          true number of sections below the end; next_count: freely chosen, after the cycle
     real           the section being passed is one of the line, not a false change; next_real: freely chosen
-    band           the amplitude as it was told last: normal, or changed by a section
-    upwards        the last run that was told and was not zero was upwards
-    unheard        what the end was told to have run since the amplitude was last told, and what that may be wrong by, nm
-    wrong          what the run told since the last edge, or a reference, may be wrong by, nm
-    of_map         the section being passed is of the kind that the map told, and was entered where the map has its edge
-    far, long      where the map has its other edge, and whether it is a long one by the map
-    ahead_by       by how many the sections really below were more than those that the map was asked with, at its entry
+    band           last amplitude: normal, or changed by a section
+    upwards        the last measured run other than zero was upwards
+    unheard        measured run since the last amplitude, plus its greatest error, nm
+    wrong          greatest error of the measured run since the last edge or reference, nm
+    of_map         the section being passed is of the kind that the map gave, and was entered where the map has its edge
+    far, long      other edge of that section on the map, mm; the map has it as a long one
+    ahead_by       true number of sections below, less the number with which the map was asked, when the section was entered
     """
 
     truth: NumVar
@@ -48,9 +48,9 @@ class Ghosts:
 def ghosts(
     declared: Declared, bands: tuple[Lit, ...], places_mm: int, farthest_mm: int, sections: int, tolerance_mm: int
 ) -> Ghosts:
-    """Fresh variables: of a line with places up to `places_mm` and so many sections, and runs of a cycle up to `farthest_mm`.
+    """Return fresh variables for places up to `places_mm`, `sections` sections, and runs of a cycle up to `farthest_mm`.
 
-    Of `bands` the first one is told first: the normal amplitude.
+    The first one of `bands` is the band at the start: the normal amplitude.
     """
     line, step = 8 * places_mm * NM_PER_MM, 2 * farthest_mm * NM_PER_MM
     unheard, wrong = tolerance_mm * NM_PER_MM, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM

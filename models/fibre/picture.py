@@ -1,4 +1,4 @@
-"""How a run of one end of a train is drawn: over the loudness of its fibre, where that was kept."""
+"""Pictures of a run of one end of a train, drawn over the loudness of its fibre where a recording has it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ STREAMS = Path(__file__).parents[1] / "streams"
 
 
 def picture() -> Waterfall:
-    """Position signals, the reported interval and the mode."""
+    """Return the picture of position signals, the reported interval and the mode."""
     return Waterfall("Fibre", loud, (Interval("interval", Reported()),), signals=("position_signal",))
 
 
 def area_picture(sections: int) -> Waterfall:
-    """What is given out of a train in a line area, both ends, the modes of what verifies it, and the virtual sections."""
+    """Return the picture of a train in a line area: reported front, both ends, modes, and virtual sections."""
     ends = [Interval(f"{end} located", _reported(end, "valid")) for end in ("front", "rear")]
     numbers = range(1, sections + 1)
     names = ("front", "rear", "emitter", "verification")
@@ -37,7 +37,7 @@ def area_picture(sections: int) -> Waterfall:
 
 
 def order_picture() -> Waterfall:
-    """Whether the order is known, and whether patterns belong to trains."""
+    """Return the picture of the known order and of the association of patterns with trains."""
     return Waterfall("Order of trains", loud, (), modes={"order": "mode", "told apart": "associated"})
 
 
@@ -48,7 +48,7 @@ def _reported(machine: str, valid: str) -> Reported:
 
 
 def loud(recording: str) -> LoudFibre | None:
-    """What was heard in a shipped recording; None for any other."""
+    """Return the loudness of the fibre in a shipped recording; None for any other."""
     path = STREAMS / f"{recording}.waterfall.json"
     if not path.is_file():
         return None

@@ -1,7 +1,7 @@
 """Simulated fibre features as step streams of the fibre and the verification machine, their ghosts included.
 
-Features, not backscatter: what a detector within its stated bounds tells. The map is answered as a host would, from the
-count that the machine itself tells, so a stream is made against the machine as it runs on board.
+The streams hold features, not backscatter: the messages of a detector within its stated bounds. The map's answers depend on
+the count that the machine reports, so a stream is made against the machine as it runs on board.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SPACING_MM = 1_000_000
 
 @dataclass(frozen=True)
 class Section:
-    """A localization section of the line, mm, and what it looks like."""
+    """A localization section of the line, mm, and its symbol."""
 
     low_mm: int
     high_mm: int
@@ -40,11 +40,11 @@ class Drive:
     """One run past the sections.
 
     speeds_mm_s  speed of every cycle, negative: backwards
-    missed       numbers of sections whose amplitude does not change; false_mm: where it changes without a section
-    referred     a reference is accepted in the first cycle; otherwise the code has to tell the place
-    flight_off_mm  what the time of flight is wrong by; None: it is not measured
+    missed       numbers of sections whose amplitude does not change; false_mm: places where it changes without a section
+    referred     a reference is accepted in the first cycle; otherwise the code has to give the place
+    flight_off_mm  error of the time of flight; None: it is not measured
     points_mm    reflecting points that coincide when the front is near them
-    start_mm     where the end is before the first cycle; stuck_mm: from where to where the amplitude stays raised
+    start_mm     position of the end before the first cycle; stuck_mm: stretch in which the amplitude stays raised
     """
 
     speeds_mm_s: tuple[int, ...]
@@ -58,7 +58,7 @@ class Drive:
 
 
 def line(config: FibreConfig, count: int = 12, spacing_mm: int = SPACING_MM) -> list[Section]:
-    """Sections of a position code, evenly spaced."""
+    """Return sections of a position code, evenly spaced."""
     symbols = make_code(count, config.window, config.reach).symbols
     places = range(spacing_mm, spacing_mm * (count + 1), spacing_mm)
     return [
@@ -68,21 +68,21 @@ def line(config: FibreConfig, count: int = 12, spacing_mm: int = SPACING_MM) -> 
 
 
 def steady(speed_mm_s: int = 30_000, cycles: int = 900) -> tuple[int, ...]:
-    """A constant speed."""
+    """Return a constant speed for every cycle."""
     return (speed_mm_s,) * cycles
 
 
 def simulate(
     config: FibreConfig, *, seed: int, drive: Drive | None = None, sections: Sequence[Section] | None = None
 ) -> Steps:
-    """One run as steps of the fibre machine: inputs, ghost inputs, and the remark `truth_mm`."""
+    """Return one run as steps of the fibre machine: inputs, ghost inputs, and the remark `truth_mm`."""
     run = _Run(config, drive or Drive(steady()), list(sections if sections is not None else line(config)), seed)
     return [run.step(number, speed) for number, speed in enumerate(run.drive.speeds_mm_s)]
 
 
 @lru_cache(maxsize=8)
 def on_board(config: str) -> Compiled:
-    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    """Return the machine without its world, cached for further runs with the same configuration (JSON)."""
     return compile_system(without_ghosts(lower(machine(FibreConfig.model_validate_json(config)))))
 
 
@@ -103,7 +103,7 @@ class _Run:
         self.shifts = self.rng.integers(-spread, spread, endpoint=True, size=(len(sections) + 1, 2))
 
     def step(self, number: int, speed_mm_s: int) -> dict[str, Cell]:
-        """One cycle."""
+        """Return one cycle."""
         true_run = speed_mm_s * self.config.period_ms * 1_000
         self.truth_nm += true_run
         inside = self._section(self.truth_nm // NM_PER_MM)
@@ -114,7 +114,7 @@ class _Run:
         return {**inputs, **ghosts, "truth_mm": self.truth_nm // NM_PER_MM}
 
     def _section(self, front_mm: int) -> int:
-        """Number of the section that the amplitude tells of; -1 for a false one, 0 for none."""
+        """Return the number of the section that the amplitude shows; -1 for a false one, 0 for none."""
         for number, (section, shift) in enumerate(zip(self.sections, self.shifts[1:], strict=True), 1):
             low, high = section.low_mm + int(shift[0]), section.high_mm + int(shift[1])
             if number not in self.drive.missed and low <= front_mm <= high:
@@ -137,7 +137,7 @@ class _Run:
         return heard | ({"reflecting_point_mm": near[0]} if near else {})
 
     def _map(self) -> dict[str, Cell]:
-        """What the host's map has next to the count that the machine tells."""
+        """Return the map's sections next to the count that the machine reports."""
         count = int(self.code.named_outputs(self.state)["count"])
         records: dict[str, Cell] = {}
         for name, number, forwards in (("ahead", count + 1, True), ("behind", count, False)):
@@ -151,7 +151,7 @@ class _Run:
         return records
 
     def _references(self, number: int) -> dict[str, Cell]:
-        """The counter's reference at the start, and the map's answer to a word."""
+        """Return the counter's reference at the start, and the map's answer to a word."""
         outputs = self.code.named_outputs(self.state)
         found = None
         if int(outputs["word_length"]) == self.config.window:
@@ -188,7 +188,7 @@ class _Run:
 
 
 def _spelt(word: int, window: int) -> tuple[Symbol, ...]:
-    """The symbols of a word, oldest first."""
+    """Return the symbols of a word, oldest first."""
     digits = [word // 4**power % 4 for power in reversed(range(window))]
     return tuple(Symbol(digit >= 2, digit % 2 == 1) for digit in digits)
 
@@ -198,9 +198,9 @@ def _spelt(word: int, window: int) -> tuple[Symbol, ...]:
 
 @dataclass(frozen=True)
 class Stay:
-    """A train's stay in an area: what it is, what the counter says, and what the fibre determines.
+    """A train's stay in an area: the train, the counter's record, and the fibre's readings.
 
-    counted     axles by the axle counter; lost_from: cycle from which the train has fewer axles (a wagon is left behind)
+    counted     axles by the axle counter; lost_from: cycle from which the train has fewer axles (it leaves a wagon behind)
     reference   cycle in which the record comes; None: it never comes
     """
 
@@ -216,7 +216,7 @@ class Stay:
 
 
 def simulate_stay(config: VerificationConfig, *, seed: int, stay: Stay | None = None) -> Steps:
-    """One stay as steps of the verification machine: inputs, ghost inputs, and the remark `truth_mm`."""
+    """Return one stay as steps of the verification machine: inputs, ghost inputs, and the remark `truth_mm`."""
     stay, rng = stay or Stay(), np.random.default_rng(seed)
     steps: Steps = []
     for cycle in range(stay.cycles):
@@ -252,5 +252,5 @@ def _reference(stay: Stay, cycle: int, front_mm: int) -> dict[str, Cell]:
 
 
 def _control(stay: Stay, cycle: int) -> dict[str, Cell]:
-    """Train control tells count and length now and then."""
+    """Return count and length from train control, in every tenth cycle."""
     return {"control_axles": stay.counted, "control_length_mm": stay.length_mm} if cycle % 10 == 3 else {}

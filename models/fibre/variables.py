@@ -1,4 +1,4 @@
-"""What the fibre machine hears and keeps of one end of a train, and its configuration."""
+"""Inputs, state and configuration of the fibre machine for one end of a train."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SYMBOLS = 4
 
 
 class FibreConfig(Config):
-    """What the detector's features are good for, and how the sections are made."""
+    """Accuracy of the detector's features, and the making of the sections."""
 
     period_ms: int = quantity(500, "ms", 10, 10_000, "[D] the detector's block")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
@@ -78,23 +78,23 @@ class FibreConfig(Config):
 
     @property
     def read_tolerance_mm(self) -> int:
-        """Both edges of a section."""
+        """Tolerance of a length between two edges, mm."""
         return 2 * self.edge_tolerance_mm
 
     @property
     def unheard_limit_nm(self) -> int:
-        """More run without an amplitude is not told apart: what changed meanwhile changed anywhere."""
+        """Greatest run without an amplitude, nm; after more, a change may have been met anywhere."""
         return self.tolerance_mm * NM_PER_MM
 
     @property
     def max_step_mm(self) -> int:
-        """The farthest run of one cycle, rounded up."""
+        """Greatest run of one cycle, mm rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // MS_PER_S)
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """The map's section next to the front, ahead or behind: the edge that is met first, the other one, and its symbol."""
+    """The map's section ahead of the front or behind it: the edge met first, the other edge, and its symbol."""
 
     known: BoolVar
     near: NumVar
@@ -109,17 +109,17 @@ class Parts:
     amplitude        the pattern's amplitude at this end, over its normal
     run              the end's run in this cycle along the line, from the pattern alone
     flight           position by the time of flight (1/2 T V, cable map applied)
-    reflection       place of the reflecting point that the pattern coincides with
+    reflection       place of the reflecting point with which the pattern coincides
     ahead, behind    the map's sections number count + 1 and count
     reference        an accepted reference: number of sections below it, and its place
     answer           the map's answer to the word read: number of sections below, and place of the edge passed last
     band             amplitude: normal, or changed by a section; count: sections below the front, or signals so far
     counted          some signal was counted; forwards: the last direction of running
-    base, since      place of the last edge (while located), and the run since; drift: what that run may be wrong by
-    unheard          the farthest that the end may have run since the amplitude was last told
-    upwards, far, long   of the section being passed: entered upwards; its other edge; its length by the map
-    word, read       the last symbols read, and how many of them
-    ghosts           of the world
+    base, since      place of the last edge (while located), and the run since; drift: greatest error of that run
+    unheard          greatest run of the end since the last amplitude
+    upwards, far, long   of the section being passed: entered upwards; its other edge; its length on the map
+    word, read       the last symbols read, and their number
+    ghosts           variables of the world
     """
 
     def __init__(self, config: FibreConfig) -> None:
@@ -162,7 +162,7 @@ class Parts:
         self.ghosts = ghosts(declared, BAND, limit, step, config.section_limit, config.tolerance_mm)
 
     def next_to(self, forwards: Bool) -> tuple[Bool, Num, Num, Bool, Bool]:
-        """The map's section that is met in this direction: known, near and far edge, rises, long."""
+        """Return the map's section that the end meets in this direction: known, near and far edge, rises, long."""
         a, b = self.ahead, self.behind
         return (
             ite(forwards, a.known, b.known), ite(forwards, a.near, b.near), ite(forwards, a.far, b.far),
@@ -171,7 +171,7 @@ class Parts:
 
 
 def parts(config: FibreConfig) -> Parts:
-    """Fresh variables for one end of a train."""
+    """Return fresh variables for one end of a train."""
     return Parts(config)
 
 

@@ -1,4 +1,4 @@
-"""Runs of the fibre machine that the figures of the source do not show, worked out as features."""
+"""Worked runs of the fibre machine, as features, beside the figures of the source."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from safeloc.proof.runs.worked import Steps, WorkedRun
 
 
 def _endless(config: FibreConfig) -> Steps:
-    """Along 2 km where the amplitude stays raised, with nothing known before."""
+    """Run along 2 km of raised amplitude, with nothing known before."""
     stretch = [Section(100_000, 2_100_000, Symbol(rises=True, long=True))]
     return simulate(config, seed=3, drive=Drive(steady(cycles=70), referred=False), sections=stretch)
 
 
 def _endless_where_located(config: FibreConfig) -> Steps:
-    """Past a section of the map from a known place, the amplitude staying raised behind its end."""
+    """Run past a section of the map from a known place; the amplitude stays raised behind the section's end."""
     stretch = [Section(100_000, 100_000 + config.long_mm, Symbol(rises=True, long=True))]
     drive = Drive(steady(cycles=60), stuck_mm=(100_000, 2_000_000))
     return simulate(config, seed=3, drive=drive, sections=stretch)
@@ -25,11 +25,13 @@ def _endless_where_located(config: FibreConfig) -> Steps:
 
 RUNS: Mapping[str, WorkedRun[FibreConfig]] = {
     "fibre-no-end-of-section": WorkedRun(
-        "The amplitude stays changed for longer than any section: what was counted is given up, and nothing is known.",
+        "The amplitude stays changed for longer than any section: the machine gives up its count, and the "
+        "position stays unknown.",
         _endless,
     ),
     "fibre-section-without-end": WorkedRun(
-        "A known section does not end where the map has its end: the error signal F is out, and no place is told.",
+        "A known section does not end where the map has its end: the machine raises error signal F and reports "
+        "no place.",
         _endless_where_located,
     ),
 }

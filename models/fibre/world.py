@@ -1,15 +1,15 @@
-"""The world of the fibre machine: where the end of the train is, which sections it passes, and what ties inputs to that.
+"""The world of the fibre machine: the true position of the end, the sections that it passes, and the laws for the inputs.
 
-The world knows the inputs and the configuration. Of the machine it knows one thing, which is reported: the number of the
-section that the map is asked for.
+The world reads the inputs and the configuration. Of the machine it reads one thing, which the machine reports: the section
+number with which the host asks the map.
 
-    the detector  tells runs within rate and floor, and amplitudes; a changed one was met where a section begins or ends,
-                  since an amplitude was last told
-    the map       has a section where it really lies, or it lies so far from there that no window bridges it
+    the detector  measures runs within rate and floor, and amplitudes; if an amplitude changes, the end has passed an edge of a
+                  section since the last amplitude
+    the map       has a section where it really lies, or so far from there that no expectation window bridges the distance
     a section     is as long as its kind says, and looks unlike the sections near it in number
     the train     may pass sections unseen, and meet changes that are no sections
 
-What was told of the amplitude is followed here anew, from the inputs alone.
+The amplitude's band is derived here once more, from the inputs alone.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ from safeloc.language.world import Law, World
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
 
-ASKED = "which section the map is asked for: the count that the machine reports"
+ASKED = "the section number with which the host asks the map: the count that the machine reports"
 
 
 def world(own: Parts) -> World:
-    """The true place, the section that is really passed, and what the detector and the map told."""
+    """Return the world: true position, sections really passed, and the last messages of detector and map."""
     seen, now = own.ghosts, Passing(own)
     return World(
         ghosts=own.declared.ghosts,
@@ -62,14 +62,14 @@ def world(own: Parts) -> World:
 
 
 def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
-    """What is kept of a section from its entry on: how the map told the one that is met in this direction."""
+    """Return the moves of the ghosts of a section: at its entry they take the map's section in this direction."""
     seen, met = own.ghosts, now.met
-    kept: dict[Var, Expr] = {
+    return {
         seen.of_map: ite(now.enters, now.alike & seen.spot.eq(exact_to(met.near, NM)), seen.of_map),
         seen.far: ite(now.enters, met.far, seen.far),
         seen.long: ite(now.enters, met.long, seen.long),
+        seen.ahead_by: ite(now.enters, seen.count - own.count, seen.ahead_by),
     }
-    return {**kept, seen.ahead_by: ite(now.enters, seen.count - own.count, seen.ahead_by)}
 
 
 # ------------------------------------------------------------------ one cycle of the world
@@ -77,7 +77,7 @@ def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
 
 @dataclass(frozen=True, eq=False)
 class Met:
-    """The section of the map that is met in the direction of the run."""
+    """The map's section in the direction of the run."""
 
     known: Bool
     near: Num
@@ -88,20 +88,20 @@ class Met:
 
 @dataclass(frozen=True, eq=False)
 class Passing:
-    """What happens to the end of the train in a cycle, and what is told of it."""
+    """Events of a cycle at the end of the train, and the detector's messages about them."""
 
     own: Parts
 
     @cached_property
     def after(self) -> Num:
-        """Where the end is at the end of the cycle, nm."""
+        """True position of the end after the cycle, nm."""
         return self.own.ghosts.truth + self.own.ghosts.step
 
     # -------------------------------------------------------------- the amplitude
 
     @cached_property
     def band(self) -> Num:
-        """What the amplitude tells: beside sections, or in one; what it told last where it is not told."""
+        """The amplitude's band: beside sections, or in one; without an amplitude, the last band."""
         told, was = self.own.amplitude, self.own.ghosts.band
         return ite(told.present, ite(was.eq(v.NORMAL), self._from_beside, self._from_within), was)
 
@@ -118,34 +118,34 @@ class Passing:
 
     @cached_property
     def enters(self) -> Bool:
-        """A changed amplitude is told, and the last one was normal."""
+        """The amplitude is changed, and the last one was normal."""
         return self.own.ghosts.band.eq(v.NORMAL) & self.band.ne(v.NORMAL)
 
     @cached_property
     def leaves(self) -> Bool:
-        """A normal amplitude is told, and the last one was changed."""
+        """The amplitude is normal, and the last one was changed."""
         return self.own.ghosts.band.ne(v.NORMAL) & self.band.eq(v.NORMAL)
 
     @cached_property
     def edge(self) -> Bool:
-        """An edge is seen."""
+        """The detector sees an edge."""
         return self.enters | self.leaves
 
     # -------------------------------------------------------------- the run
 
     @cached_property
     def run(self) -> Num:
-        """The run that is told, mm; none where it is not."""
+        """The measured run, mm; 0 without one."""
         return self.own.run.value_or(as_num(0, MM))
 
     @cached_property
     def size_nm(self) -> Num:
-        """How far it is, either way, nm."""
+        """The magnitude of the measured run, nm."""
         return exact_to(ite(self.run < 0, -self.run, self.run), NM)
 
     @cached_property
     def error_nm(self) -> Num:
-        """What the run of this cycle may be wrong by: a run of n mm at a rate of 1 ppm by n nm."""
+        """Greatest error of this cycle's run, nm: 1 ppm of n mm is n nm."""
         config, told = self.own.config, self.own.run
         rate, floor = with_unit(told.value * config.rate_ppm, NM), config.floor_mm * NM_PER_MM
         moved = ite(told.value < 0, floor - rate, ite(told.value > 0, floor + rate, as_num(0, NM)))
@@ -153,23 +153,23 @@ class Passing:
 
     @cached_property
     def upwards(self) -> Bool:
-        """The way it runs; where it stands, or nothing is told, the way it ran last."""
+        """The end runs upwards; if it stands, or no run is measured, it ran upwards last."""
         up, down = self.run > 0, self.run < 0
         return up | (self.own.ghosts.upwards & ~down)
 
     @cached_property
     def unheard(self) -> Num:
-        """What the end was told to have run since then, and what that may be wrong by."""
+        """Measured run since the last amplitude, plus its greatest error, nm."""
         return self.own.ghosts.unheard + self.size_nm + self.error_nm
 
     @cached_property
     def wrong(self) -> Num:
-        """What the run since the last edge may be wrong by, at the end of the cycle."""
+        """Greatest error of the run since the last edge, at the end of the cycle, nm."""
         return self.own.ghosts.wrong + self.error_nm
 
     @cached_property
     def wrong_after(self) -> Num:
-        """The same with what this cycle brings: an edge that may lie anywhere since an amplitude was told, or a reference."""
+        """The same after this cycle's edge, which may lie anywhere since the last amplitude, or after its reference."""
         told = ite(self.edge, self.unheard, self.wrong)
         referred = self.own.reference & self.band.eq(v.NORMAL)
         return minimum(ite(referred, as_num(0, NM), told), self.own.ghosts.wrong.high)
@@ -178,7 +178,7 @@ class Passing:
 
     @cached_property
     def met(self) -> Met:
-        """The section that the map has next in the direction of the run."""
+        """The map's next section in the direction of the run."""
         up, down = self.own.ahead, self.own.behind
         return Met(
             self._met(up.known, down.known), ite(self.upwards, up.near, down.near), ite(self.upwards, up.far, down.far),
@@ -190,34 +190,34 @@ class Passing:
 
     @cached_property
     def alike(self) -> Bool:
-        """The map has a section there, and it raises or lowers the amplitude as the one that is entered."""
+        """The map has a section there that changes the amplitude in the same direction as the section being entered."""
         met = self.met
         return met.known & ((met.rises & self.band.eq(v.RAISED)) | (~met.rises & self.band.eq(v.LOWERED)))
 
     @cached_property
     def followed(self) -> Bool:
-        """The run since the last edge, and since an amplitude was told, is known within the tolerance."""
+        """The runs since the last edge and since the last amplitude are known within the tolerance."""
         most = self.own.config.tolerance_mm * NM_PER_MM
         return (self.wrong <= most) & (self.own.ghosts.unheard < most)
 
     @cached_property
     def bridged_nm(self) -> Num:
-        """What a window of so much can bridge: two edges' tolerances on either side, and twice what both runs may be wrong by."""
+        """Greatest distance that the expectation window bridges, nm: four edge tolerances, and twice the errors of both runs."""
         edges = 4 * self.own.config.edge_tolerance_mm + 1
         return 2 * (self.wrong + self.unheard) + edges * NM_PER_MM
 
     @cached_property
     def farthest_nm(self) -> int:
-        """The farthest run of a cycle, in whole mm upwards."""
+        """Greatest run of a cycle, nm, in whole mm rounded up."""
         return self.own.config.max_step_mm * NM_PER_MM
 
     @cached_property
     def along(self) -> Num:
-        """How far up the line the edge seen in this cycle lies from the one that was passed last, nm."""
+        """Distance of the edge seen in this cycle from the edge passed last, nm, positive upwards."""
         return self.own.ghosts.spot - self.own.ghosts.edge
 
     def beyond(self, far: Num | int) -> Bool:
-        """It lies farther away than that, on either side."""
+        """Return the condition that the edge seen in this cycle lies farther than `far` from the one passed last, on either side."""
         return (self.along > far) | (self.along < -far)
 
 

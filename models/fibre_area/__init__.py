@@ -4,35 +4,35 @@
     emitter       function check of the fibre chain                                      models.emitter
     entry         the train is counted in; its reference comes, or is overdue            fibre_area.entry
     verification  both ends against the entry record, over the whole stay                models.verification
-    report        which ends of the pattern are the train's, which may have parted       fibre_area.report
-    area          where every train of the area may be, and uncounted vehicles           models.area
+    report        ends of the pattern that are the train's, which may have parted        fibre_area.report
+    area          intervals of all trains of the area, and bounds of uncounted vehicles  models.area
     section_n     virtual sections: FREE, OCCUPIED, AMBIGUOUS, UNKNOWN                   models.sections
 
-The machines act in this order within one step, so that whatever does not agree withholds, revokes and keeps sections
-from becoming clear in the very cycle in which it shows. "Front" is the end towards growing positions, whichever way the
+The machines act in this order within one step. So any disagreement withholds and revokes the position, and keeps sections
+from becoming clear, in the very cycle in which it occurs. "Front" is the end towards growing positions, whichever way the
 train runs; the other one is the rear. The train is slot 1 of the area; the reports of other trains (slots 2 on) are
-inputs, as another such composition gives them.
+inputs, which other such compositions produce.
 
-Inputs of a cycle, by name. What is not listed is wired:
+Inputs of a cycle, by name; all others are wired:
 
     front.*, rear.*                as models.fibre: amplitude_cdb, run_mm, flight_position_mm, reflecting_point_mm,
                                    ahead_*, behind_*, reference_accepted, reference_count, reference_position_mm,
                                    word_found, word_count, word_position_mm
     emitter.heard_pattern, emitter.heard_place_mm, emitter.test_requested
-    entry.event                    the axle counters at the area's ends: this train enters, or what ran of it has left
-    entry.axles_in, .axles_out     axles of this train that they counted in this cycle, into the area and out of it; absent in disturbance
-    entry.reference_comes          NOBODY, AXLE_COUNTER or NEIGHBOUR: whose record for this train comes in this cycle
+    entry.event                    the axle counters at the area's ends: this train enters, or its running part has left
+    entry.axles_in, .axles_out     axles of this train counted in this cycle, into the area and out of it; absent in disturbance
+    entry.reference_comes          sender of the record that comes for this train in this cycle: NOBODY, AXLE_COUNTER or NEIGHBOUR
     verification.record_*          that record: sound, axles, length, speed, place of the front, age
     verification.associated        a pattern belongs to this train, by order on the track (models.train_order)
-    verification.fibre_axles, fibre_length_mm, fibre_speed_mm_s       what the detector tells of the pattern
-    verification.control_*         what train control tells of the train
-    report.reading_age_ms          how old the readings of this cycle are
+    verification.fibre_axles, fibre_length_mm, fibre_speed_mm_s       the detector's readings of the pattern
+    verification.control_*         data from train control on the train
+    report.reading_age_ms          age of this cycle's readings
     area.counters_healthy, area.counters_clear                        both counters of the area
     area.train_k_*  (k from 2)     event, rear_mm, front_mm, report_age_ms, trusted, integer, downwards
 
 Outputs, by name: `verification.trusted`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, `.revoked`, `.reason`, `.verified_*`,
-`.handover_*` (the train, and what the neighbour takes over); `front.error`, `rear.error` (F) with their reasons;
-`emitter.failed`; `report.*`; `section_n.clear` and its evidence. What each machine keeps is told by its own outputs.
+`.handover_*` (the record for the neighbour); `front.error`, `rear.error` (F) with their reasons; `emitter.failed`; `report.*`;
+`section_n.clear` and its evidence. Each machine has further outputs for its state.
 
 The axle counter itself is no part of the step: it works ten times as often, and sends a record when a train has passed.
 """
@@ -76,7 +76,7 @@ from safeloc.models.vocabulary.absent import heard_interval
 
 
 class FibreAreaConfig(Config):
-    """What the machines of the step depend on; all of them have one cycle."""
+    """Configurations of the machines in the step; all of them have one cycle."""
 
     fibre: FibreConfig = FibreConfig()
     emitter: EmitterConfig = EmitterConfig()
@@ -101,7 +101,7 @@ class FibreAreaConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class FibreArea:
-    """The machines, and the composition of them."""
+    """The machines, and their composition."""
 
     config: FibreAreaConfig
     front: Fibre
@@ -116,7 +116,7 @@ class FibreArea:
 
 
 def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
-    """All machines of one train and its area in one step (FVA-1, FVA-9)."""
+    """Return all machines of one train and its area in one step (FVA-1, FVA-9)."""
     config = config or FibreAreaConfig()
     area_parts = area_model.parts(config.sections.area)
     first = area_parts.slots[:1]
@@ -136,7 +136,7 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
 
 
 def told_run(fibre: FibreConfig) -> ToldRun:
-    """What the run of a pattern is good for."""
+    """Return limit and error law of a pattern's measured run."""
     return ToldRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
 
 
@@ -158,7 +158,7 @@ def joined(
     area: Area,
     sections: tuple[Section, ...],
 ) -> FibreArea:
-    """The given machines, wired."""
+    """Return the given machines, wired."""
     wires: dict[Var, Expr] = {
         **_verification_wires(verification, front, rear, emitter, entry_),
         **_report_wires(config, report, front, rear, verification, entry_),
@@ -172,7 +172,7 @@ def joined(
 
 
 def ends(fibre: Fibre) -> tuple[Num, Num]:
-    """Bounds of one end of the train, as its machine reports them."""
+    """Return bounds of one end of the train, as its machine reports them."""
     position, below, above = heard_interval(fibre.machine)
     return position - below, position + above
 
@@ -180,7 +180,7 @@ def ends(fibre: Fibre) -> tuple[Num, Num]:
 def _verification_wires(
     verification: Verification, front: Fibre, rear: Fibre, emitter: Emitter, entry_: Entry
 ) -> dict[Var, Expr]:
-    """The front's interval, while both ends are located; F of either; the emitter; the reference when it is due."""
+    """Return the wires of the verification: front's interval, while both ends are located; F of either; emitter; reference."""
     own, config = verification.own, verification.own.config
     located = front.machine.flag("valid") & rear.machine.flag("valid")
     (front_low, front_high), (rear_low, rear_high) = ends(front), ends(rear)
@@ -218,7 +218,7 @@ def _verification_wires(
 def _report_wires(
     config: FibreAreaConfig, report: Report, front: Fibre, rear: Fibre, verification: Verification, entry_: Entry
 ) -> dict[Var, Expr]:
-    """Both ends of the pattern, how far it ran, and whether its axles were counted and matched in this cycle."""
+    """Return the wires of the report machine: both ends of the pattern, its run, and the match of its count in this cycle."""
     own, verified, limit = report.own, verification.own, config.sections.area.limit_mm
     (low, rear_high), (front_low, high) = ends(rear), ends(front)
     trusted = verification.machine.flag("trusted")
@@ -246,7 +246,7 @@ def _report_wires(
 
 
 def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
-    """The report of slot 1, its event, and where the train really is."""
+    """Return the wires of the area: the report of slot 1, its event, and the train's true ends."""
     slot, own, told = area.own.slots[0], report.own, report.machine.flag("told")
     return {
         slot.event: entry_.passed_on,

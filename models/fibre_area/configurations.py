@@ -1,4 +1,4 @@
-"""Configurations in which the area is proved beside its defaults, so that no case of it stays folded away."""
+"""Configurations of the area, besides the defaults, in which all its case splits are live in some proof."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from safeloc.models.sections import SectionsConfig
 from safeloc.models.verification import VerificationConfig
 
 NEVER = {
-    "models/area/__init__.py: rejected + ite(strange, as_num(1, COUNT), 0) from _followed(own)": "the first of the sum; with more than one train `sections` proves the others",
+    "models/area/__init__.py: rejected + ite(strange, as_num(1, COUNT), 0) from _rejected(own)": "the first of the sum; with more than one train `sections` proves the others",
 }
-"""Case splits that no configuration makes live, and why."""
+"Case splits that no configuration makes live, with the reason."
 CONFIGURATIONS = Configurations(
     {
         "no emitter is needed": FibreAreaConfig(verification=VerificationConfig(needs_emitter=False)),

@@ -1,4 +1,4 @@
-"""When a train comes into the area, when its reference is due, and when all of it has left (FVA-2, FVA-D1; figures, 003 items 3 and 14).
+"""Entry of a train into the area, its reference, and its complete exit (FVA-2, FVA-D1; figures, 003 items 3 and 14).
 
     OUTSIDE  the train is not in the area
     AWAITED  it was counted in; its reference has to come within `record_wait_cycles`
@@ -6,11 +6,11 @@
     MISSING  its reference did not come in time
 
 A reference is an axle counter's record, or the record handed over by the neighbouring area. It is due in the cycle in
-which it comes, or in which it is overdue; then from nobody. What becomes of it is the verification's to judge.
+which it comes, or in which it is overdue; then its sender is NOBODY. The verification accepts or refuses it.
 
-A train has left when it is told to leave and as many of its axles were counted out as in since it entered, in every cycle by
-undisturbed counters. One of which fewer axles leave has left a part behind: nobody is told that it left, until the rest is
-counted out too; the area also forgets it when undisturbed counters report the area empty.
+A train has left when the counters report its exit and as many of its axles were counted out as in since it entered, in every
+cycle by undisturbed counters. If fewer axles leave, the train has left a part behind: its exit is not passed on until the
+rest is counted out too. The area also clears the train when undisturbed counters report an empty area.
 """
 
 from __future__ import annotations
@@ -24,12 +24,10 @@ from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
-    Expr,
     Lit,
     Num,
     NumVar,
     Optional,
-    Var,
     as_num,
     between,
     boolean,
@@ -40,6 +38,7 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law, World
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
@@ -52,14 +51,14 @@ REQUIREMENTS = ("FVA-2", "FVA-11", "FVA-D1")
 class Entry:
     """The machine and its variables.
 
-    event   the axle counters at both ends: this train enters, or what ran of it has left
-    comes   a reference for this train comes in this cycle, and from whom (NOBODY: none comes)
+    event   the axle counters at both ends: this train enters, or its running part has left
+    comes   sender of the reference that comes for this train in this cycle; NOBODY: none comes
     axles_in, axles_out  axles of the train that the counters at both ends counted in this cycle, into the area and out of it;
                          absent while a counter is disturbed
-    waited  cycles since it was counted in without one
-    due, source  what the verification is told
+    waited  cycles since it was counted in without a reference
+    due, source  messages to the verification
     inside, sure  axles counted in and not out again; no count of them was missed
-    left, in_part  in this cycle the whole train has left; something of it left, and axles are still inside
+    left, in_part  in this cycle the whole train has left; a part of it left, and axles are still inside
     true_inside   ghost: the train's axles in the area, with every part that it lost
     """
 
@@ -85,14 +84,14 @@ class Entry:
 
     @property
     def passed_on(self) -> Num:
-        """The event that the area is told: a train that left a part behind has not left."""
+        """The event for the area: a train that left a part behind has not left."""
         told_out = self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
         return ite(told_out & ~self.left, NO_EVENT, self.event)
 
 
 @dataclass(frozen=True, eq=False)
 class Heard:
-    """The inputs, and the balance before the cycle."""
+    """The inputs, and the balance of axles before the cycle."""
 
     event: NumVar
     comes: NumVar
@@ -104,17 +103,17 @@ class Heard:
 
     @property
     def told_out(self) -> Bool:
-        """The counters tell that what runs of it has left."""
+        """The counters report that the running part of the train has left."""
         return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
 
     @property
     def enters(self) -> Bool:
-        """It is counted in."""
+        """The train is counted in."""
         return self.event.one_of(ENTERS_LOW, ENTERS_HIGH)
 
     @property
     def balance(self) -> Num:
-        """Axles counted in and not out, from none for a train that enters."""
+        """Axles counted in and not out; of a train that enters, counted from zero."""
         return ite(self.enters, 0, self.inside) + self.axles_in.value - self.axles_out.value
 
     @property
@@ -125,12 +124,12 @@ class Heard:
 
     @property
     def complete(self) -> Bool:
-        """All that came in is out."""
+        """Every axle that came in is out."""
         return self.told_out & self.counted & self.balance.eq(0)
 
 
 def entry(wait_cycles: int, axle_limit: int) -> Entry:
-    """The machine of one train of up to `axle_limit` axles."""
+    """Return the machine of one train of up to `axle_limit` axles."""
     table = modes("OUTSIDE", "AWAITED", "TOLD", "MISSING")
     declared = Declared()
     event = declared.sensor(choice("event", enumeration(EVENT)))
@@ -174,7 +173,7 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
             "nothing is due from nobody but once": (due & source.eq(NOBODY)).implies(current.eq(table[3])),
             "a sure balance is true": sure.implies(inside.eq(truly)),
         },
-        doc="When a train is counted in, when its reference came or is overdue, and when as many axles left as came in.",
+        doc="Entry of a train, arrival of its reference or the lack of it, and its exit with as many axles as came in.",
     )
     balance = (inside, sure, left, in_part, truly, next_truly)
     return Entry(machine, event, comes, axles_in, axles_out, waited, due, source, *balance)
@@ -186,8 +185,8 @@ def _clauses(heard: Heard, truly: NumVar, next_truly: NumVar) -> dict[str, Law]:
     return {
         "undisturbed counters count every axle": Law(
             (came.present & went.present).implies((next_truly - there).eq(came.value - went.value)),
-            "Undisturbed counters at both ends tell in each cycle how many axles of the train came into the area and left it; of one "
-            "that enters none was in it.",
+            "In each cycle, undisturbed counters at both ends report how many axles of the train came into the "
+            "area and left it. A train that enters had no axle in it before.",
             source="[S] FVA-4: the sensor is safe; [D] proved of the axle counter and the axle section under their own laws",
             owner="supplier",
             check="the axles of every train at both ends",
@@ -199,22 +198,21 @@ def _table(
     table: tuple[Lit, ...], heard: Heard, waited: NumVar, due: BoolVar, source: NumVar, left: BoolVar
 ) -> Iterator[Transition]:
     outside, awaited, told, missing = table
-    none = as_num(0, COUNT)
-    part = ~heard.enters & (heard.in_part | heard.told_out)
-    stays: dict[Var, Expr | bool] = {
-        heard.inside: ite(heard.counted, heard.balance, none),
+    stays: Updates = {
+        heard.inside: ite(heard.counted, heard.balance, as_num(0, COUNT)),
         heard.sure: heard.counted,
         left: FALSE,
-        heard.in_part: part,
+        heard.in_part: ~heard.enters & (heard.in_part | heard.told_out),
     }
-    gone: dict[Var, Expr | bool] = {heard.inside: none, heard.sure: TRUE, left: TRUE, heard.in_part: FALSE}
-    quiet: dict[Var, Expr | bool] = {waited: none, due: False, source: NOBODY}
-    answered: dict[Var, Expr | bool] = {**stays, waited: none, due: True, source: heard.comes}
-    overdue: dict[Var, Expr | bool] = {**stays, waited: none, due: True, source: NOBODY}
-    waits: dict[Var, Expr | bool] = {**quiet, **stays, waited: waited + 1}
-    same = {**quiet, **stays}
+    gone: Updates = {heard.inside: 0, heard.sure: TRUE, left: TRUE, heard.in_part: FALSE}
+    not_due: Updates = {due: False, source: NOBODY}
+    answered = together(stays, {waited: 0, due: True, source: heard.comes})
+    overdue = together(stays, {waited: 0, due: True, source: NOBODY})
+    waits = together(stays, not_due, {waited: waited + 1})
+    same = together(stays, not_due, {waited: 0})
+    left_now = together(gone, not_due, {waited: 0})
     came = heard.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
-    yield Transition("train leaves", table, outside, heard.complete, {**quiet, **gone}, REQUIREMENTS, 0)
+    yield Transition("train leaves", table, outside, heard.complete, left_now, REQUIREMENTS, 0)
     yield Transition("reference comes", table, told, came, answered, REQUIREMENTS, 1)
     yield Transition("train enters", table, awaited, heard.enters, same, REQUIREMENTS, 2)
     yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, REQUIREMENTS, 3)

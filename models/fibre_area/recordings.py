@@ -1,6 +1,6 @@
-"""Recordings of stays as a detector within its bounds tells them: one without trouble, and named ones.
+"""Recordings of stays with a detector within its bounds: one without trouble, and named ones.
 
-Written by `python -m safeloc.models.fibre_area.recordings`; a test checks that they come out the same.
+`python -m safeloc.models.fibre_area.recordings` writes them; a test checks that they come out the same.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ NAMED: Mapping[str, Journey] = {
 
 
 def write(folder: Path) -> list[Path]:
-    """Write the recordings anew; their paths."""
+    """Write the recordings anew; return their paths."""
     paths = list[Path]()
     for name, journey in NAMED.items():
         paths.append(folder / f"fibre_area-{name}.jsonl.gz")

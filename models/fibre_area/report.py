@@ -1,17 +1,18 @@
-"""What the line area is told of a train: the bounds of both ends, and which of them are believed (FVA-9).
+"""The report of a train to the line area: bounds of both ends, and the ends that are believed (FVA-9).
 
-The fibre follows a pattern. A part that a train lost stands silent and is not seen, and the count that the detector tells is
-that of some moment within the last run of the train: a train that has just lost a wagon is still told with all its axles.
+The fibre follows a pattern. A part that a train lost stands silent and is not seen, and the detector's count is that of some
+moment within the last run of the train: right after the loss of a wagon the count still contains all its axles.
 
     NEITHER   no end of the pattern is known to be the train's
-    WHOLE     as many axles were told in this cycle as the counter counted: the train was whole within the count's run
-    HIGH_END  it ran towards the high end all the while: a lost part is below, the high end is the train's
-    LOW_END   it ran towards the low end all the while: a lost part is above, the low end is the train's
+    WHOLE     the count of this cycle is the counter's: the train was whole within the count's run
+    HIGH_END  it has run towards the high end ever since: a lost part is below, the high end is the train's
+    LOW_END   it has run towards the low end ever since: a lost part is above, the low end is the train's
 
-So in WHOLE an end is believed as far out as a whole train's could have been, a count's run ago: from the other end of the
-pattern, the reference's length, that run, and what a lost part rolls back. Only an end that has led for longer than that run
-is believed where it is. Count is identity; a length that agrees makes nothing whole: its tolerance is wider than a wagon. A
-train that stands, or turns, can lose a part on either side, and a run one way begins anew. What is not trusted is not told.
+In WHOLE an end is reported as far out as that of a train that was whole a count's run ago: from the other end of the
+pattern, the reference's length, that run, and the roll-back of a lost part. Only an end that has led for longer than that run
+is reported at its measured place. Count is identity; an equal length does not show that the train is whole: its tolerance is
+wider than a wagon. A train that stands, or turns, can lose a part on either side, and its run in one direction begins anew.
+Nothing is reported of a train that is not trusted.
 """
 
 from __future__ import annotations
@@ -24,11 +25,8 @@ from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    Expr,
     Lit,
     Num,
-    Var,
-    as_num,
     exact_to,
     floor_to,
     ite,
@@ -36,7 +34,8 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates
 from safeloc.language.units import MM, NM, NM_PER_MM, UM, UM_PER_MM
 from safeloc.models.fibre_area.parting import PartingConfig, Parts, parts
 from safeloc.models.fibre_area.report_world import world
@@ -48,65 +47,65 @@ PPM_OF_ALL = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class Believed:
-    """What a cycle makes of the pattern's ends."""
+    """Terms of one cycle: the ends of the pattern, and those of the train."""
 
     own: Parts
 
     @cached_property
     def up(self) -> Bool:
-        """It runs towards the high end."""
+        """The train runs towards the high end."""
         return self.own.upwards & ~self.own.downwards & ~self.own.gone
 
     @cached_property
     def down(self) -> Bool:
-        """It runs towards the low end."""
+        """The train runs towards the low end."""
         return self.own.downwards & ~self.own.upwards & ~self.own.gone
 
     @cached_property
     def run(self) -> Num:
-        """How far the train surely ran in the cycle: less what the run that is told may be wrong by, rounded down."""
+        """Least run of the train in the cycle: the measured run less its greatest error, mm rounded down."""
         told, size = self.own.told_run, ite(self.down, -self.own.run, self.own.run)
         sure = with_unit(size * (PPM_OF_ALL - told.rate_ppm), NM) - told.floor_mm * NM_PER_MM
         return maximum(floor_to(sure, MM), 0)
 
     @cached_property
     def straight(self) -> Num:
-        """Run one way after the cycle."""
+        """Run in one direction after the cycle, mm."""
         was, most = self.own.straight, self.own.config.straight_limit_mm
         up, down = maximum(was, 0) + self.run, minimum(was, 0) - self.run
         return ite(self.up, minimum(up, most), ite(self.down, maximum(down, -most), 0))
 
     def led_high(self, straight: Num) -> Bool:
-        """The high end led for longer than a count's run."""
+        """Return the condition that the high end has led for longer than a count's run."""
         return straight > self.own.config.count_run_mm
 
     def led_low(self, straight: Num) -> Bool:
-        """The low end led for longer than a count's run."""
+        """Return the condition that the low end has led for longer than a count's run."""
         return -straight > self.own.config.count_run_mm
 
     @cached_property
     def farthest(self) -> Num:
-        """From one end of what is left to the other end of a train that was whole a count's run ago, mm."""
+        """Greatest distance from one end of the pattern to the other end of a train that was whole a count's run ago, mm."""
         return self.own.longest + self.own.config.count_run_mm + self.own.config.roll_back_mm
 
     @cached_property
     def low(self) -> Num:
-        """Where the low end of a train that was counted is at least."""
+        """Lower bound of the low end of a train that was counted, mm."""
         return ite(self.led_low(self.straight), self.own.low, self.own.front_low - self.farthest)
 
     @cached_property
     def high(self) -> Num:
-        """Where the high end of a train that was counted is at most."""
+        """Upper bound of the high end of a train that was counted, mm."""
         return ite(self.led_high(self.straight), self.own.high, self.own.rear_high + self.farthest)
 
     @cached_property
     def good(self) -> Bool:
-        """Both ends are to be told."""
+        """Both ends can be reported."""
         return self.own.trusted & self.own.usable & (self.own.low <= self.own.high)
 
     @cached_property
     def good_whole(self) -> Bool:
-        """The same of a train that was counted: what is told of it lies on the line."""
+        """Both ends of a train that was counted can be reported: they lie on the line."""
         limit = self.own.reach.limit_mm
         return (
             self.own.trusted & self.own.usable & (self.low <= self.high) & (self.low >= -limit) & (self.high <= limit)
@@ -122,16 +121,15 @@ class Report:
 
 
 def build(own: Parts) -> Report:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("NEITHER", "WHOLE", "HIGH_END", "LOW_END")
     current = current_mode(table)
     neither, whole, _, low = table
-    state: dict[Var, Initial] = {own.straight: 0, own.told: False, own.told_low: 0, own.told_high: 0}
     machine = Machine(
         name="report",
         modes=table,
-        inputs=own.inputs,
-        state=state,
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "told": own.told & current.ne(neither),
             "low_mm": own.told_low,
@@ -143,10 +141,10 @@ def build(own: Parts) -> Report:
         world=world(own),
         lemmas=_lemmas(own, current, table),
         doc=(
-            "Which ends of a pattern are the train's, of a train that may part. Assumed: a count with all axles is that of "
-            "the whole train within the count's run; a train is no longer than its reference; it loses vehicles at the end "
-            "that trails, and the direction of running is told truly; a lost part stays, or rolls back a little; in the age "
-            "of a reading nothing runs faster than the line's top speed."
+            "Ends of a pattern that are the train's, which may part. Assumed: a count with all axles is that of "
+            "the whole train within the count's run; a train is no longer than its reference; it loses vehicles "
+            "at the trailing end, and the measured direction of running is true; a lost part stays, or rolls "
+            "back a little; in the age of a reading nothing runs faster than the line's top speed."
         ),
     )
     return Report(machine, own)
@@ -168,14 +166,13 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     neither, whole, high, low = table
-    now, zero = Believed(own), as_num(0, MM)
-    run: dict[Var, Expr] = {own.straight: now.straight}
-    untold: dict[Var, Expr] = {**run, own.told: FALSE, own.told_low: zero, own.told_high: zero}
-    told: dict[Var, Expr] = {**run, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
-    charged: dict[Var, Expr] = {**run, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
+    now = Believed(own)
+    untold: Updates = {own.straight: now.straight, own.told: FALSE, own.told_low: 0, own.told_high: 0}
+    told: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
+    charged: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
 
     def row(
-        name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: dict[Var, Expr], rank: int
+        name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: Updates, rank: int
     ) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
         yield Transition(f"{name}, not told", source, target, when & ~good, untold, REQUIREMENTS, rank)

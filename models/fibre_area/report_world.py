@@ -1,33 +1,29 @@
-"""The world of a train that may part: at any moment it may lose vehicles at the end that trails.
+"""The world of a train that may part: at any moment it may lose vehicles at its trailing end.
 
     the count   was true of the train at some moment within the last `count_run_mm` of its run, no matter how long ago
     the train   runs as one body; a pattern is the part of it that still shakes the ground
     lost parts  stay where they are lost, or run on after the train; they run back by `roll_back_mm` at most, or as far as
                 the train itself has come back since, which may push them
 
-Standing, a train may lose vehicles at either end; running, at the end that trails. How far that end lay from the one that
-leads is bounded by the reference's length, for as long as the count told is that of the reference.
+A standing train may lose vehicles at either end, a running one at its trailing end. As long as the count is that of the
+reference, the reference's length bounds the distance between the leading end and that trailing end.
 """
 
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite, maximum, minimum, with_unit
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM, NM_PER_MM, UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.fibre_area.parting import Parts
 
 
 def world(own: Parts) -> World:
-    """The train with all that it lost."""
+    """Return the world: the train with all its lost parts."""
     whole = own.next_whole
     low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
     return World(
-        ghosts={
-            own.rear_is: False, own.front_is: False, own.since: own.config.since_limit_um,
-            own.body_rear: ANY, own.body_front: ANY, own.lowest: ANY, own.highest: ANY,
-        },
-        choices=own.choices,
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             own.rear_is: own.next_rear_is,
             own.front_is: own.next_front_is,
@@ -38,7 +34,7 @@ def world(own: Parts) -> World:
             own.highest: ite(whole, own.next_body_front, high),
         },
         clauses=_clauses(own),
-    )  # fmt: skip
+    )
 
 
 def _clauses(own: Parts) -> dict[str, Law]:
@@ -65,8 +61,8 @@ def _clauses(own: Parts) -> dict[str, Law]:
 def _count(own: Parts) -> Law:
     return Law(
         own.had_all.implies(own.next_counts),
-        "A count with all axles of the reference is that of the whole train, at some moment within the last run for which "
-        "the detector tells one count: no matter how long it stood, or where it turned.",
+        "A count with all axles of the reference is that of the whole train at some moment within the last run "
+        "over which the detector keeps one count: no matter how long the train stood, or where it turned.",
         ("count_run_mm",),
         "[D] safeloc.sensing.fibre, Counting: two profiles of 300 m and what lies between; [S] FVA-3",
         "supplier",
@@ -89,8 +85,8 @@ def _length(own: Parts) -> Law:
     long = own.next_body_front - own.next_body_rear
     return Law(
         (own.trusted & own.next_counts).implies(long <= exact_to(own.longest, UM)),
-        "The train whose reference is kept is no longer, from end to end and with all its vehicles, than the reference says "
-        "at most.",
+        "A train that is verified against a reference is no longer, from end to end and with all its vehicles, "
+        "than the greatest length of that reference.",
         source="[D] proved of the axle counter from axle to axle; both overhangs are added by the host",
         owner="infrastructure",
         check="length and distance of both ends, in every cycle; the record of every further axle counter",
@@ -105,9 +101,10 @@ def _run(own: Parts, up: Bool, down: Bool) -> Law:
     near = (step - floor <= short - off) & (own.step <= 0)
     return Law(
         up.implies(far) & down.implies(near),
-        "A pattern that is told to run towards an end ran that way, and no less than is told, but for rate and floor.",
+        "A pattern that is reported as running towards an end ran that way, and no less than reported, but for "
+        "rate and floor.",
         ("rate_ppm", "floor_mm"),
-        source="[D] as of the run that the fibre's machine is told",
+        source="[D] as of the run that the fibre machine reads",
         owner="supplier",
         check="place at every counter that the train passes",
     )
@@ -116,7 +113,8 @@ def _run(own: Parts, up: Bool, down: Bool) -> Law:
 def _stays(leads: Bool, next_is: Bool, end: str) -> Law:
     return Law(
         leads.implies(next_is),
-        f"While the train runs towards its {end} end, it loses no vehicle there, and the direction of running is told truly.",
+        f"While the train runs towards its {end} end, it loses no vehicle there, and the measured direction of "
+        "running is true.",
         source="[D] a coupling parts under traction or brake; what leads is not left behind",
         owner="operator",
         check="train integrity monitoring",
@@ -141,8 +139,8 @@ def _lost(own: Parts) -> Law:
         (~own.next_whole & own.next_counts).implies(
             all_of([own.next_rear >= low - back, own.next_front <= high + back])
         ),
-        "A part that was lost stays where it was lost or runs on after the train; it runs back no farther than until its brakes "
-        "hold, unless the train itself comes back and pushes it.",
+        "A part that was lost stays where it was lost or runs on after the train; it runs back no farther than "
+        "until its brakes hold, unless the train itself comes back and pushes it.",
         ("roll_back_mm", "max_speed_mm_s"),
         "[M] continuous brake: the pipe parts with the coupling",
         "operator",

@@ -1,7 +1,7 @@
 """Simulated stays of a train in a line area, as steps of the whole, the train itself included.
 
-Features, not backscatter: what a detector within its stated bounds tells of both ends, when it counts axles, what the
-axle counter and the emitter tell. One train runs from the low end to the high end; what goes wrong is named.
+The streams hold features, not backscatter: messages of a detector within its stated bounds for both ends, its counts, and the
+messages of axle counter and emitter. One train runs from the low end to the high end; its troubles are named.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm
 
 @dataclass(frozen=True)
 class Journey:
-    """One train and what is heard of it. Cycles count from 0; the train's front enters at the low end in cycle `enters`.
+    """One train and its messages. Cycles count from 0; the train's front enters at the low end in cycle `enters`.
 
     speeds_mm_s  the speed from a cycle on, reached by traction or brakes; negative: back towards the low end
-    spacing_mm   of the line's sections, the first of which lies so far inside the area
-    swept        the counters tell before the train enters that the area is empty
-    silent       (from, to) cycles in which the pattern is not heard
+    spacing_mm   distance between the line's sections, the first of which lies so far inside the area
+    swept        before the train enters, the counters report an empty area
+    silent       (from, to) cycles in which the detector does not follow the pattern
     record       cycle in which the axle counter's record comes; None: never
-    referred     the counter gives both ends a reference as they pass; otherwise the position code has to tell them
-    counted_every  how often the fibre counts the axles, cycles
+    referred     the counter gives both ends a reference as they pass; otherwise the position code has to give their places
+    counted_every  cycles between two counts of the axles
     split        cycle in which the last four axles are left behind and stand: the pattern goes on without them
-    told_after_mm  run of the train after which the detector's count follows; None: as late as it ever may
+    told_after_mm  run of the train after which the detector's count follows; None: the longest permitted
     emitter_dead (from, to) cycles in which no test pattern comes
     front_missed, rear_missed  numbers of the sections that the machine of that end does not notice
-    front_stuck, rear_stuck  from where to where the amplitude at that end stays raised, mm
+    front_stuck, rear_stuck  stretch in which the amplitude at that end stays raised, mm
     """
 
     cycles: int = 150
@@ -61,7 +61,7 @@ class Journey:
 
 
 def _speeds(config: FibreAreaConfig, journey: Journey) -> tuple[int, ...]:
-    """The speed of every cycle, mm/s."""
+    """Return the speed of every cycle, mm/s."""
     ability = min(config.verification.traction_mm_s2, config.verification.brake_mm_s2)
     most, wanted, speeds = ability * config.verification.period_ms // MS_PER_S, dict(journey.speeds_mm_s), list[int]()
     target = now = wanted.get(0, 0)
@@ -73,13 +73,13 @@ def _speeds(config: FibreAreaConfig, journey: Journey) -> tuple[int, ...]:
 
 
 def _start_mm(config: FibreAreaConfig, journey: Journey) -> int:
-    """Where the front is before the first cycle, so that it comes to the low end in time."""
+    """Return the front's place before the first cycle, from which it comes to the low end in time, mm."""
     run = sum(_speeds(config, journey)[: journey.enters]) * config.fibre.period_ms // MS_PER_S
     return journey.area_mm[0] - run
 
 
 def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
-    """What is open at the start: the area's ends and cuts, and where the train is."""
+    """Return the open values at the start: the area's ends and cuts, and the train's place."""
     low, front = journey.area_mm[0], _start_mm(config, journey) * UM_PER_MM
     rear = front - journey.length_mm * UM_PER_MM
     first: dict[str, Value] = {
@@ -96,7 +96,7 @@ def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
 
 
 def simulate_journey(config: FibreAreaConfig, *, seed: int, journey: Journey | None = None) -> Steps:
-    """The steps of one stay, and the remark `truth_mm`: where the front is."""
+    """Return the steps of one stay, with the front's true place as the remark `truth_mm`."""
     journey = journey or Journey()
     ends = _ends(config, journey, seed)
     world = _World(config, journey)
@@ -104,7 +104,7 @@ def simulate_journey(config: FibreAreaConfig, *, seed: int, journey: Journey | N
 
 
 def _ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tuple[Steps, Steps]:
-    """Both ends as the fibre machines hear them."""
+    """Return the inputs of the fibre machines of both ends."""
     sections: list[Section] = line(config.fibre, spacing_mm=journey.spacing_mm)
     start = _start_mm(config, journey)
     drive = Drive(_speeds(config, journey), referred=journey.referred, start_mm=start)
@@ -126,7 +126,7 @@ class _World:
         self._speeds = _speeds(config, journey)
 
     def step(self, cycle: int, front: dict[str, Cell], rear: dict[str, Cell]) -> dict[str, Cell]:
-        """One cycle."""
+        """Return one cycle."""
         high = _cell(front, REMARK)
         low = _cell(rear, REMARK)
         self._run_since_mm += abs(self._ran_mm(cycle)) if self._parted(cycle) else 0
@@ -139,7 +139,7 @@ class _World:
         return inputs | self._truth(cycle, low, high) | {REMARK: high}
 
     def _emitter(self, cycle: int) -> dict[str, Cell]:
-        """Asked for its pattern in the first cycle, and heard then and whenever it is due."""
+        """Request the pattern in the first cycle; send it then and whenever it is due."""
         emitter, dead = self._config.emitter, self._journey.emitter_dead
         silent = dead is not None and dead[0] <= cycle < dead[1]
         self._since += 1
@@ -165,7 +165,7 @@ class _World:
         return {"entry.event": event, "entry.reference_comes": comes, **self._axles_passed(cycle, low_mm, high_mm)}
 
     def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
-        """Axles that came into the area and left it since the cycle before."""
+        """Return the axles that came into the area and left it since the previous cycle."""
         begins, ends = self._journey.area_mm
         before, self._axles_mm = self._axles_mm, self._axle_places(cycle, low_mm, high_mm)
         pairs = [(begins < then < ends, begins < now < ends) for then, now in zip(before, self._axles_mm, strict=False)]
@@ -177,13 +177,13 @@ class _World:
         }
 
     def _axle_places(self, cycle: int, low_mm: int, high_mm: int) -> list[int]:
-        """Where every axle is, evenly along the train; those that were lost stay."""
+        """Return the place of every axle, evenly along the train; lost axles stay."""
         axles, parted = self._journey.axles, self._parted(cycle)
         places = [high_mm - (high_mm - low_mm) * number // (axles - 1) for number in range(axles)]
         return [*places[:-LOST_AXLES], *self._axles_mm[-LOST_AXLES:]] if parted else places
 
     def _record(self, cycle: int, front_mm: int) -> dict[str, Cell]:
-        """The counter's record, good in the cycle in which it comes."""
+        """Return the counter's record, valid in the cycle in which it comes."""
         journey, speed = self._journey, self._speeds[cycle]
         return {
             "verification.record_sound": True, "verification.record_axles": journey.axles,
@@ -195,7 +195,7 @@ class _World:
         }  # fmt: skip
 
     def _seen(self, cycle: int, length_mm: int) -> dict[str, Cell]:
-        """What the detector tells of the pattern."""
+        """Return the detector's readings of the pattern."""
         journey = self._journey
         step: dict[str, Cell] = {
             "verification.associated": not self._left and not self._silent(cycle),
@@ -209,21 +209,21 @@ class _World:
         return step
 
     def _parted(self, cycle: int) -> bool:
-        """It has lost its last axles."""
+        """Return the condition that the train has lost its last axles."""
         return self._journey.split is not None and cycle >= self._journey.split
 
     def _ran_mm(self, cycle: int) -> int:
-        """The run of a cycle; negative towards the low end."""
+        """Return the run of a cycle, mm; negative towards the low end."""
         return self._speeds[cycle] * self._config.fibre.period_ms // MS_PER_S
 
     def _axles(self) -> int:
-        """As many as the detector's count has: what was lost, it still counts until the train has run on."""
+        """Return the detector's count: it contains lost axles until the train has run on."""
         journey = self._journey
         after = self._config.parting.count_run_mm if journey.told_after_mm is None else journey.told_after_mm
         return journey.axles - (LOST_AXLES if self._run_since_mm > after else 0)
 
     def _truth(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
-        """The train itself: a part left behind stands where it was, and is the train's rear."""
+        """Return the train itself: a part left behind stands where it was, and is the train's rear."""
         whole = not self._parted(cycle)
         self._lost_um = low_mm * UM_PER_MM if whole else self._lost_um
         low, high = self._journey.area_mm

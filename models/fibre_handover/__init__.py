@@ -1,15 +1,15 @@
 """A train between two neighbouring areas, each with its own verification, in one step (FVA-D1; figures, 003 item 14).
 
-    giving  the verification of the area that the train comes from            models.verification
+    giving  the verification of the area from which the train comes         models.verification
     border  the record that goes over, or is lost                             fibre_handover.border
-    taking  the verification of the area that the train runs into             models.verification
-    speaker whose position is given out                                       fibre_handover.speaker
+    taking  the verification of the area into which the train runs          models.verification
+    speaker the choice of the area that reports the position                  fibre_handover.speaker
 
-The taking area has no axle counter at the border: its reference is the record that the giving area verified against,
+The taking area has no axle counter at the border: its reference is the record against which the giving area verified,
 sent while that area trusts the train. A record that does not arrive is a reference that was due and did not come.
 
-Inputs of a cycle: all of models.verification for `giving` and for `taking`, without the latter's record (count,
-length and place, wired) and without when it is due and from whom (wired); `border.record_arrives`, `border.train_gone`.
+Inputs of a cycle: all of models.verification for `giving` and for `taking`, but for the latter's record (count, length and
+place), its being due and its sender, which are wired; `border.record_arrives`, `border.train_gone`.
 Outputs: `speaker.given`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, and those of the other machines by their names.
 """
 
@@ -31,7 +31,7 @@ from safeloc.models.vocabulary.absent import heard_interval
 
 
 class FibreHandoverConfig(Config):
-    """Both areas verify by the same tolerances."""
+    """Figures of the hand-over; both areas verify by the same tolerances."""
 
     verification: VerificationConfig = VerificationConfig()
     border: BorderConfig = BorderConfig()
@@ -41,14 +41,15 @@ class FibreHandoverConfig(Config):
         places = (self.verification.position_limit_mm, self.border.position_limit_mm)
         if places[0] > places[1]:
             raise ValueError(
-                f"verification.position_limit_mm ({places[0]}) is beyond border.position_limit_mm ({places[1]})."
+                f"verification.position_limit_mm ({places[0]}) has to be no greater than border.position_limit_mm "
+                f"({places[1]})."
             )
         return self
 
 
 @dataclass(frozen=True, eq=False)
 class FibreHandover:
-    """The machines, and the composition of them."""
+    """The machines, and their composition."""
 
     config: FibreHandoverConfig
     giving: Verification
@@ -59,13 +60,13 @@ class FibreHandover:
 
 
 def interval(verified: Verification) -> tuple[Num, Num]:
-    """Bounds of the front, as a verification gives them out."""
+    """Return bounds of the front, as a verification reports them."""
     position, below, above = heard_interval(verified.machine)
     return position - below, position + above
 
 
 def compose_machines(config: FibreHandoverConfig | None = None) -> FibreHandover:
-    """Both verifications with the border between them."""
+    """Return both verifications with the border between them."""
     config = config or FibreHandoverConfig()
     giving, taking = (build(parts(config.verification), name=name) for name in ("giving", "taking"))
     far = config.border.position_limit_mm + config.verification.margin_limit_mm
@@ -75,7 +76,7 @@ def compose_machines(config: FibreHandoverConfig | None = None) -> FibreHandover
 def joined(
     config: FibreHandoverConfig, giving: Verification, between: Border, taking: Verification, voice: Speaker
 ) -> FibreHandover:
-    """The given machines, wired. Both verifications speak of one and the same train."""
+    """Return the given machines, wired. Both verifications concern one and the same train."""
     wires: dict[Var, Expr] = {
         between.own.trusted: giving.machine.flag("trusted"),
         between.own.doubted: giving.machine.flag("untrusted"),
@@ -92,7 +93,7 @@ def joined(
 
 
 def _taking_wires(giving: Verification, between: Border, taking: Verification) -> dict[Var, Expr]:
-    """The reference is what the giving area verified against, and still trusts; ghosts: it is the same train."""
+    """Return the wires of the taking area: its reference is the record that the giving area still trusts; ghosts: the same train."""
     own, said = taking.own, giving.machine
     return {
         own.due: between.own.due,

@@ -2,10 +2,10 @@
 
 Both areas see a shared stretch of line around their border. The train runs from the giving area into the taking one.
 
-    BEFORE   the train has not come to the shared stretch, or nothing tells that it has
+    BEFORE   the train has not come to the shared stretch, as far as is known
     OFFERED  it has: its record is sent in every cycle in which the giving area trusts it, until it arrives
     TAKEN    the record arrived
-    LOST     the record did not arrive in time, or the giving area found something wrong before it did
+    LOST     the record did not arrive in time, or the giving area found a mismatch before it did
 """
 
 from __future__ import annotations
@@ -19,10 +19,7 @@ from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    Expr,
     Lit,
-    Var,
-    as_num,
     boolean,
     choice,
     enumeration,
@@ -30,6 +27,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.variables import FROM, NEIGHBOUR, NOBODY
 
@@ -37,7 +35,7 @@ REQUIREMENTS = ("FVA-D1", "FVA-2", "FVA-11")
 
 
 class BorderConfig(Config):
-    """How long a record may be on its way."""
+    """Limits of the hand-over."""
 
     wait_cycles: int = quantity(6, "cycles", 1, 10_000, "[D] 3 s; the shared stretch is longer than the run in them")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
@@ -47,11 +45,11 @@ class Parts:
     """The variables of the machine.
 
     begins, ends     the shared stretch: fixed, any two places
-    trusted, doubted, high  the giving area's verification: trusted, a mismatch; the farthest that the front can be
+    trusted, doubted, high  the giving area's verification: trusted, a mismatch; upper bound of the front
     arrives          the record that is sent arrives in this cycle
     gone             the train has left the giving area, or is given up there
     waited           cycles since the record was first sent
-    due, source, sound  what the taking area's verification is told
+    due, source, sound  messages to the taking area's verification
     """
 
     def __init__(self, config: BorderConfig, far_mm: int) -> None:
@@ -73,18 +71,14 @@ class Parts:
         """The giving area trusts the train, and it may have come to the shared stretch."""
         return self.trusted & (self.high >= self.begins)
 
-    def told(self, due: Bool, source: Expr, sound: Bool) -> dict[Var, Expr]:
-        """Updates: what the taking area is told."""
-        return {self.due: due, self.source: source, self.sound: sound}
-
     def table(self, modes_: tuple[Lit, ...]) -> Iterator[Transition]:
-        """All rows."""
+        """Yield all rows."""
         before, offered, taken, lost = modes_
-        none = as_num(0, COUNT)
-        quiet = {**self.told(FALSE, NOBODY, FALSE), self.waited: none}
-        over = {**self.told(TRUE, NEIGHBOUR, TRUE), self.waited: none}
-        missing = {**self.told(TRUE, NOBODY, FALSE), self.waited: none}
-        sent = {**quiet, self.waited: ite(self.waited < self.waited.high, self.waited + 1, self.waited)}
+        longer = ite(self.waited < self.waited.high, self.waited + 1, self.waited)
+        quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.waited: 0}
+        over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.waited: 0}
+        missing: Updates = {self.due: TRUE, self.source: NOBODY, self.sound: FALSE, self.waited: 0}
+        sent: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.waited: longer}
         late = self.waited >= self.waited.high
         yield Transition("train is gone", modes_, before, self.gone, quiet, REQUIREMENTS, 0)
         yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, REQUIREMENTS, 1)
@@ -105,12 +99,12 @@ class Border:
 
 
 def parts(config: BorderConfig, far_mm: int) -> Parts:
-    """Fresh variables for one train, on a line within `far_mm` to either side."""
+    """Return fresh variables for one train, on a line within `far_mm` to either side."""
     return Parts(config, far_mm)
 
 
 def build(own: Parts) -> Border:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("BEFORE", "OFFERED", "TAKEN", "LOST")
     current = current_mode(table)
     machine = Machine(

@@ -1,12 +1,12 @@
-"""Which of two neighbouring areas gives a train's position out (FVA-D1).
+"""Choice between two neighbouring areas for the report of a train's position (FVA-D1).
 
-    NOBODY  neither trusts the train where it may speak of it
-    GIVING  the area that the train comes from: it trusts the train, which is surely not beyond the shared stretch
-    TAKING  the area that it runs into: it trusts the train, which has surely come to the shared stretch
-    BOTH    both do; what both allow is given out
+    NOBODY  neither area trusts the train where it may report it
+    GIVING  the area from which the train comes: it trusts the train, which is certainly not beyond the shared stretch
+    TAKING  the area into which it runs: it trusts the train, which has certainly come to the shared stretch
+    BOTH    both areas report it; the output is the intersection of their intervals
 
-Each area speaks only of its own stretch of line, whole interval and all. So both give a position out only of a train
-that is in the shared stretch; and where their intervals have nothing in common, nobody does.
+An area reports a position only if the whole interval lies in its own stretch of line. So both report a position only of a
+train that is in the shared stretch; if their intervals have nothing in common, no position is reported.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ REQUIREMENTS = ("FVA-D1", "FVA-1", "FVA-10")
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """What is heard of one area's verification: it trusts the train, and its interval of the front."""
+    """Inputs from one area's verification: its trust in the train, and its interval of the front."""
 
     trusted: BoolVar
     low: NumVar
@@ -47,7 +47,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Speaker:
-    """The machine and its variables; the shared stretch comes from the border, low and high are what is given out."""
+    """The machine and its variables; the shared stretch comes from the border; low and high bound the reported interval."""
 
     machine: Machine
     giving: Side
@@ -59,7 +59,7 @@ class Speaker:
 
 
 def speaker(far_mm: int) -> Speaker:
-    """The machine of one train, on a line within `far_mm` to either side."""
+    """Return the machine of one train, on a line within `far_mm` to either side."""
     declared = Declared()
     giving, taking = (_side(declared, side, far_mm) for side in ("giving", "taking"))
     begins = declared.sensor(number("shared_from_mm", MM, -far_mm, far_mm))
@@ -75,7 +75,7 @@ def speaker(far_mm: int) -> Speaker:
         state=declared.states,
         outputs={"given": current.ne(table[0]), **_interval(current.ne(table[0]), low, high)},
         transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
-        doc="Which of two neighbouring areas gives a train's position out.",
+        doc="Choice between two neighbouring areas for the report of a train's position.",
     )
     return Speaker(machine, giving, taking, begins, ends, low, high)
 
@@ -89,7 +89,7 @@ def _side(declared: Declared, name: str, far_mm: int) -> Side:
 
 
 def _interval(given: Bool, low: NumVar, high: NumVar) -> dict[str, Expr]:
-    """The bounds as a position with what it may be off by."""
+    """Return the bounds as a position with its margins."""
     middle = floor_div(low + high, 2)
     return {
         "position_mm": position_if(given, middle),

@@ -1,15 +1,15 @@
-"""A virtual section: clear or not, from where the trains of its line area may be (FVA-9, FVA-18).
+"""A virtual section: clear or not, from the intervals of the trains of its line area (FVA-9, FVA-18).
 
 Sections are cut freely along the line. A section is FREE only on positive evidence: no train's interval reaches it,
-and nothing that was never counted can be in it. Everything that is not FREE is occupied for the interlocking.
+and no vehicle that was never counted can be in it. Every other state means occupied for the interlocking.
 
-    UNKNOWN     something may be here, and nothing tells what (also the start)
-    FREE        nothing is here
-    OCCUPIED    trains that are followed and known to be whole, and nothing else
-    AMBIGUOUS   a train that is followed, and perhaps something else, or a part that it lost
+    UNKNOWN     vehicles may be here, and no recent report tells which (also the start)
+    FREE        no vehicle is here
+    OCCUPIED    only trains with recent reports that are known to be whole
+    AMBIGUOUS   a train with recent reports, and perhaps other vehicles, or a part that it lost
 
-With every state go the rule that led to it, what it rests on, the age of the oldest report among that, and how far it is
-to be trusted. The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
+Beside the state a section reports the rule that led to it, its evidence, the age of the oldest report in the evidence, and
+its trust. The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ from pydantic import model_validator
 
 from safeloc.config import Config, derived, quantity
 from safeloc.language.composition import Composition, compose
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
+    TRUE,
     BoolVar,
     Expr,
     Lit,
     NumVar,
     Var,
-    as_num,
     boolean,
     choice,
     enumeration,
@@ -35,6 +36,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
@@ -60,7 +62,7 @@ RULES = {
 
 
 class SectionsConfig(Config):
-    """Line area, and how long a train without news still counts as followed."""
+    """Line area, timers, and the figures of the achieved separation."""
 
     area: AreaConfig = AreaConfig()
     sections: int = quantity(1, "count", 1, 64, "[D] sections of one composition; each is independent of the others")
@@ -97,7 +99,7 @@ class SectionsConfig(Config):
 
     @derived("mm", "[D] the same with sections of no length: moving block with this area and these trains")
     def moving_block_separation_mm(self) -> int:
-        """What smaller sections can come down to, mm."""
+        """Separation in the limit of small sections, mm."""
         return separation_mm(self.area, self.following.model_copy(update={"section_mm": 0}))
 
     @derived("ms", "[D] from one train's front to the next one's at one place")
@@ -108,7 +110,7 @@ class SectionsConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """One section's machine and variables: bounds (any two places in the area), and what it is told of the area."""
+    """One section's machine and variables: bounds (any two places in the area), and inputs from the area."""
 
     config: SectionsConfig
     machine: Machine
@@ -130,14 +132,14 @@ class Sections:
 
 
 def compose_machines(config: SectionsConfig | None = None) -> Sections:
-    """Area and sections: each section sees the trains as they are after the area's step (FVA-9)."""
+    """Return area and sections: each section reads the trains as they are after the area's step (FVA-9)."""
     config = config or SectionsConfig()
     area = build_area(area_parts(config.area))
     return joined(area, tuple(section(config, f"section_{n}") for n in range(1, config.sections + 1)))
 
 
 def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
-    """The given machines, wired."""
+    """Return the given machines, wired."""
     wires: dict[Var, Expr] = {}
     for one in sections:
         wires |= section_wires(area, one)
@@ -146,7 +148,7 @@ def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
 
 
 def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
-    """What a section is told of the area in a step."""
+    """Return the wires from the area to a section."""
     own = area.own
     wires: dict[Var, Expr] = {
         one.unswept: area.machine.mode.eq(area.machine.modes[0]),
@@ -159,98 +161,100 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
     return wires
 
 
+@dataclass(frozen=True, eq=False)
+class _Told:
+    """State that a section reports beside its mode: the rule that led to it, its duration, and the evidence for it."""
+
+    rule: NumVar
+    since: NumVar
+    trains: NumVar
+    first_train: NumVar
+    followed: NumVar
+    evidence: NumVar
+    age: NumVar
+    trust: NumVar
+
+
 def section(config: SectionsConfig, name: str) -> Section:
-    """One section with fresh variables."""
-    limit, count = config.area.limit_mm, config.area.count_limit
-    start, end = number("from_mm", MM, -limit, limit), number("to_mm", MM, -limit, limit)
-    unswept = boolean("area_unswept")
-    loose_low, loose_high = (number(f"area_loose_{side}_mm", MM, -limit, limit) for side in ("low", "high"))
-    trains = tuple(_train(n, limit, count) for n in range(1, config.area.trains + 1))
-    rule, since, here = number("rule", COUNT, 0, 12), number("since_cycles", COUNT, 0, count), _counts(config)
-    told = [var for t in trains for var in (t.present, t.low, t.high, t.silent, t.unconfirmed)]
-    told_by = _told_by(config)
+    """Return one section with fresh variables."""
+    declared, limit, count = Declared(), config.area.limit_mm, config.area.count_limit
+    trains = tuple(_train(declared, n, limit, count) for n in range(1, config.area.trains + 1))
+    unswept = declared.sensor(boolean("area_unswept"))
+    loose_low, loose_high = (
+        declared.sensor(number(f"area_loose_{side}_mm", MM, -limit, limit)) for side in ("low", "high")
+    )
+    start = declared.state(number("from_mm", MM, -limit, limit), first=ANY)
+    end = declared.state(number("to_mm", MM, -limit, limit), first=ANY)
+    told = _told(declared, config)
     loose = unswept & (loose_low <= end) & (loose_high >= start)
     judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
-    current = current_mode(table)
-    kept: dict[Var, Expr] = {here[0]: judged.count, here[1]: judged.first, here[2]: judged.followed_count}
-    kept |= dict(zip(told_by, (judged.evidence, judged.age, judged.trust), strict=True))
     machine = Machine(
         name=name,
         modes=table,
-        inputs=[*told, unswept, loose_low, loose_high],
-        state={
-            start: ANY,
-            end: ANY,
-            rule: 0,
-            since: 0,
-            here[0]: 0,
-            here[1]: 0,
-            here[2]: 0,
-            told_by[0]: NOTHING_YET,
-            told_by[1]: 0,
-            told_by[2]: NO_TRUST,
-        },
+        inputs=declared.inputs,
+        state=declared.states,
         outputs={
             "from_mm": start,
             "to_mm": end,
-            "clear": current.eq(table[1]),
-            "trains": here[0],
-            "first_train": here[1],
-            "trains_followed": here[2],
-            "rule": rule,
-            "since_cycles": since,
-            "evidence": told_by[0],
-            "evidence_age_cycles": told_by[1],
-            "trust": told_by[2],
+            "clear": current_mode(table).eq(table[1]),
+            "trains": told.trains,
+            "first_train": told.first_train,
+            "trains_followed": told.followed,
+            "rule": told.rule,
+            "since_cycles": told.since,
+            "evidence": told.evidence,
+            "evidence_age_cycles": told.age,
+            "trust": told.trust,
         },
-        transitions=list(_table(judged, table, rule, since, kept)),
+        transitions=list(_table(judged, table, told)),
         initially=start < end,
         lemmas={"bounds in order": start < end},
-        doc="One virtual section: clear only where no train of the area may be, and nothing that was never counted.",
+        doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
+        "in it.",
     )
     return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
 
 
-def _told_by(config: SectionsConfig) -> tuple[NumVar, NumVar, NumVar]:
-    """What the state rests on, how old that is, and how far to trust it."""
-    age = number("rests_on_age_cycles", COUNT, 0, config.area.count_limit)
-    return choice("rests_on", enumeration(EVIDENCE)), age, choice("told_with", enumeration(TRUST))
-
-
-def _counts(config: SectionsConfig) -> tuple[NumVar, NumVar, NumVar]:
-    names = ("trains_here", "first_train_here", "trains_followed_here")
-    first, second, third = (number(name, COUNT, 0, config.area.trains) for name in names)
-    return first, second, third
-
-
-def _train(number_: int, limit: int, count: int) -> TrainHere:
-    name = f"area_train_{number_}"
-    return TrainHere(
-        boolean(f"{name}_present"),
-        number(f"{name}_low_mm", MM, -limit, limit),
-        number(f"{name}_high_mm", MM, -limit, limit),
-        number(f"{name}_silent_cycles", COUNT, 0, count),
-        number(f"{name}_unconfirmed_cycles", COUNT, 0, count),
+def _told(declared: Declared, config: SectionsConfig) -> _Told:
+    count, trains = config.area.count_limit, config.area.trains
+    return _Told(
+        rule=declared.state(number("rule", COUNT, 0, 12), first=0),
+        since=declared.state(number("since_cycles", COUNT, 0, count), first=0),
+        trains=declared.state(number("trains_here", COUNT, 0, trains), first=0),
+        first_train=declared.state(number("first_train_here", COUNT, 0, trains), first=0),
+        followed=declared.state(number("trains_followed_here", COUNT, 0, trains), first=0),
+        evidence=declared.state(choice("rests_on", enumeration(EVIDENCE)), first=NOTHING_YET),
+        age=declared.state(number("rests_on_age_cycles", COUNT, 0, count), first=0),
+        trust=declared.state(choice("told_with", enumeration(TRUST)), first=NO_TRUST),
     )
 
 
-def _table(
-    judged: Judged, table: tuple[Lit, ...], rule: NumVar, since: NumVar, kept: dict[Var, Expr]
-) -> Iterator[Transition]:
+def _train(declared: Declared, number_: int, limit: int, count: int) -> TrainHere:
+    name = f"area_train_{number_}"
+    return TrainHere(
+        declared.sensor(boolean(f"{name}_present")),
+        declared.sensor(number(f"{name}_low_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_high_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_silent_cycles", COUNT, 0, count)),
+        declared.sensor(number(f"{name}_unconfirmed_cycles", COUNT, 0, count)),
+    )
+
+
+def _table(judged: Judged, table: tuple[Lit, ...], told: _Told) -> Iterator[Transition]:
+    evidence: Updates = {
+        told.trains: judged.count,
+        told.first_train: judged.first,
+        told.followed: judged.followed_count,
+        told.evidence: judged.evidence,
+        told.age: judged.age,
+        told.trust: judged.trust,
+    }
+    longer: Updates = {told.since: minimum(told.since + 1, told.since.high)}
     by_label = {mode.label: mode for mode in table}
-    for (source, target), number_ in sorted(RULES.items(), key=lambda item: item[1]):
-        yield Transition(
-            f"#{number_} {source.lower()} to {target.lower()}",
-            by_label[source],
-            by_label[target],
-            judged.status(target),
-            {**kept, rule: as_num(number_, COUNT), since: as_num(0, COUNT)},
-            REQUIREMENTS,
-            0,
-        )
+    for (source, target), rule in sorted(RULES.items(), key=lambda item: item[1]):
+        name, before, after = f"#{rule} {source.lower()} to {target.lower()}", by_label[source], by_label[target]
+        changed: Updates = {told.rule: rule, told.since: 0}
+        yield Transition(name, before, after, judged.status(target), together(evidence, changed), REQUIREMENTS, 0)
     for mode in table:
-        longer = minimum(since + 1, since.high)
-        yield Transition(
-            f"stay {mode.label.lower()}", mode, mode, set={**kept, since: longer}, requirements=REQUIREMENTS, rank=1
-        )
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, together(evidence, longer), REQUIREMENTS, 1)

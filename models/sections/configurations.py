@@ -1,4 +1,4 @@
-"""Configurations in which area and sections are proved beside their defaults, so that no case of them stays folded away."""
+"""Configurations of area and sections, besides the defaults, in which all their case splits are live in some proof."""
 
 from __future__ import annotations
 

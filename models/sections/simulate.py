@@ -1,7 +1,7 @@
 """Simulated trains through a line area as step streams of area and sections, the trains themselves included.
 
-A journey is told as events in time; between them trains run at given speeds, and the fibre system reports them, or
-does not. With the trains in it, a stream carries its own proof of being lawful: the interpreter checks the assumption.
+A journey is a list of events in time; between them trains run at given speeds, and the fibre system reports them, or
+does not. Since the streams contain the trains, the interpreter checks that they obey the assumption.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Steps = list[dict[str, Cell]]
 
 @dataclass(frozen=True)
 class TrainRun:
-    """One train: when its front comes to the low end, how it runs, and what is heard of it.
+    """One train: its arrival at the low end, its motion, and the reports of it.
 
     speeds      (from this second on, mm/s); negative: backwards
     withheld    (from, to) seconds in which no trusted report comes
@@ -40,7 +40,7 @@ class TrainRun:
 
 @dataclass(frozen=True)
 class Scene:
-    """An area and what happens in it. Places in mm, times in s.
+    """An area and its events. Places in mm, times in s.
 
     loose     rear and front of a vehicle that stands in the area uncounted, if there is one, and the speed at which it
               runs from the start
@@ -59,7 +59,7 @@ class Scene:
 
 
 def first_state(scene: Scene) -> dict[str, Value]:
-    """What is open at the start: the ends, the cuts, and where the uncounted vehicle stands."""
+    """Return the open values at the start: the ends, the cuts, and the place of the uncounted vehicle."""
     rear, front = scene.loose or (scene.ends_mm[0], scene.ends_mm[0])
     first: dict[str, Value] = {
         "area.low_end_mm": scene.ends_mm[0],
@@ -74,7 +74,7 @@ def first_state(scene: Scene) -> dict[str, Value]:
 
 
 def simulate(config: SectionsConfig, scene: Scene, *, seed: int, accuracy_mm: int = 10_000) -> Steps:
-    """One run as steps. Reports are off by up to `accuracy_mm` and say so. InputError for a scene that does not fit."""
+    """Return one run as steps. Reports are off by up to `accuracy_mm`. InputError for a scene that does not fit."""
     if len(scene.sections_mm) != config.sections or any(run.slot > config.area.trains for run in scene.trains):
         raise InputError(
             f"the scene has {len(scene.sections_mm)} sections and slots up to {max(r.slot for r in scene.trains)}; the "
@@ -86,7 +86,7 @@ def simulate(config: SectionsConfig, scene: Scene, *, seed: int, accuracy_mm: in
 
 @dataclass(frozen=True)
 class _Train:
-    """A train as it is: its plan, both ends (um), and whether it is counted in."""
+    """A train: its plan, its true ends (um), and whether it is counted in."""
 
     run: TrainRun
     rear: int
@@ -104,7 +104,7 @@ class _World:
         self._loose_there = scene.loose is not None
 
     def step(self, second: int) -> dict[str, Cell]:
-        """One cycle of one second."""
+        """Return one cycle of one second."""
         healthy = not _during(self._scene.disturbed, second)
         inputs: dict[str, Cell] = {
             "area.counters_healthy": healthy,
@@ -131,7 +131,7 @@ class _World:
         return {**quiet, **true, "event": event, **(self._report(train, second) if reported else {})}
 
     def _moved(self, train: _Train, second: int) -> _Train:
-        """Both ends after the second; a part left behind stands."""
+        """Return both ends after the second; a part left behind stands."""
         if second < train.run.enters_s:
             return train
         since = second - train.run.enters_s

@@ -1,20 +1,20 @@
-"""Which pattern is which train: by their order on the track, never by the nearest (FVA-2; figures, 003 item 21).
+"""Association of patterns with trains by their order on the track, never by the nearest (FVA-2; figures, 003 item 21).
 
-    UNKNOWN  it is not known which trains are in the area: no pattern belongs to anyone
+    UNKNOWN  the trains in the area are not known: no pattern belongs to any train
     ORDERED  the trains in the area are known, in their order from the low end
 
-On one track no train passes another. Axle counters tell which train enters or leaves, and at which end; so the order is
-known without any position. The fibre's patterns lie apart, in order. Only when there are just as many as trains, the
-first belongs to the first, and so on; otherwise none belongs to anyone.
+On one track no train passes another. Axle counters report which train enters or leaves, and at which end; so the order is
+known without any position. The fibre's patterns lie apart, in order. If there are exactly as many patterns as trains, the
+first belongs to the first, and so on; otherwise none belongs to any train.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Expr, Lit, Var, any_of, as_num
+from safeloc.language.expr import Lit, any_of
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
-from safeloc.language.units import COUNT
+from safeloc.language.rows import Updates, together
 from safeloc.models.train_order.cycle import Cycle
 from safeloc.models.train_order.lemmas import lemmas
 from safeloc.models.train_order.variables import Parts, TrainOrderConfig, parts
@@ -29,12 +29,12 @@ TrainOrder = Model[Parts]
 
 
 def machine(config: TrainOrderConfig | None = None) -> Machine:
-    """The machine that tells whose a pattern is (FVA-2)."""
+    """Return the machine that associates patterns with trains (FVA-2)."""
     return build(parts(config or TrainOrderConfig())).machine
 
 
 def build(own: Parts) -> TrainOrder:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNKNOWN", "ORDERED")
     current, cycle = current_mode(table), Cycle(own)
     made = Machine(
@@ -52,9 +52,9 @@ def build(own: Parts) -> TrainOrder:
         lemmas=lemmas(own, current.eq(table[1])),
         definitions={"patterns match trains": cycle.matched, "events possible": cycle.possible},
         doc=(
-            "Whose a pattern is, by the order of trains on the track. Assumed: undisturbed counters tell every train that "
-            "enters or leaves, unless what they tell cannot be; no train passes another; where there are as many patterns as "
-            "trains and they lie apart, each pattern holds a train."
+            "Associates patterns with trains by the order of trains on the track. Assumed: undisturbed counters "
+            "report every train that enters or leaves, unless their reports are impossible; no train passes "
+            "another; if there are as many patterns as trains and they lie apart, each pattern contains a train."
         ),
     )
     return Model(made, own)
@@ -62,16 +62,16 @@ def build(own: Parts) -> TrainOrder:
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, ordered = table
-    zero = as_num(0, COUNT)
-    nobody: dict[Var, Expr] = dict.fromkeys((*own.order, *own.belongs), zero)
-    kept: dict[Var, Expr] = dict(zip(own.order, cycle.after, strict=True))
-    nobodys: dict[Var, Expr] = dict.fromkeys(own.belongs, zero)
-    theirs: dict[Var, Expr] = dict(zip(own.belongs, cycle.after, strict=True))
-    yield Transition("order lost", table, unknown, own.fault, nobody, REQUIREMENTS, 0)
-    yield Transition("impossible event", ordered, unknown, ~cycle.possible, nobody, REQUIREMENTS, 1)
+    no_order: Updates = dict.fromkeys(own.order, 0)
+    order: Updates = dict(zip(own.order, cycle.after, strict=True))
+    nobodys: Updates = dict.fromkeys(own.belongs, 0)
+    theirs: Updates = dict(zip(own.belongs, cycle.after, strict=True))
+    nothing = together(no_order, nobodys)
     quiet = own.enters_low.eq(0) & own.enters_high.eq(0) & ~own.leaves_low & ~own.leaves_high
-    yield Transition("area is empty", table, ordered, own.clear & quiet, nobody, REQUIREMENTS, 2)
-    yield Transition("patterns belong to trains", ordered, ordered, cycle.matched, {**kept, **theirs}, REQUIREMENTS, 3)
+    yield Transition("order lost", table, unknown, own.fault, nothing, REQUIREMENTS, 0)
+    yield Transition("impossible event", ordered, unknown, ~cycle.possible, nothing, REQUIREMENTS, 1)
+    yield Transition("area is empty", table, ordered, own.clear & quiet, nothing, REQUIREMENTS, 2)
     yield Transition(
-        "patterns belong to nobody", ordered, ordered, ~cycle.matched, {**kept, **nobodys}, REQUIREMENTS, 3
-    )
+        "patterns belong to trains", ordered, ordered, cycle.matched, together(order, theirs), REQUIREMENTS, 3)  # fmt: skip
+    yield Transition(
+        "patterns belong to nobody", ordered, ordered, ~cycle.matched, together(order, nobodys), REQUIREMENTS, 3)  # fmt: skip

@@ -1,4 +1,4 @@
-"""What a cycle does to the order, and whether the patterns match it."""
+"""Terms of one cycle: the order after its events, and the match of patterns and trains."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from safeloc.models.train_order.variables import Parts
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """The events of a cycle and its patterns, judged by the order that is known."""
+    """The events of a cycle and its patterns, compared with the known order."""
 
     own: Parts
 
     @property
     def after(self) -> tuple[Num, ...]:
-        """The order after the events of the cycle, of which there is at most one."""
+        """The order after the event of the cycle; there is at most one."""
         own, none, order = self.own, as_num(0, COUNT), self.own.order
         up = [own.enters_low, *order[:-1]]
         down = [*order[1:], none]
@@ -33,7 +33,7 @@ class Cycle:
 
     @property
     def possible(self) -> Bool:
-        """At most one event, of a train that can make it."""
+        """There is at most one event, of a train that can make it."""
         own = self.own
         events = [own.enters_low > 0, own.enters_high > 0, own.leaves_low, own.leaves_high]
         pairs = [~(a & b) for n, a in enumerate(events) for b in events[:n]]
@@ -55,7 +55,7 @@ class Cycle:
 
     @property
     def matched(self) -> Bool:
-        """As many patterns as trains, apart."""
+        """There are as many patterns as trains, and they lie apart."""
         own = self.own
         trains = [one.ne(0).iff(own.patterns > rank) for rank, one in enumerate(self.after)]
         return all_of([*trains, own.patterns <= len(own.order), self.apart])

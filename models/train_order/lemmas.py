@@ -1,4 +1,4 @@
-"""What helps to prove of the machine that tells whose a pattern is. Lemmas are proved themselves."""
+"""Lemmas for the proofs of the association of patterns; they are proved themselves."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from safeloc.models.train_order.variables import Parts
 
 
 def lemmas(own: Parts, ordered: Bool) -> dict[str, Bool]:
-    """The order has no gaps; it names just the trains that are between the counters, from the low end on."""
+    """Return the lemmas: the order has no gaps, and names exactly the trains between the counters, from the low end on."""
     gaps = [here.eq(0).implies(there.eq(0)) for here, there in zip(own.order, own.order[1:], strict=False)]
     apart = [a.ne(0).implies(a.ne(b)) for n, a in enumerate(own.order) for b in own.order[:n]]
     return {
@@ -24,7 +24,7 @@ def _names(own: Parts) -> Bool:
 
 
 def _ascends(own: Parts) -> Bool:
-    """Of two trains, one after the other in the order, the first is nearer to the low end."""
+    """Return the condition that of two trains, one after the other in the order, the first is nearer to the low end."""
     pairs = [(a, b) for a in own.trains for b in own.trains if a is not b]
     return all_of(
         (here.eq(a.number) & there.eq(b.number)).implies(a.place < b.place)

@@ -1,6 +1,7 @@
-"""Trains of an area and the patterns that the fibre sees, as steps of the machine that tells whose a pattern is.
+"""Simulated trains of an area and the fibre's patterns, as steps of the machine that associates them.
 
-Its named runs are written anew by `python -m safeloc.models.train_order.simulate`. A cycle is a second. Trains run along the track; where two come so near that the fibre sees one pattern, there is one.
+`python -m safeloc.models.train_order.simulate` writes the named runs anew. A cycle is a second. Trains run along the track;
+if two come so near that the fibre sees one pattern, there is one.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from safeloc.models.train_order import TrainOrderConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell, write_steps
 
-HALF_MM = 120_000  # half a pattern: a train and what is not known of its ends
+HALF_MM = 120_000  # half a pattern: a train with the uncertainty of its ends
 FOLDER = Path(__file__).parents[1] / "streams"
 ENDS_MM = (0, 10_000_000)
 
@@ -24,8 +25,8 @@ ENDS_MM = (0, 10_000_000)
 class TrainRun:
     """A train that comes in at an end.
 
-    enters_s  when; from above: it comes in at the high end
-    speeds    (from this second on, mm/s), its sign by the line; it is out when it has left an end behind
+    enters_s  second in which it comes in; from above: at the high end
+    speeds    (from this second on, mm/s), its sign by the line; the train is out when it has left an end behind
     """
 
     number: int
@@ -36,10 +37,10 @@ class TrainRun:
 
 @dataclass(frozen=True)
 class Scene:
-    """What happens in an area; times in s.
+    """Events in an area; times in s.
 
-    clear    when the counters tell that the area is empty
-    fault    when a counter is disturbed
+    clear    seconds in which the counters report an empty area
+    fault    seconds in which a counter is disturbed
     ghosts   (from, to, place): a pattern that is no train
     lost     (from, to, number): a train whose pattern is not seen
     events   second -> cells of the counters that differ
@@ -55,13 +56,13 @@ class Scene:
 
 
 def seen(config: TrainOrderConfig, scene: Scene, seed: int = 0) -> Steps:
-    """One step a second: counters, patterns, and where the trains are."""
+    """Return one step per second: counters, patterns, and the true places of the trains."""
     world = _World(config, scene, Random(seed))
     return [world.step(second) for second in range(scene.seconds)]
 
 
 def simulate(config: TrainOrderConfig, *, seed: int) -> Steps:
-    """As many trains as the machine tells apart, one behind the other, some faster than the one before."""
+    """Return as many trains as the machine can distinguish, one behind the other, some faster than the one before."""
     rng = Random(seed)
     trains, enters = list[TrainRun](), 5
     for number in range(1, config.trains + 1):
@@ -77,7 +78,7 @@ class _World:
         self._inside = list[int]()  # from the low end
 
     def step(self, second: int) -> dict[str, Cell]:
-        """One cycle."""
+        """Return one cycle."""
         told = self._run(second)
         patterns = self._patterns(second)
         step: dict[str, Cell] = {
@@ -96,7 +97,7 @@ class _World:
         return step
 
     def _run(self, second: int) -> dict[str, Cell]:
-        """Moves every train; what the counters tell, which is one event at most."""
+        """Move every train; return the counters' inputs, at most one event."""
         told: dict[str, Cell] = {}
         for run in self._scene.trains:
             if second == run.enters_s:
@@ -115,7 +116,7 @@ class _World:
         return {"leaves_low" if self._places[number] < low else "leaves_high": True}
 
     def _patterns(self, second: int) -> list[tuple[int, int, int]]:
-        """Low end, high end and owner of every pattern in order; what overlaps is one pattern."""
+        """Return low end, high end and owner of every pattern in order; patterns that overlap are one pattern."""
         hidden = {number for begin, end, number in self._scene.lost if begin <= second < end}
         middles = [(self._places[number], number) for number in self._inside if number not in hidden]
         middles += [(place, 0) for begin, end, place in self._scene.ghosts if begin <= second < end]
@@ -144,35 +145,37 @@ def _worked(outcome: str, scene: Scene) -> WorkedRun[TrainOrderConfig]:
 
 RUNS: Mapping[str, WorkedRun[TrainOrderConfig]] = {
     "train_order-service": _worked(
-        "Two trains follow each other, a third comes from above and goes back: every pattern is its train's.",
+        "Two trains follow each other, a third comes from above and goes back: every pattern belongs to its train.",
         Scene(300, (FIRST, TrainRun(2, 80, ((80, 30_000), (160, 0), (220, 30_000))), FROM_ABOVE)),
     ),
     "train_order-close-together": _worked(
-        "The second train comes so near to the first that there is one pattern: it is nobody's; apart again, each has its own.",
+        "The second train comes so near to the first that there is one pattern: it belongs to no train; apart "
+        "again, each has its own.",
         Scene(220, (SLOWER, CATCHES_UP)),
     ),
     "train_order-ghost-pattern": _worked(
-        "Three patterns of two trains: none is anyone's for as long as that lasts.",
+        "Three patterns of two trains: none belongs to a train for as long as that lasts.",
         Scene(200, (FIRST, TrainRun(2, 80, ((80, 30_000),))), ghosts=((120, 160, 2_500_000),)),
     ),
     "train_order-lost-pattern": _worked(
-        "A train that is not seen: the other's pattern is nobody's, not the nearest train's.",
+        "A train that is not seen: the other's pattern belongs to no train, not to the nearest.",
         Scene(200, (FIRST, TrainRun(2, 80, ((80, 30_000),))), lost=((120, 150, 2),)),
     ),
     "train_order-counter-fault": _worked(
-        "A disturbed counter ends the order; patterns are nobody's until the counters tell an empty area; then the next train "
-        "has its own.",
+        "A disturbed counter ends the order; patterns belong to no train until the counters report an empty "
+        "area; then the next train has its own.",
         Scene(300, (FIRST, TrainRun(2, 275, ((275, 40_000),))), clear=(1, 265), fault=(100, 101)),
     ),
     "train_order-impossible-event": _worked(
-        "A train is counted out of an empty area: the order is unknown in that cycle, until the area is told to be empty.",
+        "A train is counted out of an empty area: the order is unknown from that cycle on, until the counters "
+        "report an empty area.",
         Scene(60, (), clear=(1, 40), events=((20, {"leaves_high": True}),)),
     ),
 }
 
 
 def write(folder: Path = FOLDER) -> list[Path]:
-    """Write all of them; the paths."""
+    """Write all of them; return their paths."""
     paths = [folder / f"{name}.jsonl.gz" for name in RUNS]
     for path, run in zip(paths, RUNS.values(), strict=True):
         write_steps(path, run.steps(TrainOrderConfig()), machine="train_order")

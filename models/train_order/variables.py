@@ -1,4 +1,4 @@
-"""Configuration and variables of the machine that tells whose a pattern is."""
+"""Configuration and variables of the machine that associates patterns with trains."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from safeloc.language.units import COUNT, MM, UM, UM_PER_MM
 
 
 class TrainOrderConfig(Config):
-    """How many trains are told apart."""
+    """Number of trains and range of positions."""
 
     trains: int = quantity(3, "count", 1, 8, "[D] trains at a time in 10 to 40 km")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
@@ -20,7 +20,7 @@ class TrainOrderConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class TrainGhosts:
-    """Of one train: whether it is between the counters, and where, um; before the cycle and, freely chosen, after it."""
+    """Ghosts of one train: between the counters or not, and its place, um; before the cycle and, freely chosen, after it."""
 
     number: int
     inside: BoolVar
@@ -32,13 +32,13 @@ class TrainGhosts:
 class Parts:
     """The variables of the machine. Trains are numbers from 1 on; 0 is none.
 
-    enters_low, enters_high, leaves_low, leaves_high  what the axle counters at both ends tell, complete trains
-    clear     the axle counters tell that the area is empty
+    enters_low, enters_high, leaves_low, leaves_high  reports of the axle counters at both ends, of complete trains
+    clear     the axle counters report an empty area
     fault     a counter is disturbed
-    patterns  how many patterns the fibre sees; lows, highs: where, in order
-    order     the trains in the area, from the low end; belongs: whose the patterns are
-    trains    ghosts: which trains are in the area, and where
-    owners    ghosts: the train that each pattern holds
+    patterns  number of patterns that the fibre sees; lows, highs: their ends, in order
+    order     the trains in the area, from the low end; belongs: the train of each pattern
+    trains    ghosts: trains in the area, with their places
+    owners    ghosts: the train that each pattern contains
     """
 
     def __init__(self, config: TrainOrderConfig) -> None:
@@ -62,7 +62,7 @@ class Parts:
 
 
 def parts(config: TrainOrderConfig) -> Parts:
-    """Fresh variables for one area."""
+    """Return fresh variables for one area."""
     return Parts(config)
 
 

@@ -1,11 +1,11 @@
-"""The world of the machine that tells whose a pattern is: which trains are between the counters, where, and what is seen.
+"""The world of the machine that associates patterns with trains: trains between the counters, their places, and patterns.
 
     trains    keep their order: on one track none passes another
-    counters  undisturbed, tell each train that enters or leaves, and at which end; or they tell what cannot be
-    patterns  hold a train each where there are as many of them as trains, lying apart
+    counters  undisturbed, report each train that enters or leaves, and at which end; or their reports are impossible
+    patterns  contain a train each, if there are as many of them as trains and they lie apart
 
-What cannot be is a train that enters and is there already, one that leaves an empty area, or two events at once: nothing is
-assumed of the counters in such a cycle. Nothing is assumed of patterns where their number is another one.
+Impossible are a train that enters and is there already, one that leaves an empty area, and two events at once: nothing is
+assumed of the counters in such a cycle. Nothing is assumed of patterns if their number differs from that of the trains.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from safeloc.models.train_order.variables import Parts, TrainGhosts
 
 
 def world(own: Parts) -> World:
-    """The trains, and what ties counters and patterns to them."""
+    """Return the world: the trains, and the laws of counters and patterns."""
     moves: dict[Var, Expr] = {}
     for train in own.trains:
         moves |= {train.inside: train.next_inside, train.place: train.next_place}
@@ -38,7 +38,7 @@ def world(own: Parts) -> World:
 
 
 def many(conditions: Iterable[Bool]) -> Num:
-    """How many of the conditions hold."""
+    """Return how many of the conditions hold."""
     total = as_num(0, COUNT)
     for one in conditions:
         total = ite(one, total + 1, total)
@@ -73,7 +73,7 @@ def _outermost(own: Parts, train: TrainGhosts, before: Callable[[TrainGhosts, Tr
 
 
 def _first(own: Parts, train: TrainGhosts) -> Bool:
-    """Before the cycle no other train was nearer to the low end."""
+    """Return the condition that before the cycle no other train was nearer to the low end."""
     return _outermost(own, train, lambda a, b: b.inside.implies(a.place < b.place))
 
 
@@ -82,7 +82,7 @@ def _last(own: Parts, train: TrainGhosts) -> Bool:
 
 
 def _first_now(own: Parts, train: TrainGhosts) -> Bool:
-    """After the cycle no other train is nearer to the low end."""
+    """Return the condition that after the cycle no other train is nearer to the low end."""
     return _outermost(own, train, lambda a, b: b.next_inside.implies(a.next_place < b.next_place))
 
 
@@ -94,7 +94,7 @@ def _last_now(own: Parts, train: TrainGhosts) -> Bool:
 
 
 def _disturbed(own: Parts) -> Bool:
-    """A counter says so, or what the counters tell cannot be."""
+    """Return the condition that a counter reports a disturbance, or the counters' reports are impossible."""
     empty = all_of(~train.inside for train in own.trains)
     there = [
         train.inside & any_of(told.eq(train.number) for told in (own.enters_high, own.enters_low))
@@ -113,7 +113,8 @@ def _leaving_law(own: Parts) -> Law:
         terms.append(_left(train).implies(any_of(by)))
     return Law(
         _disturbed(own) | all_of(terms),
-        "Undisturbed counters tell each train that has left the area, and at which end: there no other was before it.",
+        "Undisturbed counters report each train that has left the area, and at which end: there no other was "
+        "before it.",
         source="[M] axle counters at both ends; complete trains [D]",
         owner="supplier",
         check="counts at both ends agree whenever the area is empty",
@@ -132,8 +133,8 @@ def _entering_law(own: Parts) -> Law:
         terms += [low.implies(_first_now(own, train)), high.implies(_last_now(own, train))]
     return Law(
         _disturbed(own) | all_of(terms),
-        "Undisturbed counters tell each train that has entered the area, by its number, and at which end: there no other is "
-        "before it.",
+        "Undisturbed counters report each train that has entered the area, by its number, and at which end: "
+        "there no other is before it.",
         source="[M] axle counters at both ends; the number by train control [D]",
         owner="supplier",
         check="counts at both ends agree whenever the area is empty",
@@ -143,7 +144,7 @@ def _entering_law(own: Parts) -> Law:
 def _empty_law(own: Parts) -> Law:
     return Law(
         (own.clear & ~own.fault).implies(all_of(~train.next_inside for train in own.trains)),
-        "Undisturbed counters tell that the area is empty only if no train is in it.",
+        "Undisturbed counters report an empty area only if no train is in it.",
         source="[M] axle counters",
         owner="supplier",
         check="safety case of the counters",
@@ -158,8 +159,9 @@ def _pattern_law(own: Parts) -> Law:
     held = [(own.patterns <= rank) | _holds(own, rank) for rank in range(len(own.owners))]
     return Law(
         (as_many & _apart(own)).implies(all_of(held)),
-        "Where the fibre sees as many patterns, lying apart, as trains are in the area, there is a train in each: a pattern "
-        "without a train never comes together with a train that is not seen, or with two that are seen as one.",
+        "If the fibre sees as many patterns, lying apart, as trains are in the area, each pattern contains a "
+        "train: a pattern without a train never comes together with a train that is not seen, or with two that "
+        "are seen as one.",
         source="[D] 003 item 21; each alone changes the number",
         owner="supplier",
         check="commissioning runs with several trains; patterns against trains are counted in operation",
@@ -167,7 +169,7 @@ def _pattern_law(own: Parts) -> Law:
 
 
 def _apart(own: Parts) -> Bool:
-    """No pattern reaches into the next one."""
+    """Return the condition that no pattern reaches into the next one."""
     ends = [end for pair in zip(own.lows, own.highs, strict=True) for end in pair]
     told = [own.patterns < 1 + number // 2 for number in range(len(ends))]
     return all_of(
@@ -177,7 +179,7 @@ def _apart(own: Parts) -> Bool:
 
 
 def _holds(own: Parts, rank: int) -> Bool:
-    """A train that is in the area is within the pattern."""
+    """Return the condition that the pattern contains a train that is in the area."""
     low, high = exact_to(own.lows[rank], UM), exact_to(own.highs[rank], UM)
     return any_of(
         all_of([own.owners[rank].eq(train.number), train.next_inside, between(low, train.next_place, high)])

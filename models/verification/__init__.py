@@ -1,18 +1,18 @@
-"""A train's fibre position, given out only while it is verified against what an axle counter measured (FVA-1 to FVA-8).
+"""A train's fibre position, reported only while it is verified against the record of an axle counter (FVA-1 to FVA-8).
 
-    NO_REFERENCE  nothing to verify with: withheld
-    WITHHELD      a reference is stored; at present nothing is verified: withheld
-    TRUSTED       verified: the position is given out
-    UNTRUSTED     something did not match: withheld, and what was given out before is revoked
+    NO_REFERENCE  no record to verify against: withheld
+    WITHHELD      a reference is stored, but at present the position is not verified: withheld
+    TRUSTED       verified: the position is reported
+    UNTRUSTED     a mismatch was found: withheld, and a position reported before is revoked
 
-A reference is the entry record of an axle counter, or that record handed over by the neighbouring area while it
-trusted the train. It is taken once and used for the whole stay. The axle count must be identical, the length equal
+A reference is the entry record of an axle counter, or that record handed over by the neighbouring area while it trusted the
+train. The machine accepts it once and uses it for the whole stay. The axle count must be identical, the length equal
 within the tolerances of both sides; speed and place are compared with the counter's only in the cycle of the reference.
-Later a place is compared with where the train can have come by that reference and the top speed, as long as this leaves
-no more open than permitted. Any mismatch withholds in the same cycle and is latched; only another accepted reference
-ends it. What is missing withholds, and does not count as success.
+Later the place is compared with the stretch that the train can have reached since that reference at top speed, as long as
+this stretch is no longer than permitted. Any mismatch withholds the position in the same cycle and is latched; only another
+accepted reference ends it. Missing data withhold as well, and never count as success.
 
-What the fibre tells is believed within its bounds (`world`), or not at all (`doubted`): two worlds of one machine.
+The machine has two worlds: the fibre's readings are true within their bounds (`world`), or may be wrong in any way (`doubted`).
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, as_num, ite, maximum, minimum
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, as_num, ite, maximum, minimum
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.doubted import Doubted, doubted
 from safeloc.models.verification.doubted import world as doubted_world
@@ -36,25 +37,25 @@ __all__ = ["Verification", "VerificationConfig", "build", "build_doubted", "mach
 REQUIREMENTS = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")
 ENTRY = (*REQUIREMENTS, "FVA-3", "FVA-12", "FVA-4", "FVA-13", "FVA-14", "FVA-D1")
 BELIEVED = (
-    "Verifies one train's fibre parameters against the record of an axle counter. Assumed: a count that the fibre "
-    "tells is that of the train it is associated with; a length is true within the fibre's tolerance; a located "
-    "interval holds the front (the fibre machine's own proof). Nothing is assumed of the record beyond its bounds, "
-    "of train control data, or of which train a pattern belongs to: that is what is verified."
+    "Verifies one train's fibre parameters against the record of an axle counter. Assumed: a count that the "
+    "fibre reports is that of the train whose pattern it is; a length is true within the fibre's tolerance; a "
+    "located interval contains the front (proved of the fibre machine). Nothing is assumed of the record beyond "
+    "its bounds, of train control data, or of which train a pattern belongs to: the machine verifies these."
 )
 DOUBTED = (
-    "Verifies one train's fibre parameters against the record of an axle counter. Nothing is assumed of what the fibre "
-    "tells: count, length, speed, place and whose pattern it is may be wrong, alone or together, from any moment on. Assumed: "
-    "the axle counter's record is true, what a neighbour hands over is true, no train runs faster than the top "
-    "speed, and no other one takes its place untold."
+    "Verifies one train's fibre parameters against the record of an axle counter. Nothing is assumed of the "
+    "fibre's readings: count, length, speed, place and the pattern's identity may be wrong, alone or together, "
+    "from any moment on. Assumed: the axle counter's record is true, the data that a neighbour hands over are "
+    "true, no train runs faster than the top speed, and no other train takes its place unreported."
 )
 COURSE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16", "FVA-8", "FVA-17")
 
 
 @dataclass(frozen=True, eq=False)
 class Verification:
-    """The machine together with the terms it was built from, for properties to speak about.
+    """The machine together with the terms from which it was built; properties refer to these terms.
 
-    train  ghosts of the train where nothing is assumed of the fibre; None where it is believed within its bounds
+    train  ghosts of the train if nothing is assumed of the fibre; None if its readings are true within their bounds
     """
 
     machine: Machine
@@ -64,18 +65,18 @@ class Verification:
 
 
 def machine(config: VerificationConfig | None = None) -> Machine:
-    """The machine that verifies one train (FVA-1)."""
+    """Return the machine that verifies one train (FVA-1)."""
     return build(parts(config or VerificationConfig())).machine
 
 
 def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -> Verification:
-    """The machine over the given variables; `place_kept`: an earlier machine vouches for the interval, not assumed."""
+    """Return the machine over the given variables; `place_kept`: an earlier machine guarantees the interval, so it is not assumed."""
     around = world(own, place_kept=place_kept)
     return _built(own, name, lambda _, trusted: {"world": around, "lemmas": lemmas(own, trusted), "doc": BELIEVED})
 
 
 def build_doubted(own: Parts) -> Verification:
-    """The same machine where nothing is assumed of what the fibre tells, and an axle counter's record is true."""
+    """Return the same machine in the world in which the fibre's readings may be wrong and an axle counter's record is true."""
     train = doubted(own)
 
     def around(known: Bool, trusted: Bool) -> dict[str, Any]:
@@ -86,7 +87,7 @@ def build_doubted(own: Parts) -> Verification:
 
 
 def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, Any]]) -> Verification:
-    """The machine in a world; `around` makes world, lemmas and doc of what is known and what is trusted."""
+    """Return the machine in a world; `around` maps "reference stored" and "trusted" to world, lemmas and doc."""
     table = modes("NO_REFERENCE", "WITHHELD", "TRUSTED", "UNTRUSTED")
     current = current_mode(table)
     known = current.one_of(table[1], table[2])
@@ -117,33 +118,94 @@ def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, An
 
 def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, withheld, trusted, untrusted = table
-    known = (withheld, trusted)
+    known, course = (withheld, trusted), (*REQUIREMENTS, *COURSE)
     good, fresh = judged.verified & ~judged.missing, judged.current & ~judged.missing
-    why = ite(judged.missing, judged.lack, NOT_VERIFIED)
-    gone: dict[Var, Expr] = {**judged.forget(), own.reason: NO_RECORD, own.given: FALSE}
-    refused: dict[Var, Expr] = {**judged.forget(), own.reason: judged.flaw}
-    sure: dict[Var, Expr] = {own.reason: VERIFIED, own.given: TRUE}
-    waits: dict[Var, Expr] = {**judged.take(), own.reason: why, own.given: FALSE}
-    taken, course = {**judged.take(), **sure}, {**judged.go_on(), **sure}
+    lack: Updates = {own.reason: ite(judged.missing, judged.lack, NOT_VERIFIED)}
+    verified: Updates = {own.reason: VERIFIED, own.given: TRUE}
+    taken = together(_readings(own, judged), _record(own), _rests_on_record(own, judged))
+    goes_on = together(_readings(own, judged), _rests_on(own, judged))
+    gone = together(_forgotten(own), {own.reason: NO_RECORD, own.given: FALSE})
     yield Transition("train has left", table, none, own.leaves, gone, REQUIREMENTS, 0)
     yield Transition(
-        "mismatch", table, untrusted, judged.mismatch, refused, (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1
-    )
-    yield Transition("reference accepted and verified", table, trusted, judged.accepted & good, taken, ENTRY, 2)
-    yield Transition("reference accepted", table, withheld, judged.accepted & ~good, waits, ENTRY, 2)
-    yield Transition("verified", known, trusted, good, course, (*REQUIREMENTS, *COURSE), 3)
-    yield Transition("still verified", trusted, trusted, fresh, course, (*REQUIREMENTS, *COURSE), 4)
-    lacking: dict[Var, Expr] = {**judged.go_on(), own.reason: why}
-    yield Transition("not verified now", known, withheld, TRUE, lacking, (*REQUIREMENTS, *COURSE), 5)
+        "mismatch", table, untrusted, judged.mismatch,
+        together(_forgotten(own), {own.reason: judged.flaw}), (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1)  # fmt: skip
+    yield Transition(
+        "reference accepted and verified", table, trusted, judged.accepted & good,
+        together(taken, verified), ENTRY, 2)  # fmt: skip
+    yield Transition(
+        "reference accepted", table, withheld, judged.accepted & ~good,
+        together(taken, lack, {own.given: FALSE}), ENTRY, 2)  # fmt: skip
+    yield Transition("verified", known, trusted, good, together(goes_on, verified), course, 3)
+    yield Transition("still verified", trusted, trusted, fresh, together(goes_on, verified), course, 4)
+    yield Transition("not verified now", known, withheld, TRUE, together(goes_on, lack), course, 5)
     yield Transition("mismatch is kept", untrusted, untrusted, TRUE, {}, REQUIREMENTS, 5)
     yield Transition("no train", none, none, TRUE, gone, REQUIREMENTS, 5)
 
 
-# ------------------------------------------------------------------ what is given out
+# ------------------------------------------------------------------ groups of updates
+
+
+def _readings(own: Parts, judged: Judged) -> Updates:
+    """Store the last readings with bounds of later changes, the places possible by the record, and the front's interval."""
+    slower, faster = judged.abilities
+    speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
+    return {
+        own.possible_low: judged.possible[0],
+        own.possible_high: judged.possible[1],
+        own.length_known: own.length_known | length,
+        own.last_length: ite(length, own.seen_length.value, own.last_length),
+        own.speed_known: own.speed_known | speed,
+        own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
+        own.slower: ite(speed, 0, slower),
+        own.faster: ite(speed, 0, faster),
+        own.place_known: own.place_known | judged.placed,
+        own.last_place: ite(judged.placed, own.place.value, own.last_place),
+        own.reach: ite(judged.placed, 0, judged.reach),
+        own.front: ite(judged.placed, own.place.value, own.front),
+        own.front_above: ite(judged.placed, own.place_above, own.front_above),
+        own.front_below: ite(judged.placed, own.place_below, own.front_below),
+    }
+
+
+def _record(own: Parts) -> Updates:
+    """Store the accepted record."""
+    return {own.kept_count: own.record_count, own.kept_low: own.record_low, own.kept_high: own.record_high}
+
+
+def _rests_on_record(own: Parts, judged: Judged) -> Updates:
+    """Rest trust on the comparison with the record accepted in this cycle."""
+    return {
+        own.age: ite(judged.verified, 0, as_num(own.age.high, COUNT)),
+        own.by_count: judged.count_matches,
+        own.by_length: judged.length_matches,
+        own.by_speed: judged.speed_compared,
+        own.by_place: judged.place_compared,
+        own.by_control: judged.controlled,
+        own.by_emitter: own.chain_tested,
+    }
+
+
+def _rests_on(own: Parts, judged: Judged) -> Updates:
+    """Rest trust on the last verification; the comparisons made at the entry stay."""
+    return {
+        own.age: judged.age,
+        own.by_count: ite(judged.verified, judged.count_matches, own.by_count),
+        own.by_length: ite(judged.verified, judged.length_matches, own.by_length),
+        own.by_control: judged.controlled | own.by_control,
+        own.by_emitter: own.chain_tested,
+    }
+
+
+def _forgotten(own: Parts) -> Updates:
+    """Clear all data of the train."""
+    return together(dict.fromkeys((*own.numbers, own.age), 0), dict.fromkeys((*own.flags, *own.known), FALSE))
+
+
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:
-    """Position only while trusted; the list of what it rests on; the record, for the neighbour to take over."""
+    """Return the outputs: position while trusted, the verified parameters, and the record for the neighbour."""
     trusted, known = current.eq(table[2]), current.one_of(table[1], table[2])
     zero = as_num(0, MM)
     return {

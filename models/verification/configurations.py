@@ -1,4 +1,4 @@
-"""Configurations in which verification is proved beside its defaults, so that no case of it stays folded away."""
+"""Configurations of verification, besides the defaults, in which all its case splits are live in some proof."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from safeloc.config import Configurations
 from safeloc.models.verification.variables import VerificationConfig
 
 NEVER = {
-    "models/verification/world.py: place_kept": "an earlier machine vouches for the place in compositions only: fibre_area",
+    "models/verification/world.py: place_kept": "an earlier machine guarantees the place in compositions only: fibre_area",
 }
-"""Case splits that no configuration makes live, and why."""
+"Case splits that no configuration makes live, with the reason."
 CONFIGURATIONS = Configurations(
     {
         "control data, no emitter": VerificationConfig(needs_control_data=True, needs_emitter=False),

@@ -1,10 +1,10 @@
-"""The world of a train whose fibre may be wrong: nothing is assumed of what the fibre tells, of any of it, at any time.
+"""The world of a train whose fibre may be wrong: nothing is assumed of any of the fibre's readings, at any time.
 
-Count, place, length, speed and whose pattern it is are what they are: wrong alone, wrong together, from any moment on. So
-are the signals of the emitter and of train control. What is true is the train as it passed the axle counter, how a train
-moves, and the counter's record (FVA-4): the one sensor that is safe in the signalling sense.
+Count, place, length, speed and the pattern's identity may be wrong, alone or together, from any moment on. So may the
+signals of the emitter and of train control. The laws tie down only the train as it passed the axle counter, the motion of a
+train, and the counter's record (FVA-4): the one sensor that is safe in the signalling sense.
 
-    axles, length  of the train of the last record, as it passed the counter; what it loses afterwards makes it no other train
+    axles, length  of the train of the last record, as it passed the counter; it stays the same train if it loses vehicles later
     truth          the front of that train
 """
 
@@ -39,13 +39,13 @@ HANDED_OVER = "what a neighbour hands over is true"
 
 @dataclass(frozen=True, eq=False)
 class Doubted:
-    """Ghosts beside axles, length and front of the train.
+    """Ghosts besides axles, length and front of the train.
 
     speed        the train's speed
-    width        how far apart the places are at which the front can be by the last record and the top speed alone
-    record_ago   cycles since that record, up to one more than a place can serve
-    spread       how far apart the bounds of the length are in that record
-    untold_for   cycles since the fibre told a count or a length that was the train's, the length within tolerance and spread
+    width        distance between the outermost places possible for the front by the last record and the top speed alone
+    record_ago   cycles since that record, up to one more than a place can be used
+    spread       distance between the bounds of the length in that record
+    untold_for   cycles since the fibre reported the train's count, or its length within tolerance and spread
     """
 
     own: Parts
@@ -58,7 +58,7 @@ class Doubted:
 
 
 def doubted(own: Parts) -> Doubted:
-    """Fresh ghosts of the train beside those of the machine's parts."""
+    """Return fresh ghosts of the train beside those of the machine's parts."""
     config = own.config
     fast, cycles = config.max_speed_mm_s * UM_PER_MM, config.place_doubt_limit_mm // (2 * config.fastest_run_mm) + 2
     wide = 2 * own.possible_high.high * NM_PER_MM
@@ -74,7 +74,7 @@ def doubted(own: Parts) -> Doubted:
 
 
 def world(train: Doubted) -> World:
-    """The train, its motion and its records; no clause reads anything that the fibre, the emitter or train control tells."""
+    """Return the world: the train, its motion and its records; no clause reads the fibre, the emitter or train control."""
     own = train.own
     return World(
         ghosts={
@@ -95,7 +95,7 @@ def world(train: Doubted) -> World:
     )
 
 
-# ------------------------------------------------------------------ what is kept of the last record
+# ------------------------------------------------------------------ ghosts of the last record
 
 
 def _came(own: Parts) -> Bool:
@@ -103,7 +103,7 @@ def _came(own: Parts) -> Bool:
 
 
 def _since_record(train: Doubted) -> dict[Var, Num]:
-    """How old the last record is, and how much it leaves open by now."""
+    """Return the moves of the ghosts of the last record: its age, and the width that it still leaves open."""
     own, came = train.own, _came(train.own)
     told = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
     grown = minimum(train.width + 2 * _run_nm(own), train.width.high)
@@ -118,7 +118,7 @@ def _since_record(train: Doubted) -> dict[Var, Num]:
 
 
 def _told_right(own: Parts, spread: Num) -> Bool:
-    """The fibre told a count that is the train's, or a length that is, as nearly as a record and a tolerance can tell."""
+    """Return the condition that the fibre reported the train's count, or its length within tolerance and spread."""
     count = own.seen_count.present & own.next_axles.eq(own.seen_count.value)
     off = abs_(own.next_length - exact_to(own.seen_length.value, UM))
     near = off - spread <= own.config.length_tolerance_mm * UM_PER_MM
@@ -126,7 +126,7 @@ def _told_right(own: Parts, spread: Num) -> Bool:
 
 
 def _run_nm(own: Parts) -> Num:
-    """The run that the machine charges a cycle: that of the top speed, in whole millimetres."""
+    """Return the run that the machine adds per cycle: that of the top speed, in whole millimetres, nm."""
     return Lit(own.config.fastest_run_mm * NM_PER_MM, NM)
 
 
@@ -138,16 +138,17 @@ def _ran(own: Parts) -> Num:
 
 
 def _train(own: Parts) -> dict[str, Bool | Law]:
-    """The train of the last record, which moves as a train does."""
+    """Return the laws of the train of the last record, which moves as a train does."""
     config, limit = own.config, own.config.position_limit_mm * NM_PER_MM
     same, another = own.next_axles.eq(own.axles) & own.next_length.eq(own.length), own.leaves | _came(own)
     run = abs_(own.next_truth - own.truth)
     return {
         "from record to record it is the same train": Law(
             another | same,
-            "Axles and length are those of the train of the last record as it passed the counter, until it is told to have left or "
-            "another record comes: no other train takes its place untold.",
-            source="[D] counters at both ends of the area, and no passing (train_order: a train that leaves is told)",
+            "Axles and length are those of the train of the last record as it passed the counter, until an input "
+            "reports that it has left or another record comes: no other train takes its place unreported.",
+            source="[D] counters at both ends of the area, and no passing (train_order: the counters report each train "
+            "that leaves)",
             owner="infrastructure",
             check="counts at both ends agree whenever the area is empty; a cycle whose inputs are lost begins anew",
         ),
@@ -171,15 +172,16 @@ def _train(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _records(train: Doubted) -> dict[str, Bool | Law]:
-    """A counter's record, and what is handed over of one."""
+    """Return the laws of a counter's record, and of a record that is handed over."""
     own = train.own
     told, handed = (own.due & own.sound & own.source.eq(one) for one in (AXLE_COUNTER, NEIGHBOUR))
     return {
         RECORD: Law(
             told.implies(_true_record(own) & _true_speed(train)),
-            "A record that the axle counter calls undisturbed is the train's: its axles exactly, its length within the bounds told, "
-            "and its front and its speed within theirs as many cycles ago as the record is old. That it is not so although it is "
-            "called undisturbed is a wrong-side failure, no more frequent than the counter's tolerable hazard rate.",
+            "A record that the axle counter reports as undisturbed is the train's: its axles exactly, its length "
+            "within the reported bounds, and its front and its speed within theirs, as many cycles ago as the "
+            "record is old. A false record that is reported as undisturbed is a wrong-side failure, no more "
+            "frequent than the counter's tolerable hazard rate.",
             figures=("record_hazard_rate", "max_speed_mm_s", "traction_mm_s2", "brake_mm_s2", "period_ms"),
             source="[S] 003, claim 4: the lineside sensor is safe in the signalling sense; proved of axle_counter, but for its heads",
             owner="infrastructure",
@@ -187,8 +189,8 @@ def _records(train: Doubted) -> dict[str, Bool | Law]:
         ),
         HANDED_OVER: Law(
             handed.implies(_true_record(own)),
-            "What the neighbouring area hands over of a train that it trusts is true: axles, bounds of the length, and bounds of the "
-            "front as many cycles ago as it is old.",
+            "The record that the neighbouring area hands over of a train that it trusts is true: axles, bounds "
+            "of the length, and bounds of the front as many cycles ago as the record is old.",
             figures=("max_speed_mm_s", "period_ms"),
             source="[D] claimed of this machine: what is handed over is true",
             owner="infrastructure",
@@ -198,7 +200,7 @@ def _records(train: Doubted) -> dict[str, Bool | Law]:
 
 
 def _true_record(own: Parts) -> Bool:
-    """Axles, length and place, the latter as long ago as the record is old."""
+    """Return the condition that axles, length and place agree with the record; the place as many cycles ago as the record is old."""
     ran = with_unit(own.record_age * (own.config.max_speed_mm_s * own.config.period_ms * 1_000), NM)
     low, high = (exact_to(one, NM) for one in (own.record_place_low, own.record_place_high))
     return all_of(
@@ -212,7 +214,7 @@ def _true_record(own: Parts) -> Bool:
 
 
 def _true_speed(train: Doubted) -> Bool:
-    """The speed changes by no more than traction or brakes since the record."""
+    """Return the condition that the train's speed is that of the record, but for traction and brakes since."""
     own, config = train.own, train.own.config
     change = max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms
     changed = with_unit(own.record_age * change, UM_S)

@@ -1,4 +1,4 @@
-"""What one cycle means to the verification of a train: what matches, what does not, what is missing."""
+"""Terms of one cycle of the verification of a train: matches, mismatches, and missing data."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import (
-    FALSE,
     Bool,
-    Expr,
     Lit,
     Num,
-    Var,
     abs_,
     any_of,
     as_num,
@@ -26,10 +23,11 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, MM_S2, MS, MS_PER_S, UM_PER_MM, UM_S, Unit
 from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
+from safeloc.models.vocabulary.first_of import first_of
 
 
 def judge(own: Parts, known: Bool, refused: Bool) -> Judged:
-    """Terms for one cycle; `known`: a reference is stored and believed, `refused`: a mismatch is latched."""
+    """Return the terms of one cycle; `known`: a reference is stored and believed, `refused`: a mismatch is latched."""
     return Judged(own, known, refused)
 
 
@@ -45,21 +43,21 @@ class Judged:
 
     @cached_property
     def whole(self) -> Bool:
-        """The reference is sound, recent and says something."""
+        """The reference is sound and recent, has axles, and its bounds are in order."""
         own = self.own
         recent = own.record_age <= own.config.reference_age_limit_cycles
         return own.sound & recent & (own.record_count > 0) & (own.record_low <= own.record_high)
 
     @cached_property
     def contradicts(self) -> Bool:
-        """Another record of the same stay says otherwise."""
+        """Another record of the same stay contradicts the stored one."""
         own = self.own
         apart = (own.record_high < own.kept_low) | (own.record_low > own.kept_high)
         return self.known & (own.record_count.ne(own.kept_count) | apart)
 
     @cached_property
     def reference(self) -> tuple[Num, Num, Num]:
-        """Count and bounds of the length to compare with."""
+        """Count and bounds of the length, mm, for the comparison: of the record that is due, or else of the stored one."""
         own = self.own
         pairs = ((own.record_count, own.kept_count), (own.record_low, own.kept_low), (own.record_high, own.kept_high))
         count, low, high = (ite(own.due, new, old) for new, old in pairs)
@@ -67,7 +65,7 @@ class Judged:
 
     @cached_property
     def accepted(self) -> Bool:
-        """A reference is accepted; nothing of this cycle contradicts it."""
+        """The machine accepts a reference in this cycle: no mismatch."""
         return self.own.due & self.own.source.ne(v.NOBODY) & self.whole & ~self.mismatch
 
     # -------------------------------------------------------------- parameters that do not change
@@ -96,7 +94,7 @@ class Judged:
 
     @cached_property
     def controlled(self) -> Bool:
-        """Train control says count or length, and what it says matches. Silence is no success."""
+        """Train control reports count or length, and they match. Silence is no success."""
         count, length = self.own.control_count, self.own.control_length
         return (count.present | length.present) & ~self._control_count_differs & ~self._control_length_differs
 
@@ -116,12 +114,12 @@ class Judged:
 
     @cached_property
     def speed_compared(self) -> Bool:
-        """Speed can be compared: the train is at the counter."""
+        """The speed can be compared: the train is at the counter."""
         return self._at_counter & self.own.seen_speed.present
 
     @cached_property
     def speed_fits(self) -> Bool:
-        """The fibre's speed is the counter's, within tolerance and what the train can have changed since."""
+        """The fibre's speed is the counter's, within the tolerance and the possible change since the record."""
         own, config = self.own, self.own.config
         change = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // MS_PER_S)
         slack = _scaled(own.record_age, change, own.seen_speed.value) + config.speed_tolerance_mm_s
@@ -129,22 +127,22 @@ class Judged:
 
     @cached_property
     def place_compared(self) -> Bool:
-        """Place can be compared: the train is at the counter."""
+        """The place can be compared: the train is at the counter."""
         return self._at_counter & self.placed
 
     @cached_property
     def place_fits(self) -> Bool:
-        """The fibre's interval meets the counter's, within tolerance and what the train can have run since."""
+        """The fibre's interval overlaps the counter's, within the tolerance and the possible run since the record."""
         own, config = self.own, self.own.config
         slack = _scaled(own.record_age, config.fastest_run_mm, own.place.value) + config.place_tolerance_mm
         low, high = own.place.value - own.place_below, own.place.value + own.place_above
         return (low <= own.record_place_high + slack) & (high >= own.record_place_low - slack)
 
-    # -------------------------------------------------------------- where the front can be, without the fibre
+    # -------------------------------------------------------------- possible places of the front, without the fibre
 
     @cached_property
     def possible(self) -> tuple[Num, Num]:
-        """Bounds of the front by the reference and its top speed alone, mm; beyond their limit they serve no more."""
+        """Bounds of the front by the reference and the top speed alone, mm; they grow no further once they are too wide to be used."""
         own, run = self.own, self.own.config.fastest_run_mm
         since, widens = _scaled(own.record_age, run, own.record_place_low), ite(self._was_doubtful, 0, Lit(run, MM))
         low = ite(own.due, own.record_place_low - since, own.possible_low - widens)
@@ -156,13 +154,13 @@ class Judged:
 
     @cached_property
     def doubtful(self) -> Bool:
-        """The last place of a counter is so old that the train can be too far from it."""
+        """The last record is so old that it leaves more places open than permitted."""
         low, high = self.possible
         return high - low > self.own.config.place_doubt_limit_mm
 
     @cached_property
     def out_of_reach(self) -> Bool:
-        """The fibre's interval is where no train can be by its last record. In a counter's own cycle its place says so."""
+        """The fibre's interval lies beyond the places possible by the last record; not in the cycle of a counter's record."""
         own, tolerance, (low, high) = self.own, self.own.config.place_tolerance_mm, self.possible
         beyond, short = own.place.value - own.place_below - high, low - own.place.value - own.place_above
         later = ~(own.due & own.source.eq(v.AXLE_COUNTER)) & ~self.doubtful
@@ -172,12 +170,12 @@ class Judged:
 
     @cached_property
     def placed(self) -> Bool:
-        """The fibre has an interval of this train's front."""
+        """The fibre located this train's front."""
         return self.own.associated & self.own.located & self.own.place.present
 
     @cached_property
     def abilities(self) -> tuple[Num, Num]:
-        """How much slower and faster the train can be since its last speed, um/s."""
+        """Greatest decrease and increase of the speed since the last reading, um/s."""
         own, period = self.own, Lit(self.own.config.period_ms, MS)
         braking = _braking(own) * period
         traction = Lit(own.config.traction_mm_s2, MM_S2) * period
@@ -201,14 +199,14 @@ class Judged:
 
     @cached_property
     def length_changed(self) -> Bool:
-        """The length is another one than before."""
+        """The length differs from the last reading."""
         own = self.own
         seen = own.associated & own.seen_length.present & own.length_known
         return seen & (abs_(own.seen_length.value - own.last_length) > own.config.length_change_mm)
 
     @cached_property
     def reach(self) -> Num:
-        """How far the front can have come since its last place, mm."""
+        """Greatest distance of the front from its last place, mm."""
         own = self.own
         fastest = own.config.max_speed_mm_s * UM_PER_MM
         last, slack = exact_to(own.last_speed, UM_S), own.config.speed_tolerance_mm_s * UM_PER_MM
@@ -219,7 +217,7 @@ class Judged:
 
     @cached_property
     def jumped(self) -> Bool:
-        """The front is where the train cannot have come: not even within what both intervals leave open."""
+        """The front is farther from its last place than the train can have run, even with both intervals taken into account."""
         own = self.own
         run, reach = own.place.value - own.last_place, self.reach + own.config.jump_mm
         above = run > reach + own.front_above + own.place_below
@@ -228,7 +226,7 @@ class Judged:
 
     @cached_property
     def ends_apart(self) -> Bool:
-        """Both ends are located, and no length that the reference allows lies between them."""
+        """Both ends are located, and the distance between them fits no length that the reference allows."""
         own, tolerance = self.own, self.own.config.length_tolerance_mm
         _, low, high = self.reference
         near, far = own.ends_low.value, own.ends_high.value
@@ -240,7 +238,7 @@ class Judged:
 
     @cached_property
     def flaws(self) -> list[tuple[Bool, Lit]]:
-        """Every mismatch with its reason, the first that holds counts."""
+        """Every mismatch with its reason; the first that holds is reported."""
         own = self.own
         seen_count = own.associated & own.seen_count.present
         seen_length = own.associated & own.seen_length.present
@@ -266,20 +264,17 @@ class Judged:
 
     @cached_property
     def mismatch(self) -> Bool:
-        """Something does not match, while there is something to match."""
+        """Some parameter does not match, while there is a reference to compare with."""
         return (self.own.due | self.known) & any_of(flaw for flaw, _ in self.flaws)
 
     @cached_property
     def flaw(self) -> Num:
-        """The first reason; what is latched stays."""
-        reason: Num = v.NOT_VERIFIED
-        for flaw, why in reversed(self.flaws):
-            reason = ite(flaw, why, reason)
-        return ite(self.refused, self.own.reason, reason)
+        """The reason of the mismatch; a latched reason stays."""
+        return ite(self.refused, self.own.reason, first_of(*self.flaws, default=v.NOT_VERIFIED))
 
     @cached_property
     def lacks(self) -> list[tuple[Bool, Lit]]:
-        """What is missing, with its reason; it withholds and is not latched."""
+        """Missing data with their reasons: they withhold the position and are not latched."""
         own, config = self.own, self.own.config
         lacks = [(~own.associated, v.NOT_ASSOCIATED), (~self.placed, v.NOT_LOCATED), (self.doubtful, v.PLACE_DOUBTFUL)]
         if config.needs_control_data:
@@ -290,16 +285,13 @@ class Judged:
 
     @cached_property
     def missing(self) -> Bool:
-        """Something without which nothing is given out."""
+        """Some data are missing without which no position is reported."""
         return any_of(lack for lack, _ in self.lacks)
 
     @cached_property
     def lack(self) -> Num:
-        """The first of what is missing."""
-        reason: Num = v.NOT_VERIFIED
-        for lack, why in reversed(self.lacks):
-            reason = ite(lack, why, reason)
-        return reason
+        """The first reason for which data are missing."""
+        return first_of(*self.lacks, default=v.NOT_VERIFIED)
 
     @cached_property
     def age(self) -> Num:
@@ -312,66 +304,15 @@ class Judged:
         """The last verification is recent enough."""
         return self.age <= self.own.config.currency_cycles
 
-    # -------------------------------------------------------------- updates
-
-    def go_on(self) -> dict[Var, Expr]:
-        """Updates of a cycle without a mismatch: last readings, what was verified, and the interval."""
-        own, new = self.own, self.verified
-        slower, faster = self.abilities
-        speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
-        return {
-            own.possible_low: self.possible[0],
-            own.possible_high: self.possible[1],
-            own.length_known: own.length_known | length,
-            own.last_length: ite(length, own.seen_length.value, own.last_length),
-            own.speed_known: own.speed_known | speed,
-            own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
-            own.slower: ite(speed, 0, slower),
-            own.faster: ite(speed, 0, faster),
-            own.place_known: own.place_known | self.placed,
-            own.last_place: ite(self.placed, own.place.value, own.last_place),
-            own.reach: ite(self.placed, 0, self.reach),
-            own.front: ite(self.placed, own.place.value, own.front),
-            own.front_above: ite(self.placed, own.place_above, own.front_above),
-            own.front_below: ite(self.placed, own.place_below, own.front_below),
-            own.age: self.age,
-            own.by_count: ite(new, self.count_matches, own.by_count),
-            own.by_length: ite(new, self.length_matches, own.by_length),
-            own.by_control: self.controlled | own.by_control,
-            own.by_emitter: own.chain_tested,
-        }
-
-    def take(self) -> dict[Var, Expr]:
-        """Updates of a cycle with an accepted reference."""
-        own = self.own
-        return {
-            **self.go_on(),
-            own.kept_count: own.record_count,
-            own.kept_low: own.record_low,
-            own.kept_high: own.record_high,
-            own.age: ite(self.verified, 0, as_num(own.age.high, COUNT)),
-            own.by_count: self.count_matches,
-            own.by_length: self.length_matches,
-            own.by_speed: self.speed_compared,
-            own.by_place: self.place_compared,
-            own.by_control: self.controlled,
-        }
-
-    def forget(self) -> dict[Var, Expr]:
-        """Updates after which nothing is kept of the train."""
-        own = self.own
-        cleared: dict[Var, Expr] = {var: as_num(0, var.unit) for var in own.numbers if isinstance(var.unit, Unit)}
-        return {**cleared, own.age: as_num(0, COUNT), **dict.fromkeys((*own.flags, *own.known), FALSE)}
-
 
 def _braking(own: Parts) -> Num:
-    """The configured braking ability, or less where train control says so."""
+    """Return the configured braking ability, or less if train control reports less."""
     told = own.control_brake
     most = Lit(own.config.brake_mm_s2, MM_S2)
     return ite(told.present, minimum(told.value, most), most)
 
 
 def _scaled(cycles: Num, per_cycle: int, like: Num) -> Num:
-    """So much a cycle, in the unit of `like`."""
+    """Return `per_cycle` for each cycle, in the unit of `like`."""
     assert isinstance(like.unit, Unit)
     return with_unit(cycles * per_cycle, like.unit)

@@ -1,4 +1,4 @@
-"""What helps to prove the verification of a train."""
+"""Lemmas for the proofs of a train's verification."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from safeloc.models.verification.variables import Parts
 
 
 def lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
-    """What is trusted is true, and was verified lately."""
+    """Return the lemmas for a fibre whose readings are true within their bounds: a trusted position is true and recently verified."""
     interval = between(exact_to(own.front - own.front_below, NM), own.truth, exact_to(own.front + own.front_above, NM))
     return {
         "a trusted position holds the truth": trusted.implies(interval),
@@ -21,7 +21,7 @@ def lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
 
 
 def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool]:
-    """What is stored of a train is true of it, and what is trusted agrees with it, whatever the fibre tells."""
+    """Return the lemmas for a fibre that may be wrong: the stored record is true, and a trusted position agrees with it."""
     own, limit = train.own, train.own.config.place_doubt_limit_mm
     width = own.possible_high - own.possible_low
     serves, tolerance = known & (width <= limit), own.config.place_tolerance_mm
@@ -53,7 +53,7 @@ def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool
 
 
 def _trust(own: Parts, trusted: Bool) -> dict[str, Bool]:
-    """What trust rests on, in any world."""
+    """Return the lemmas of either world: trust rests on a recent verification."""
     return {
         "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
         "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),

@@ -1,6 +1,6 @@
-"""Runs of a fibre that is wrong and not noticed, each within its figure: what a verification by count and length cannot see.
+"""Runs of a fibre that is wrong unnoticed, each within its figure: errors that a verification by count and length cannot see.
 
-All laws of the world are kept in them: the counter's record is true, and the train moves as trains do. The recordings are
+The runs obey all laws of the world: the counter's record is true, and the train moves as trains do. The recordings are
 written by `python -m safeloc.models.verification.unnoticed`; a test checks that they come out the same.
 """
 
@@ -24,12 +24,12 @@ Steps = list[dict[str, Cell]]
 
 @dataclass(frozen=True)
 class Unnoticed:
-    """What the fibre tells wrong from a cycle on, and what the train does meanwhile.
+    """Wrong readings of the fibre from a cycle on, and the train's motion meanwhile.
 
-    what    the wrong thing, in words
-    beside_mm  how far the interval lies beside the front before the train leaves; 0: it holds it
-    tells   cycle, the front (mm) and what is told truly -> what the fibre tells instead; None: it tells nothing
-    brakes_mm_s2  how hard the train brakes from that cycle on, unseen
+    what    the error, in words
+    beside_mm  distance of the interval from the front before the train leaves; 0: it contains the front
+    tells   cycle, the front (mm) and the true readings -> the fibre's readings; None: no reading
+    brakes_mm_s2  unseen braking of the train from that cycle on
     from_cycle  the first cycle in which the fibre is wrong
     """
 
@@ -41,32 +41,32 @@ class Unnoticed:
 
 
 def _another_train(cycle: int, _: int, __: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
-    """The pattern of a train of as many axles that runs on where the train brakes."""
+    """Report the pattern of a train with as many axles that runs on when the train brakes."""
     return {"fibre_position_mm": _unbraked_mm(cycle)}
 
 
 def _place_stands(_: int, __: int, ___: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
-    """One and the same place, while the train runs on; no speed."""
+    """Report one and the same place while the train runs on; no speed."""
     return {"fibre_position_mm": _unbraked_mm(FROM_CYCLE), "fibre_speed_mm_s": None}
 
 
 def _place_wanders(cycle: int, front_mm: int, _: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
-    """A place that gets ahead of the train by 20 m a cycle; count and length are right."""
+    """Report a place that gains 20 m on the train in each cycle; count and length are right."""
     return {"fibre_position_mm": front_mm + 20_000 * (cycle - FROM_CYCLE)}
 
 
 def _place_off(_: int, front_mm: int, __: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
-    """A place that is off by the tolerance, half the record's width and the interval's lower margin: 30, 5 and 10 m."""
+    """Report a place that is off by the tolerance, half the record's width and the interval's lower margin: 30, 5 and 10 m."""
     return {"fibre_position_mm": front_mm + 45_000}
 
 
 def _length_off(_: int, __: int, told: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
-    """A length that is off by the tolerance and half the record's spread; no count."""
+    """Report a length that is off by the tolerance and half the record's spread; no count."""
     return {"fibre_length_mm": 249_000, "fibre_axles": None} if "fibre_length_mm" in told else {}
 
 
 def _old_values(cycle: int, _: int, __: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
-    """Count and length are told again and again, in every eleventh cycle, as they once were."""
+    """Repeat count and length of the entry in every eleventh cycle."""
     known = cycle % 11 == 10
     return {"fibre_axles": 40 if known else None, "fibre_length_mm": 205_000 if known else None}
 
@@ -88,7 +88,7 @@ def _unbraked_mm(cycle: int) -> int:
 
 
 def steps_of(run: Unnoticed, config: VerificationConfig = CONFIG, cycles: int = CYCLES) -> Steps:
-    """The steps of a run, ghosts included."""
+    """Return the steps of a run, ghosts included."""
     return [
         _step(run, cycle, dict(one))
         for cycle, one in enumerate(simulate_stay(config, seed=1, stay=Stay(cycles=cycles)))
@@ -96,7 +96,7 @@ def steps_of(run: Unnoticed, config: VerificationConfig = CONFIG, cycles: int = 
 
 
 def first_of() -> dict[str, Value]:
-    """The train before the first step."""
+    """Return the ghosts of the train before the first step."""
     stay = Stay()
     return {
         "true_axles": stay.axles, "true_length_um": stay.length_mm * UM_PER_MM, "truth_nm": 0,
@@ -114,7 +114,7 @@ def _step(run: Unnoticed, cycle: int, told: dict[str, Cell]) -> dict[str, Cell]:
 
 
 def _moved(run: Unnoticed, cycle: int) -> tuple[int, int]:
-    """Front and speed, mm and mm/s."""
+    """Return front and speed, mm and mm/s."""
     speed, front = Stay().speed_mm_s, _unbraked_mm(min(cycle, run.from_cycle))
     for _ in range(run.from_cycle, cycle):
         speed = max(0, speed - run.brakes_mm_s2 * CONFIG.period_ms // MS_PER_S)

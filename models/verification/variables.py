@@ -1,4 +1,4 @@
-"""What the verification of one train hears and keeps, and its configuration."""
+"""Inputs, state and configuration of the verification of one train."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NOBODY, AXLE_COUNTER, NEIGHBOUR = FROM
 
 
 class VerificationConfig(Config):
-    """Tolerances of the comparison, and what a train can do."""
+    """Tolerances of the comparison, and a train's abilities."""
 
     period_ms: int = quantity(500, "ms", 10, 10_000, "[D] the detector's block")
     axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
@@ -69,12 +69,12 @@ class VerificationConfig(Config):
 
     @property
     def change_limit_um_s(self) -> int:
-        """Greatest change of speed that is reckoned with: from full speed backwards to full speed forwards."""
+        """Greatest possible change of speed, um/s: from full speed backwards to full speed forwards."""
         return 2 * self.max_speed_mm_s * 1_000
 
     @property
     def fastest_run_mm(self) -> int:
-        """The run of a cycle at top speed, rounded up."""
+        """The run of a cycle at top speed, mm rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // 1_000)
 
 
@@ -82,24 +82,24 @@ class Parts:
     """The variables of the machine.
 
     due              a reference has to come in this cycle: the train enters, passes a counter, or is handed over
-    source           who gave it; NOBODY: it did not come
+    source           its sender; NOBODY: it did not come
     sound            the record is undisturbed (counter), or the neighbour trusted the train (handover)
     record_...       the record: axles, bounds of length and speed, bounds of the front's place, its age
     associated       a pattern belongs to this train, by order on the track
-    seen_...         what the fibre determined in this cycle
-    place, located   the fibre's interval of the front, and whether it is located
-    ends_low, ends_high  bounds of the distance of both ends, where both are located
+    seen_...         the fibre's readings of this cycle
+    place, located   the fibre's interval of the front; the front is located
+    ends_low, ends_high  bounds of the distance between both ends, where both are located
     fibre_error      an error signal F of the fibre machines
-    control_...      what the train control system says of the train
+    control_...      data from the train control system
     chain_tested, chain_failed  the test emitter
     leaves           the train has left the area
     kept_...         the stored reference
-    possible_...     where the front can be by the reference and its top speed alone, whatever the fibre tells
+    possible_...     bounds of the front by the reference and the top speed alone, without the fibre
     last_...         last reading of length, speed, place; `slower`, `faster` bound the speed's change since
-    given            the position was given out since the last accepted reference
-    by_...           what the present trust rests on
-    axles            ghost: of the train that the pattern really belongs to, at the moment that the count tells of
-    length, truth    ghosts: of that train now (um, nm)
+    given            a position was reported since the last accepted reference
+    by_...           the comparisons on which the present trust rests
+    axles            ghost: axles of the train that really makes the pattern, at the moment to which the count refers
+    length, truth    ghosts: length and front of that train now (um, nm)
     """
 
     def __init__(self, config: VerificationConfig, truth: NumVar | None = None) -> None:
@@ -175,7 +175,7 @@ class Parts:
 
     @property
     def flags(self) -> tuple[BoolVar, ...]:
-        """What the trust rests on, as a list of yes and no."""
+        """The comparisons on which trust rests."""
         return self.by_count, self.by_length, self.by_speed, self.by_place, self.by_control, self.by_emitter
 
     @property
@@ -187,10 +187,10 @@ class Parts:
 
     @property
     def known(self) -> tuple[BoolVar, ...]:
-        """Which last readings there are."""
+        """Presence of the last readings."""
         return self.length_known, self.speed_known, self.place_known
 
 
 def parts(config: VerificationConfig, *, truth: NumVar | None = None) -> Parts:
-    """Fresh variables for one train; `truth` is its place where another machine's world moves it."""
+    """Return fresh variables for one train; `truth` is its front if another machine's world moves it."""
     return Parts(config, truth)

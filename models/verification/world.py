@@ -1,7 +1,7 @@
-"""The world of a train that is verified: what the fibre tells of whichever train its pattern belongs to.
+"""The world of a train that is verified: the fibre's readings of the train that makes the pattern.
 
-Which train that is, the world chooses anew in every cycle: nothing here says that it is the train of the record. Nor is
-anything said of the record, of train control, or of place and speed at the counter: that is what is compared.
+The world chooses that train anew in every cycle: no law says that it is the train of the record. Nor is there a law for the
+record, for train control, or for place and speed at the counter: the machine compares these.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ PLACE = "a located interval holds the front"
 
 
 def world(own: Parts, *, place_kept: bool) -> World:
-    """Axles (when counted), length and front of the train that the pattern belongs to; `place_kept`: an earlier machine vouches for it."""
+    """Return the world of the train that makes the pattern; `place_kept`: an earlier machine guarantees its interval."""
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
@@ -25,7 +25,7 @@ def world(own: Parts, *, place_kept: bool) -> World:
 
 
 def place_law(own: Parts) -> Bool:
-    """A located interval holds the front."""
+    """Return the condition that a located interval contains the front."""
     low, high = own.place.value - own.place_below, own.place.value + own.place_above
     inside = between(exact_to(low, NM), own.next_truth, exact_to(high, NM))
     return (own.located & own.place.present).implies(inside)
@@ -35,7 +35,7 @@ def _place(own: Parts) -> dict[str, Bool | Law]:
     return {
         PLACE: Law(
             place_law(own),
-            "Where the fibre's machine says that it located the front, its interval holds it.",
+            "Where the fibre machine reports the front as located, its interval contains it.",
             source="[D] proved of the fibre's machine, under its own laws",
             owner="supplier",
             check="place at every counter that the train passes",
@@ -44,22 +44,25 @@ def _place(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _features(own: Parts) -> dict[str, Bool | Law]:
-    """What a pattern tells is true of the train it belongs to."""
+    """Return the laws of count and length: they are those of the train that makes the pattern."""
     tolerance = own.config.length_tolerance_mm * 1_000
     off = exact_to(own.seen_length.value, UM) - own.next_length
     counted, measured = own.associated & own.seen_count.present, own.associated & own.seen_length.present
     return {
         "the fibre's count is the train's": Law(
             counted.implies(own.seen_count.value.eq(own.next_axles)),
-            "Where the fibre reports a number of axles with a pattern, the train that makes the pattern had as many at the moment "
-            "that the count tells of: how long ago that may be, the machines that use it have to charge.",
-            source="[S] Kowarik 2020: bogies can be counted, single axles not shown; [D] docs/signals.md: often not told",
+            "Where the fibre reports a number of axles with a pattern, the train that makes the pattern had as "
+            "many at the moment to which the count refers. Machines that use the count have to allow for the "
+            "time since that moment.",
+            source="[S] Kowarik 2020: bogies can be counted, single axles not shown; [D] docs/signals.md: often no "
+            "count",
             owner="supplier",
             check="count of every train against that of the counters",
         ),
         "the fibre's length is the train's within its tolerance": Law(
             measured.implies(between(-tolerance, off, tolerance)),
-            "Where the fibre reports a length with a pattern, it is that of the train that makes the pattern, within the tolerance.",
+            "Where the fibre reports a length with a pattern, it is that of the train that makes the pattern, "
+            "within the tolerance.",
             figures=("length_tolerance_mm",),
             source="[D] of the front end, measured",
             owner="supplier",

@@ -1,4 +1,4 @@
-"""What must hold of the place from localization sections (FWG-1 to FWG-15)."""
+"""Properties of the position from localization sections (FWG-1 to FWG-15)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from safeloc.properties.fibre import code, counting, error, place
 
 
 def properties(model: Fibre) -> list[Property]:
-    """Containment, counting, the code, and the error signal."""
+    """Return the properties of containment, counting, the code, and the error signal."""
     return [
         *place.properties(model),
         *counting.properties(model),

@@ -1,4 +1,4 @@
-"""The position code: what is read, and what it tells (FWG-10, FWG-15)."""
+"""Properties of the position code: reading it, and locating by it (FWG-10, FWG-15)."""
 
 from __future__ import annotations
 
@@ -18,10 +18,13 @@ under_assumption = partial(always, requirements=(*CODE, *COUNTS), assumption=LAW
 
 
 def properties(model: Fibre) -> Iterator[Property]:
-    """Words and counts."""
+    """Yield the properties of words and counts."""
     yield from _against_the_truth(model)
     yield from _lengths(model)
+    yield from _turned_back(model)
     yield from _words(model)
+    yield from _read(model)
+    yield from _unread(model)
 
 
 def _against_the_truth(model: Fibre) -> Iterator[Property]:
@@ -34,7 +37,7 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
     yield under_assumption(
         "count agrees with the truth",
         (passed & near).implies(off.eq(0)),
-        statement="when a real section was passed and no error is out, the count is the true one, although up to `reach` "
+        statement="when a real section was passed and F is not raised, the count is the true one, although up to `reach` "
         "sections were missed or false before",
     )
     read = seen.returns & (seen.long | seen.short)
@@ -46,7 +49,7 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
 
 
 def _lengths(model: Fibre) -> Iterator[Property]:
-    """What is taken for the length of a section that lies there."""
+    """Claim that the length that the machine reads is that of the section."""
     machine, own = model.machine, model.own
     _, counting, located, _ = machine.modes
     mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
@@ -59,25 +62,33 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     yield under_assumption(
         "a length that is read is the true one",
         (counts & passed).implies(told_long.iff(long)),
-        statement="a section read as a long one is long, and one read as a short one is short, however fast it was left",
+        statement="a section read as long is long, and one read as short is short, at whatever speed the end left it",
         requirements=CODE,
     )
     yield under_assumption(
         "a section passed has the length of the map",
         (stays & passed).implies(was(own.long).iff(long)),
-        statement="where the end stays located past a section, that is as long as the map has it",
+        statement="if the end stays located past a section, that section is as long as the map has it",
         requirements=CODE,
     )
+
+
+def _turned_back(model: Fibre) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, _, located, _ = machine.modes
+    mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
+    stays = before(mode).eq(located) & mode.eq(located)
     yield under_assumption(
         "a section left again was not passed",
         (stays & own.signal.eq(v.TURNED_BACK) & ~own.reference).implies(ran.eq(0)),
-        statement="what is taken for a section left on the side it was entered was left there",
+        statement="a section counted as left on the side of entry was left there",
         requirements=COUNTS,
     )
 
 
 def _words(model: Fibre) -> Iterator[Property]:
-    machine, own, seen = model.machine, model.own, Seen(model.own)
+    """Claim that a whole word gives the place."""
+    machine, own = model.machine, model.own
     _, counting, located, _ = machine.modes
     mode, was_counting = machine.mode, before(machine.mode).eq(counting)
     window = own.config.window
@@ -85,41 +96,59 @@ def _words(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "a word is whole",
         (was_counting & mode.eq(located) & ~own.reference).implies(own.answer & before(own.read).eq(window) & taken),
-        statement="the code tells the place only when as many symbols were read as make a window of the line unique, and it "
-        "is the place that the map answers",
+        statement="the code gives a place only when as many symbols were read as make a window of the line unique, and the "
+        "place is the map's answer",
     )
+
+
+def _read(model: Fibre) -> Iterator[Property]:
+    """Claim that each section read joins the word."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    _, counting, *_ = machine.modes
+    mode, was_counting = machine.mode, before(machine.mode).eq(counting)
+    window = own.config.window
     counts = was_counting & mode.eq(counting)
     read = counts & seen.returns & (seen.long | seen.short)
     longer = own.read.eq(minimum(before(own.read) + 1, window))
     yield for_all_inputs(
         "the word is what was read",
         read.implies(_joined(model, _symbol(model)) & longer),
-        statement="the kind and the length of the section passed join the word; the oldest symbol leaves a whole one",
+        statement="the kind and the length of the section passed join the word; the oldest symbol of a whole word is "
+        "dropped",
     )
+
+
+def _unread(model: Fibre) -> Iterator[Property]:
+    """Claim the events that break the word; no other one changes it."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    _, counting, *_ = machine.modes
+    mode, was_counting = machine.mode, before(machine.mode).eq(counting)
+    counts = was_counting & mode.eq(counting)
     unread = counts & seen.returns & ~(seen.long | seen.short)
     turned = counts & seen.changes & was(own.counted) & seen.forwards.iff(~was(own.upwards))
     yield for_all_inputs(
         "what is not read breaks the word",
         (unread | turned).implies(own.word.eq(0) & own.read.eq(0)),
-        statement="a section whose length cannot be read, or that was left again, and a change of direction begin a new word",
+        statement="a new word begins at a section whose length cannot be read or that was left again, and at a change of "
+        "direction",
     )
     kept = counts & ~seen.returns & ~turned
     yield for_all_inputs(
         "nothing else is read",
         kept.implies(own.word.eq(before(own.word)) & own.read.eq(before(own.read))),
-        statement="the word changes only where a section is left, or the direction changes",
+        statement="the word changes only when a section is left, or the direction changes",
     )
 
 
 def _symbol(model: Fibre) -> Num:
-    """0 to 3: lowered or raised, short or long."""
+    """Return the symbol as a number from 0 to 3: lowered or raised, short or long."""
     own, seen = model.own, Seen(model.own)
     raised: Num = ite(before(own.band).eq(v.RAISED), own.word * 0 + 2, 0)
     return raised + ite(seen.long, own.word * 0 + 1, 0)
 
 
 def _joined(model: Fibre, symbol: Num) -> Bool:
-    """Four times the word and the symbol, less the oldest symbol of a whole word."""
+    """Return the condition that the word is four times the last one and the symbol, less the oldest symbol of a whole word."""
     own = model.own
     joined, whole = before(own.word) * SYMBOLS + symbol, SYMBOLS**own.config.window
     return any_of(own.word.eq(joined - whole * oldest) for oldest in range(SYMBOLS))

@@ -1,4 +1,4 @@
-"""Which changes of the amplitude are position signals, and how signals count (FWG-1 to FWG-3, FWG-8, FWG-9)."""
+"""Properties of position signals and of their count (FWG-1 to FWG-3, FWG-8, FWG-9)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,14 @@ for_all_inputs = partial(always, requirements=SEEN, unconditional=True)
 
 
 def properties(model: Fibre) -> Iterator[Property]:
-    """Signals, and how they count."""
-    yield from _amplitude(model)
+    """Yield the properties of signals and of their count."""
+    yield from _band(model)
+    yield from _changes(model)
+    yield from _direction(model)
     yield from _signals(model)
-    yield from _numbers(model)
+    yield from _known(model)
+    yield from _counted(model)
+    yield from _uncounted(model)
 
 
 def _signals(model: Fibre) -> Iterator[Property]:
@@ -32,7 +36,7 @@ def _signals(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "normal again is no section",
         (before(own.band).ne(v.NORMAL) & own.band.eq(v.NORMAL)).implies(own.signal.ne(v.POSITION_SIGNAL)),
-        statement="the return to normal is not taken for a second section",
+        statement="the return to normal is not counted as a second section",
     )
     yield for_all_inputs(
         "one section at a time",
@@ -41,13 +45,11 @@ def _signals(model: Fibre) -> Iterator[Property]:
     )
 
 
-def _numbers(model: Fibre) -> Iterator[Property]:
-    machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, located, _ = machine.modes
+def _known(model: Fibre) -> Iterator[Property]:
+    """Claim the states with a known count."""
+    machine, own = model.machine, model.own
+    waiting, _, located, _ = machine.modes
     mode = machine.mode
-    counts = followed(machine) & ~own.reference
-    change = own.count - before(own.count)
-    back = own.run.present & (own.run.value < 0)
     yield for_all_inputs(
         "count begins with the first signal",
         (machine.flag("count_known") & ~was(own.counted)).implies(own.signal.eq(v.POSITION_SIGNAL)),
@@ -65,14 +67,22 @@ def _numbers(model: Fibre) -> Iterator[Property]:
         "a count that is known is told",
         machine.flag("count_known").iff(own.counted & follows)
         & machine.output("count").eq(ite(follows & (own.counted | mode.eq(located)), own.count, as_num(0, COUNT))),
-        statement="while sections are followed, the count is told from the first signal on, and where the train is located; "
-        "otherwise none is",
+        statement="while sections are followed, the count is reported from the first signal on, and whenever the train is "
+        "located; otherwise no count is reported",
         requirements=COUNTS,
     )
+
+
+def _counted(model: Fibre) -> Iterator[Property]:
+    """Claim the effect of each position signal on the count."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    counts = followed(machine) & ~own.reference
+    change = own.count - before(own.count)
+    back = own.run.present & (own.run.value < 0)
     yield for_all_inputs(
         "every signal counts by direction",
         (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),
-        statement="each signal counts one up where the train runs forwards, and one down where it runs back",
+        statement="each signal counts one up if the train runs forwards, and one down if it runs back",
         requirements=COUNTS,
     )
     yield for_all_inputs(
@@ -81,12 +91,21 @@ def _numbers(model: Fibre) -> Iterator[Property]:
         statement="a section entered while running back decreases the count",
         requirements=COUNTS,
     )
+
+
+def _uncounted(model: Fibre) -> Iterator[Property]:
+    """Claim that only a section left again changes the count without a signal."""
+    machine, own = model.machine, model.own
+    _, counting, located, _ = machine.modes
+    mode = machine.mode
+    counts = followed(machine) & ~own.reference
+    change = own.count - before(own.count)
     yield for_all_inputs(
         "a section left again is uncounted",
         (counts & own.signal.eq(v.TURNED_BACK)).implies(
             change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))
         ),
-        statement="a section that is left on the side it was entered no longer counts",
+        statement="a section that is left on the side of entry no longer counts",
         requirements=COUNTS,
     )
     found = before(mode).eq(counting) & mode.eq(located)
@@ -99,10 +118,9 @@ def _numbers(model: Fibre) -> Iterator[Property]:
     )
 
 
-def _amplitude(model: Fibre) -> Iterator[Property]:
-    """The amplitude's band from the amplitude itself: a rise is a rise, and a fall is a fall."""
+def _band(model: Fibre) -> Iterator[Property]:
+    """Claim the amplitude's band from the amplitude itself: a rise is a rise, and a fall is a fall."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, _, faulted = machine.modes
     was_told, after = before(own.band), own.band
     raised = seen.rises | (was_told.eq(v.RAISED) & ~seen.returns)
     lowered = seen.falls | (was_told.eq(v.LOWERED) & ~seen.returns)
@@ -112,25 +130,36 @@ def _amplitude(model: Fibre) -> Iterator[Property]:
         step.implies(after.eq(v.RAISED).iff(raised) & after.eq(v.LOWERED).iff(lowered)),
         statement="the band is raised from a rise, and lowered from a fall, until the amplitude is normal again",
     )
+
+
+def _changes(model: Fibre) -> Iterator[Property]:
+    """Claim the changes of the amplitude that are position signals."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    waiting, counting, _, faulted = machine.modes
     kept = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
     hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
     yield for_all_inputs(
         "a rise or a fall is a signal",
         (hears & seen.changes & ~seen.late & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
-        statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; unless "
-        "it was not told for so long, or never, that nobody knows where",
+        statement="whenever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; "
+        "unless the amplitude was absent for so long, or always, that the place of the change is unknown",
     )
     yield for_all_inputs(
         "a change of long ago is no signal",
         (before(machine.mode).one_of(waiting, counting) & seen.late).implies(own.signal.ne(v.POSITION_SIGNAL)),
-        statement="what is found changed when the amplitude is told again after too long a run, or for the first time, is not "
-        "taken for a section entered in that cycle",
+        statement="an amplitude that is changed when it comes back after too long a run, or comes for the first time, is "
+        "not counted as a section entered in that cycle",
     )
+
+
+def _direction(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    step = machine.stayed() | ~machine.stayed()
     silent = minimum(before(own.gap) + 1, own.gap.high)
     ran = [own.forwards.iff(seen.forwards), own.gap.eq(ite(own.run.present, as_num(0, COUNT), silent))]
     yield for_all_inputs(
         "direction and silence are followed",
         step.implies(all_of(ran)),
-        statement="the direction is that of the last run that was told and was not zero; silent cycles are counted",
+        statement="the direction is that of the last measured run other than zero; silent cycles are counted",
         requirements=(*SEEN, *COUNTS),
     )

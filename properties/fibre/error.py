@@ -1,4 +1,4 @@
-"""When error F is out, and when not (FWG-4 to FWG-9)."""
+"""Properties of the error signal F: when it is raised, and when not (FWG-4 to FWG-9)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NAMED: dict[str, tuple[Lit, tuple[str, ...], str]] = {
 
 
 def properties(model: Fibre) -> list[Property]:
-    """Each disagreement; nothing else; the latch."""
+    """Return the properties: each disagreement raises F, nothing else does, and F is latched."""
     return [*_disagreements(model), *_additional(model), *_latch(model)]
 
 
@@ -43,13 +43,13 @@ def _disagreements(model: Fibre) -> Iterator[Property]:
     yield _held(
         "F is for the reason told",
         newly.implies(was_located & causes),
-        "F arises only from what its reason says, in that cycle, and only of an end that was located",
+        "F arises only from a disagreement that its reason names, in that cycle, and only if the end was located",
         CHECKED,
     )
 
 
 def _additional(model: Fibre) -> Iterator[Property]:
-    """The additional localization against the section that the position signal is of."""
+    """Claim that F compares the additional localization with the section of the position signal."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     was_located = before(machine.mode).eq(machine.modes[2])
     signal = was_located & ~own.reference & own.signal.eq(v.POSITION_SIGNAL)
@@ -63,8 +63,8 @@ def _additional(model: Fibre) -> Iterator[Property]:
         yield _held(
             f"{name} off the section raises F",
             (signal & far).implies(machine.flag("error")),
-            f"where the place by {name} and the section's known place differ by more than the threshold, F is out in the "
-            "cycle of the position signal",
+            f"if the place by {name} and the section's known place differ by more than the threshold, F is raised "
+            "in the cycle of the position signal",
             trace,
         )
 
@@ -76,13 +76,13 @@ def _latch(model: Fibre) -> Iterator[Property]:
     yield _held(
         "F is latched",
         (before(mode).eq(faulted) & mode.ne(faulted)).implies(own.reference),
-        "F stays until an accepted reference",
+        "F stays until a reference is accepted",
         CHECKED,
     )
     yield _held(
         "F reports nothing",
         machine.flag("error").implies(no_interval(machine) & ~machine.flag("count_known")),
-        "with F out there is neither place nor count",
+        "while F is raised there is neither place nor count",
         CHECKED,
     )
     yield _held(

@@ -1,4 +1,4 @@
-"""The interval of an end of the train: true, charged for every run, tied to the map at every edge (FWG-1, FWG-8)."""
+"""Properties of an end's interval: it contains the truth, grows with every run, and is tied to the map at every edge (FWG-1, FWG-8)."""
 
 from __future__ import annotations
 
@@ -17,21 +17,25 @@ for_all_inputs = partial(always, requirements=("FWG-1", "FWG-11"), unconditional
 
 
 def properties(model: Fibre) -> Iterator[Property]:
-    """What is reported, and what it is made of."""
+    """Yield the properties of the reported interval and of its parts."""
     yield from _interval(model)
+    yield from _narrower(model)
     yield from _charged(model)
     yield from _tied(model)
+    yield from _entered(model)
+    yield from _referred(model)
     yield from _kept(model)
 
 
 def _interval(model: Fibre) -> Iterator[Property]:
+    """Claim that the reported interval contains the end, and is no wider than tolerable."""
     machine, own = model.machine, model.own
     valid, position, above = machine.flag("valid"), machine.output("position_mm"), machine.output("margin_above_mm")
     off = own.ghosts.truth - exact_to(position, NM)
     yield always(
         "containment",
         valid.implies(between(-exact_to(above, NM), off, exact_to(above, NM))),
-        statement="a reported interval holds the end of the train",
+        statement="a reported interval contains the end of the train",
         requirements=("FWG-1", "FWG-11"),
         assumption=LAW,
     )
@@ -40,6 +44,12 @@ def _interval(model: Fibre) -> Iterator[Property]:
         valid.implies(above <= own.config.tolerance_mm + own.config.max_step_mm * 4),
         statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
     )
+
+
+def _narrower(model: Fibre) -> Iterator[Property]:
+    """Claim the only events that make the interval narrower, or known again."""
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
     no_event = own.signal.one_of(v.NO_SIGNAL) & was(model.own.counted)
     stays = before(machine.mode).eq(machine.modes[2]) & valid & no_event & ~own.reference
     yield for_all_inputs(
@@ -57,40 +67,40 @@ def _interval(model: Fibre) -> Iterator[Property]:
 
 
 def _told(model: Fibre) -> Bool:
-    """An accepted reference, or the map's answer to a whole word."""
+    """Return the condition that an accepted reference, or the map's answer to a whole word, gives the place."""
     own, seen, counting = model.own, Seen(model.own), model.machine.modes[1]
     word = own.answer & before(own.read).eq(own.config.window) & before(own.band).eq(v.NORMAL)
     return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
 
 
 def _charged(model: Fibre) -> Iterator[Property]:
-    """What a run may be wrong by."""
+    """Claim the error that is added for each run."""
     own, seen = model.own, Seen(model.own)
     none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
     yield for_all_inputs(
         "every run is charged",
         (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
-        statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
-        "none came",
+        statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if "
+        "none was measured",
     )
     edge = follows & ~none
     yield for_all_inputs(
         "an edge is charged the run of its cycle",
         edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
-        statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before it: "
-        "the whole run since the amplitude was last told is charged",
+        statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before "
+        "it: the whole run since the last amplitude is added to the error",
     )
     most = own.config.tolerance_mm * MM_IN_NM
     yield for_all_inputs(
         "the run without an amplitude is kept",
         own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
-        statement="in each cycle without an amplitude the run, and what it may be wrong by, come to what was run unheard; no "
-        "more than the tolerance is told apart",
+        statement="in each cycle without an amplitude the run and its greatest error are added to the run without an "
+        "amplitude, up to the tolerance",
     )
 
 
 def _tied(model: Fibre) -> Iterator[Property]:
-    """To which place of the map the interval is tied."""
+    """Claim the place of the map to which the interval is tied."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
     stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
@@ -100,28 +110,39 @@ def _tied(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "an edge is the map's",
         stays.implies(all_of(at) & others),
-        statement="with a section the place is its near edge by the map, with its end the far edge; nothing else moves it",
+        statement="at the entry of a section the place is its near edge on the map, at its end the far edge; nothing else "
+        "moves it",
         requirements=(*SEEN, *COUNTS),
     )
+
+
+def _entered(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    located = machine.modes[2]
+    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
     far, long = ite(seen.forwards, own.ahead.far, own.behind.far), ite(seen.forwards, own.ahead.long, own.behind.long)
     entered = own.far.eq(far) & own.long.iff(long) & own.upwards.iff(seen.forwards)
     yield for_all_inputs(
         "the section entered is the map's",
         (stays & own.signal.eq(v.POSITION_SIGNAL)).implies(entered),
-        statement="far edge, length and direction of entry of the section are kept until it is left",
+        statement="far edge, length and direction of entry of the section are kept until the end leaves it",
         requirements=(*SEEN, *CODE),
     )
+
+
+def _referred(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
     at_place = own.base.eq(own.reference_place) & own.since.eq(0) & own.drift.eq(0) & own.count.eq(own.reference_count)
     yield for_all_inputs(
         "a reference is taken",
         (own.reference & seen.normal).implies(machine.flag("valid") & at_place),
-        statement="an accepted reference, with the amplitude normal, locates at its place and with its count",
+        statement="an accepted reference, with the amplitude normal, locates the end at its place and with its count",
         requirements=COUNTS,
     )
 
 
 def _kept(model: Fibre) -> Iterator[Property]:
-    """When there is a place, and when there is none."""
+    """Claim the loss and the keeping of a place."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     waiting, _, located, faulted = machine.modes
     mode, referred = machine.mode, own.reference & seen.normal
@@ -136,11 +157,11 @@ def _kept(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "a place is kept",
         (before(mode).eq(located) & calm).implies(mode.eq(located)),
-        statement="where nothing disagrees and the pattern is followed, the end stays located",
+        statement="if nothing disagrees and the pattern is followed, the end stays located",
         requirements=SEEN,
     )
 
 
 def any_flaw(seen: Seen) -> Bool:
-    """Something disagrees."""
+    """Return the condition that some input disagrees."""
     return ~all_of(~flaw for flaw in seen.flaws.values())

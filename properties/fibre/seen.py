@@ -1,6 +1,6 @@
-"""What the fibre's machine is told in a cycle, in figures of their own: edges, runs, and what the map has (FWG-1 to FWG-15).
+"""Inputs of the fibre machine in a cycle, in figures of their own: edges, runs, and the map's sections (FWG-1 to FWG-15).
 
-All terms are over the inputs of the cycle and what was stored before it. A run may be wrong by whole millimetres, rounded up:
+All terms are over the inputs of the cycle and the state before it. The error of a run counts in whole millimetres, rounded up:
 "within a figure and that error" is written as a comparison in nm with one millimetre more.
 """
 
@@ -19,14 +19,14 @@ MM_IN_NM = 1_000_000
 
 
 def followed(machine: Machine) -> Bool:
-    """The end was followed in this cycle, and before: it neither waits for a signal nor is an error out."""
+    """Return the condition that the end is followed in this cycle and was before: neither WAITING nor FAULTED."""
     waiting, _, _, faulted = machine.modes
     return all_of(mode.ne(idle) for mode in (machine.mode, before(machine.mode)) for idle in (waiting, faulted))
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """One cycle as an observer sees it who knows the source and the configuration."""
+    """One cycle as seen by an observer who knows the source and the configuration."""
 
     own: Parts
 
@@ -66,13 +66,13 @@ class Seen:
 
     @cached_property
     def forwards(self) -> Bool:
-        """The way it runs; where it stands or nothing is told, the way it ran."""
+        """The end runs upwards; if it stands, or no run is measured, it ran upwards last."""
         run = self.own.run
         return (run.present & (run.value > 0)) | (was(self.own.forwards) & ~(run.present & (run.value < 0)))
 
     @cached_property
     def charge_nm(self) -> Num:
-        """What the run may be wrong by: rate and floor of a run that is told, the farthest run of one that is not."""
+        """Greatest error of the run, nm: rate and floor of a measured run, the farthest run if none was measured."""
         own, config = self.own, self.own.config
         part = with_unit(abs_(own.run.value) * config.rate_ppm, NM) + config.floor_mm * MM_IN_NM
         stands = own.run.present & own.run.value.eq(0)
@@ -81,18 +81,18 @@ class Seen:
 
     @cached_property
     def wrong_nm(self) -> Num:
-        """What the run since the last edge may be wrong by."""
+        """Greatest error of the run since the last edge, nm."""
         return before(self.own.drift) + self.charge_nm
 
     @cached_property
     def blind_nm(self) -> Num:
-        """How far the end may have run since the amplitude was last told, this cycle among it."""
+        """Greatest run since the last amplitude, with this cycle's, nm."""
         measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * MM_IN_NM, NM)
         return measured + before(self.own.unheard) + self.charge_nm
 
     @cached_property
     def late(self) -> Bool:
-        """The amplitude was not told for so long that a change of it has no place within the tolerance."""
+        """The amplitude was absent for so much run that a change cannot be placed within the tolerance."""
         return before(self.own.unheard) > self._room_nm
 
     @property
@@ -101,29 +101,29 @@ class Seen:
 
     @cached_property
     def run(self) -> Num:
-        """Run since the last edge."""
+        """Run since the last edge, mm."""
         kept = before(self.own.since)
         return ite(self.own.run.present, kept + self.own.run.value, kept)
 
     @cached_property
     def place(self) -> Num:
-        """Where the end is by the last edge and the run."""
+        """Place of the end by the last edge and the run, mm."""
         return before(self.own.base) + self.run
 
     @cached_property
     def lost(self) -> Bool:
-        """The pattern was not heard for too long, or the place, or that of an edge, is no longer known to the tolerance."""
+        """The pattern was silent for too long, or the place of the end or of an edge is no longer known within the tolerance."""
         own, config = self.own, self.own.config
         heard = own.run.present | (before(own.gap) < config.gap_limit_cycles)
         edge = (self.changes | self.returns) & self.late
         return any_of([~heard, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
 
     def _within(self, off: Num, figure_mm: int) -> Bool:
-        """No farther off than the figure and what the run may be wrong by."""
+        """Return the condition that `off` is within the figure and the error of the run."""
         return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.wrong_nm
 
     def _within_edges(self, off: Num, figure_mm: int) -> Bool:
-        """The same between two edges, the second of which was passed anywhere since the amplitude was last told."""
+        """Return the same between two edges; the second was passed anywhere since the last amplitude."""
         return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.blind_nm + self.wrong_nm
 
     # -------------------------------------------------------------- the section that is passed
@@ -137,7 +137,7 @@ class Seen:
 
     @cached_property
     def turned_back(self) -> Bool:
-        """It was left where it was entered: no run, and no section so short."""
+        """The end left the section where it had entered: no run, and no section so short."""
         return self._like(0) & ~self._like(self.own.config.short_mm)
 
     @cached_property
@@ -155,12 +155,12 @@ class Seen:
 
     @cached_property
     def near(self) -> Num:
-        """The edge that is met first, of the section ahead or behind."""
+        """The edge that is met first, of the section ahead or behind, mm."""
         return ite(self.forwards, self.own.ahead.near, self.own.behind.near)
 
     @cached_property
     def expected(self) -> Bool:
-        """The map has a section of this kind where the end may be, and a number for it."""
+        """The map has a section of this kind where the end may be, and its number is in range."""
         own, figure = self.own, 2 * self.own.config.edge_tolerance_mm
         known = ite(self.forwards, own.ahead.known, own.behind.known)
         raised = ite(self.forwards, own.ahead.rises, own.behind.rises)
@@ -169,17 +169,17 @@ class Seen:
 
     @cached_property
     def one(self) -> Num:
-        """Up or down."""
+        """One up or one down, by the direction."""
         return ite(self.forwards, Lit(1, COUNT), Lit(-1, COUNT))
 
     @cached_property
     def full(self) -> Bool:
-        """There are no more numbers."""
+        """The range of section numbers is exhausted."""
         limit = self.own.config.section_limit
         count = before(self.own.count)
         return (self.forwards & (count >= limit)) | (~self.forwards & (count <= -limit))
 
-    # -------------------------------------------------------------- what does not agree
+    # -------------------------------------------------------------- disagreements
 
     @cached_property
     def flaws(self) -> dict[Lit, Bool]:
@@ -202,7 +202,7 @@ class Seen:
 
     @cached_property
     def _missed(self) -> Bool:
-        """With all that it may be wrong by, the place is beyond an edge of the map: of the section ahead, or behind."""
+        """The place, with all its error, is beyond an edge of the map: of the section ahead, or behind."""
         own, figure = self.own, 2 * self.own.config.edge_tolerance_mm
         above, below = self.place - own.ahead.near, own.behind.near - self.place
         far_above = (above > 0) & ~self._within(above, figure)
@@ -210,6 +210,6 @@ class Seen:
         return (own.ahead.known & far_above) | (own.behind.known & far_below)
 
     def _off(self, told: Num, threshold_mm: int) -> Bool:
-        """Another place than the section's that is entered; or than the end's, with what that may be wrong by."""
+        """Return the condition that a place differs from the entered section's, or from the end's with its error."""
         entered = abs_(told - self.near) > Lit(threshold_mm, MM)
         return (self.changes & entered) | (~self.changes & ~self._within(told - self.place, threshold_mm))

@@ -1,4 +1,4 @@
-"""What must hold of a verified fibre position (FVA-1 to FVA-8, FVA-D1)."""
+"""Properties of a verified fibre position (FVA-1 to FVA-8, FVA-D1)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from safeloc.properties.verification.doubted import properties as doubted_proper
 from safeloc.properties.verification.mismatch import properties as mismatch_properties
 from safeloc.properties.verification.reach import properties as reach_properties
 
-LAW = "what the fibre tells of a train is true of that train within its bounds; a located interval holds the front"
+LAW = "the fibre's readings of a train are true of that train within their bounds; a located interval contains the "
+"front"
 CLAIM = ("FVA-1", "FVA-10")
 STAY = ("FVA-2", "FVA-11")
 ENTRY = ("FVA-3", "FVA-12")
@@ -30,19 +31,25 @@ under_assumption = partial(always, requirements=(*CLAIM, "FVA-D1"), assumption=L
 
 
 def properties(model: Verification) -> list[Property]:
-    """Only what is verified is given out; a mismatch withholds at once and until another accepted reference.
+    """Return the properties: only verified positions are reported; a mismatch withholds at once, until another reference is accepted.
 
-    Where the fibre is doubted, only what its world makes claimable: for all inputs the same machine is claimed where it is not.
+    If the fibre may be wrong, only the properties of that world: those for all inputs are claimed of the same machine elsewhere.
     """
     if model.train is not None:
         return doubted_properties(model, model.train)
     return [
         *_truth(model),
+        *_identity(model),
         *_age(model),
         *_latch(model),
+        *_withheld(model),
         *_revoked(model),
+        *_given_out(model),
         *_inputs(model),
-        *_entry(model),
+        *_control(model),
+        *_record(model),
+        *_missing(model),
+        *_at_entry(model),
         *mismatch_properties(model),
         *ability_properties(model),
         *reach_properties(model),
@@ -52,23 +59,30 @@ def properties(model: Verification) -> list[Property]:
 
 
 def _truth(model: Verification) -> Iterator[Property]:
+    """Claim that a trusted position contains the front."""
     machine, own = model.machine, model.own
     trusted = machine.flag("trusted")
     position = machine.output("position_mm")
     low, high = position - machine.output("margin_below_mm"), position + machine.output("margin_above_mm")
-    tolerance = own.config.length_tolerance_mm * 2_000
     yield under_assumption(
         "containment",
         trusted.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
-        statement="a position that is given out as trusted holds the front of the train",
+        statement="a position that is reported as trusted contains the front of the train",
         requirements=CLAIM,
     )
+
+
+def _identity(model: Verification) -> Iterator[Property]:
+    """Claim that count and length of the followed train are those of the record."""
+    machine, own = model.machine, model.own
+    trusted = machine.flag("trusted")
+    tolerance = own.config.length_tolerance_mm * 2_000
     now = trusted & machine.output("verified_cycles_ago").eq(0)
     yield under_assumption(
         "verified count is the train's",
         (now & machine.flag("verified_count")).implies(own.axles.eq(own.kept_count)),
-        statement="in a cycle verified by count, the train followed had as many axles as the counter counted, at the "
-        "moment that the count tells of: identity",
+        statement="in a cycle verified by count, the followed train had as many axles as the counter counted, at the "
+        "moment to which the count refers: identity",
     )
     yield under_assumption(
         "verified length is the train's",
@@ -81,21 +95,21 @@ def _truth(model: Verification) -> Iterator[Property]:
     yield under_assumption(
         "another train is withheld",
         (counted & own.axles.ne(own.kept_count)).implies(~trusted),
-        statement="in a cycle in which the fibre counts a train with another number of axles, nothing is trusted: whether "
-        "it is another train or has lost a wagon",
+        statement="in a cycle in which the fibre counts a train with another number of axles, the train is not trusted: it "
+        "is another train, or has lost a wagon",
         requirements=(*CLAIM, *STAY),
     )
 
 
 def _age(model: Verification) -> Iterator[Property]:
-    """How trust begins, and how long a verification serves."""
+    """Claim the beginning of trust, and the age of a verification."""
     machine, own = model.machine, model.own
     _, withheld, trusted_mode, _ = machine.modes
     mode, trusted = machine.mode, machine.flag("trusted")
     yield for_all_inputs(
         "trusted is currently verified",
         trusted.implies((own.age <= own.config.currency_cycles) & (own.by_count | own.by_length)),
-        statement="nothing is trusted without a verification by count or length at most so many cycles ago",
+        statement="a train is trusted only with a verification by count or length within the last currency_cycles",
     )
     yield for_all_inputs(
         "trust begins with a verification",
@@ -113,17 +127,17 @@ def _age(model: Verification) -> Iterator[Property]:
 
 
 def _latch(model: Verification) -> Iterator[Property]:
-    """How trust ends, and until when."""
+    """Claim that a mismatch is latched."""
     machine, own = model.machine, model.own
-    none, withheld, _, untrusted = machine.modes
-    mode, trusted = machine.mode, machine.flag("trusted")
+    _, _, _, untrusted = machine.modes
+    mode = machine.mode
     was_untrusted = before(mode).eq(untrusted)
     yield for_all_inputs(
         "mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(
             own.leaves | (own.due & own.sound & own.source.ne(v.NOBODY) & (own.record_count > 0))
         ),
-        statement="an untrusted train becomes anything else only by an accepted reference, or by leaving",
+        statement="an untrusted train changes its state only by an accepted reference, or by leaving",
     )
     yield for_all_inputs(
         "first reason is kept",
@@ -131,53 +145,78 @@ def _latch(model: Verification) -> Iterator[Property]:
         statement="the first reason stays until the train is trusted again or gone",
         requirements=COURSE,
     )
+
+
+def _withheld(model: Verification) -> Iterator[Property]:
+    """Claim that an untrusted position is not reported, and has a reason."""
+    machine, own = model.machine, model.own
+    none, withheld, _, untrusted = machine.modes
+    mode, trusted = machine.mode, machine.flag("trusted")
     yield for_all_inputs(
         "withheld is nothing",
         (~trusted).implies(no_interval(machine) & ~machine.flag("handover_trusted")),
-        statement="a position that is not trusted is not given out, and not handed over as trusted",
+        statement="a position that is not trusted is not reported, and not handed over as trusted",
         requirements=CLAIM,
     )
     yield for_all_inputs(
         "a reason is told",
         mode.one_of(none, withheld, untrusted).implies(own.reason.ne(v.VERIFIED)),
-        statement="whatever is not trusted has a reason",
+        statement="every train that is not trusted has a reason",
         requirements=COURSE,
     )
 
 
 def _revoked(model: Verification) -> Iterator[Property]:
-    """What was given out before a mismatch, with or without a pause, is revoked by it."""
+    """Claim that a mismatch revokes a reported position."""
+    machine = model.machine
+    _, _, trusted_mode, untrusted = machine.modes
+    mode = machine.mode
+    yield for_all_inputs(
+        "what was given out is revoked",
+        (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
+        statement="a mismatch revokes, in the same cycle, the position that was reported before",
+        requirements=(*CLAIM, *COURSE),
+    )
+
+
+def _given_out(model: Verification) -> Iterator[Property]:
+    """Claim that the machine remembers a reported position through a pause."""
     machine, own = model.machine, model.own
     _, withheld, trusted_mode, untrusted = machine.modes
     mode, trusted = machine.mode, machine.flag("trusted")
     was_untrusted, believed = before(mode).eq(untrusted), mode.one_of(withheld, trusted_mode)
     given_out = since(believed & ~own.due, trusted)
     yield for_all_inputs(
-        "what was given out is revoked",
-        (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
-        statement="a mismatch revokes in the same cycle what was given out before",
-        requirements=(*CLAIM, *COURSE),
-    )
-    yield for_all_inputs(
         "whether something was given out is kept",
         believed.implies(own.given.iff(given_out))
         & (was_untrusted & mode.eq(untrusted)).implies(own.given.iff(was(own.given))),
-        statement="that a position was given out is kept while the train is withheld, from its last trusted cycle on, until "
-        "another reference comes; and once the train is untrusted, until that ends",
+        statement="while the train is withheld, the machine remembers that a position was reported, from the last trusted "
+        "cycle on, until another reference comes; and once the train is untrusted, until that ends",
         requirements=(*CLAIM, *COURSE),
     )
     yield for_all_inputs(
         "what was given out is revoked after a pause too",
         (before(mode).eq(withheld) & mode.eq(untrusted)).implies(machine.flag("revoked").iff(was(own.given))),
-        statement="a mismatch of a train that is withheld for the time being revokes what was given out before, if anything was",
+        statement="a mismatch of a train that is withheld for the time being revokes the position that was reported "
+        "before, if there was one",
         requirements=(*CLAIM, *COURSE),
     )
 
 
 def _inputs(model: Verification) -> Iterator[Property]:
-    machine, own = model.machine, model.own
-    trusted = machine.flag("trusted")
-    unusable = {
+    trusted = model.machine.flag("trusted")
+    for name, (fault, what, trace) in _unusable(model.own).items():
+        yield for_all_inputs(
+            f"{name} withholds",
+            fault.implies(~trusted),
+            statement=f"{what} withholds the position in the same cycle",
+            requirements=trace,
+        )
+
+
+def _unusable(own: Parts) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    """Return the missing or faulty inputs of a cycle, in words."""
+    unusable: dict[str, tuple[Bool, str, tuple[str, ...]]] = {
         "not associated": (~own.associated, "a pattern that belongs to no known train", CLAIM),
         "not located": (~own.located | ~own.place.present, "a missing interval", CLAIM),
         "fibre error": (own.fibre_error, "an error signal F of the fibre machine", CLAIM),
@@ -187,18 +226,17 @@ def _inputs(model: Verification) -> Iterator[Property]:
     if own.config.needs_control_data:
         silent = ~own.control_count.present & ~own.control_length.present
         unusable["control data missing"] = (silent, "train control data that do not come", CONTROL)
-    for name, (fault, what, trace) in unusable.items():
-        yield for_all_inputs(
-            f"{name} withholds",
-            fault.implies(~trusted),
-            statement=f"{what} withholds the position in the same cycle",
-            requirements=trace,
-        )
+    return unusable
+
+
+def _control(model: Verification) -> Iterator[Property]:
+    """Claim the conditions under which train control data count as verified."""
+    machine, own = model.machine, model.own
     silent = ~own.control_count.present & ~own.control_length.present
     yield for_all_inputs(
         "silence is no success",
         (silent & own.by_control).implies(was(own.by_control)),
-        statement="train control data count as verified only where they came and matched",
+        statement="train control data count as verified only if they came and matched",
         requirements=CONTROL,
     )
     came, new_control = own.control_count.present | own.control_length.present, own.by_control & ~was(own.by_control)
@@ -212,9 +250,9 @@ def _inputs(model: Verification) -> Iterator[Property]:
     )
 
 
-def _entry(model: Verification) -> Iterator[Property]:
+def _record(model: Verification) -> Iterator[Property]:
+    """Claim the conditions of an accepted record."""
     machine, own = model.machine, model.own
-    none, *_ = machine.modes
     mode = machine.mode
     kept = (own.kept_count, own.kept_low, own.kept_high)
     record = (own.record_count, own.record_low, own.record_high)
@@ -234,6 +272,13 @@ def _entry(model: Verification) -> Iterator[Property]:
         statement="a record that is disturbed, old, empty or did not come is not accepted",
         requirements=(*SAFE, *STAY),
     )
+
+
+def _missing(model: Verification) -> Iterator[Property]:
+    """Claim that a train without a reference is not verified."""
+    machine, own = model.machine, model.own
+    none, *_ = machine.modes
+    mode = machine.mode
     yield for_all_inputs(
         "a lost hand-over is untrusted",
         (own.due & own.source.eq(v.NOBODY) & ~own.leaves).implies(mode.eq(machine.modes[3])),
@@ -246,6 +291,11 @@ def _entry(model: Verification) -> Iterator[Property]:
         statement="without a reference nothing is ever verified",
         requirements=CLAIM,
     )
+
+
+def _at_entry(model: Verification) -> Iterator[Property]:
+    """Claim that place and speed are compared in the cycle of the record only."""
+    own = model.own
     at_entry = own.reason.one_of(v.SPEED_AT_ENTRY, v.PLACE_AT_ENTRY)
     yield for_all_inputs(
         "place and speed at entry only",
@@ -263,7 +313,7 @@ def _entry(model: Verification) -> Iterator[Property]:
 
 
 def _verified_now(own: Parts) -> Bool:
-    """Count or length was determined of the train's own pattern, and is the record's."""
+    """Return the condition that count or length was determined of the train's own pattern, and is the record's."""
     tolerance, length = own.config.length_tolerance_mm, own.seen_length
     count = own.seen_count.present & own.seen_count.value.eq(own.kept_count)
     near = (length.value + tolerance >= own.kept_low) & (length.value - tolerance <= own.kept_high)
@@ -271,7 +321,7 @@ def _verified_now(own: Parts) -> Bool:
 
 
 def _handed_over(model: Verification) -> Iterator[Property]:
-    """What the neighbour is given."""
+    """Claim the data that are handed over to the neighbour."""
     machine, own = model.machine, model.own
     length = machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm")
     said = (
@@ -280,13 +330,13 @@ def _handed_over(model: Verification) -> Iterator[Property]:
     yield for_all_inputs(
         "the record is handed over",
         machine.flag("handover_trusted").implies(machine.flag("trusted") & said),
-        statement="what is handed over as trusted is the stored record, while the train is trusted",
+        statement="the record that is handed over as trusted is the stored one, while the train is trusted",
         requirements=("FVA-D1", *STAY),
     )
     yield for_all_inputs(
         "listed with the emitter",
         machine.flag("verified_by_emitter").implies(machine.flag("trusted") & own.chain_tested),
-        statement="the chain is listed as tested only in a cycle in which it is",
+        statement="the chain is listed as tested only in a cycle in which it is tested",
         requirements=EMITTER,
     )
 

@@ -1,4 +1,4 @@
-"""What a train can do between two readings, in figures of their own: its brakes, its traction, its speed (FVA-6, FVA-7)."""
+"""A train's abilities between two readings, in figures of their own: brakes, traction, speed (FVA-6, FVA-7)."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 @dataclass(frozen=True, eq=False)
 class Abilities:
-    """Terms over the inputs of a cycle and what was stored before it, in um/s. A brake of one mm/s2 changes 1 um/s a ms."""
+    """Terms over the inputs of a cycle and the state before it, in um/s. A brake of 1 mm/s2 changes the speed by 1 um/s per ms."""
 
     own: Parts
 
     @cached_property
     def _brake(self) -> Num:
-        """The brakes that are reckoned with; train control tells of weaker ones."""
+        """Configured braking ability, or the weaker one that train control reports."""
         told, most = self.own.control_brake, self.own.config.brake_mm_s2
         weaker = told.present & (told.value < most)
         return self._in_a_cycle(ite(weaker, told.value, Lit(most, MM_S2)))
@@ -38,12 +38,12 @@ class Abilities:
 
     @cached_property
     def last(self) -> Num:
-        """The last speed that was told."""
+        """The last speed reading, um/s."""
         return with_unit(before(self.own.last_speed) * 1_000, UM_S)
 
     @cached_property
     def changes(self) -> tuple[Num, Num]:
-        """How much less and how much more the speed can become in the cycle; which way the train runs may not be sure."""
+        """Greatest decrease and increase of the speed in the cycle, um/s; the direction of running may be uncertain."""
         slower, faster = before(self.own.slower), before(self.own.faster)
         both = maximum(self._traction, self._brake)
         up, down = self.last >= both + slower, self.last + both <= -faster
@@ -53,12 +53,12 @@ class Abilities:
 
     @cached_property
     def since_last(self) -> tuple[Num, Num]:
-        """How much less and how much more than the last one the speed can be after the cycle."""
+        """Greatest decrease and increase of the speed since the last reading, after the cycle, um/s."""
         less, more = self.changes
         return less + before(self.own.slower), more + before(self.own.faster)
 
     def exceeded_by(self, speed: Num) -> Bool:
-        """A speed that the train cannot have, even where both readings are off by all of their tolerance."""
+        """Return the condition that the train cannot have this speed, even if both readings are off by all of their tolerance."""
         less, more = self.since_last
         gain = with_unit((speed - before(self.own.last_speed)) * 1_000, UM_S)
         slack = 2_000 * self.own.config.speed_tolerance_mm_s
@@ -66,7 +66,7 @@ class Abilities:
 
     @cached_property
     def run_nm(self) -> Num:
-        """The farthest run of the cycle: um/s in ms are nm."""
+        """Greatest run of the cycle, nm: um/s times ms."""
         own, (less, more) = self.own, self.since_last
         fastest, slack = own.config.max_speed_mm_s * 1_000, own.config.speed_tolerance_mm_s * 1_000
         known = minimum(maximum(more + self.last, less - self.last) + slack, fastest)
@@ -75,7 +75,13 @@ class Abilities:
 
 
 def properties(model: Verification) -> Iterator[Property]:
-    """What is stored of the course: it grows by what a train can do, and begins anew with a reading."""
+    """Yield the properties of the stored course: it grows by the train's abilities, and begins anew with a reading."""
+    yield from _speed_bounds(model)
+    yield from _reach(model)
+    yield from _last_readings(model)
+
+
+def _speed_bounds(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
     follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
@@ -85,18 +91,32 @@ def properties(model: Verification) -> Iterator[Property]:
     yield for_all_inputs(
         "speed is bounded by the train's abilities",
         follows.implies(own.slower.eq(ite(seen, 0, slower)) & own.faster.eq(ite(seen, 0, faster))),
-        statement="without a speed its bounds grow by brake and traction, by the brakes that train control tells where it does; "
-        "with one they begin anew",
+        statement="without a speed reading its bounds grow by brake and traction, by the brakes that train control reports "
+        "if it does; with a reading they begin anew",
     )
+
+
+def _reach(model: Verification) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, withheld, trusted, _ = machine.modes
+    follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
     placed = own.associated & own.located & own.place.present
     grown = exact_to(own.reach - before(own.reach), NM) - Abilities(own).run_nm
     charged = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
     yield for_all_inputs(
         "reach grows by the fastest run",
         follows.implies(ite(placed, own.reach.eq(0), charged)),
-        statement="without a place the front may have come farther by the run of the cycle at its greatest speed, rounded up to "
-        "a millimetre",
+        statement="without a place the possible distance of the front grows by the run of the cycle at its greatest speed, "
+        "rounded up to a millimetre",
     )
+
+
+def _last_readings(model: Verification) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, withheld, trusted, _ = machine.modes
+    follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
+    seen = own.associated & own.seen_speed.present
+    placed = own.associated & own.located & own.place.present
     last = [
         (own.associated & own.seen_length.present, own.last_length, own.seen_length, own.length_known),
         (seen, own.last_speed, own.seen_speed, own.speed_known),
@@ -106,5 +126,5 @@ def properties(model: Verification) -> Iterator[Property]:
         yield for_all_inputs(
             f"{kept.name} is the last one told",
             follows.implies(ite(given, kept.eq(told.value) & known, kept.eq(before(kept)) & known.iff(was(known)))),
-            statement="what later readings are compared with is the last reading of the train's own pattern",
+            statement="later readings are compared with the last reading of the train's own pattern",
         )

@@ -1,9 +1,9 @@
-"""What holds of a verified position where the fibre may be wrong in everything, alone or together, from any moment on (FVA-1).
+"""Properties of a verified position if the fibre may be wrong in any way, alone or together, from any moment on (FVA-1).
 
-Wrong and not noticed stays within figures: a place within what the last record and the top speed leave open, a length within
-tolerance and spread, a speed within its figure at the counter, a count not at all. All else is withheld: what is told wrong
-in the same cycle, what is not told any more within `currency_cycles`, a place whose record is too old within the cycles that
-`place_doubt_limit_mm` leaves. The figures are sharp at the defaults: one unit less is refuted by a run.
+An unnoticed error stays within figures: a place within the stretch that the last record and the top speed leave open, a length
+within tolerance and spread, a speed within its figure at the counter, a count not at all. All else is withheld: a wrong reading
+in the same cycle, missing readings within `currency_cycles`, a place whose record is too old within the cycles that
+`place_doubt_limit_mm` leaves. The figures are sharp at the defaults: a run refutes one unit less.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ from safeloc.models.verification.doubted import Doubted
 from safeloc.models.verification.variables import AXLE_COUNTER, Parts
 
 LAW = (
-    "an axle counter's record that is called undisturbed is true, so is what a neighbour hands over; no train runs faster than "
-    "the top speed, and no other one takes its place untold; nothing of what the fibre, the emitter or train control tells"
+    "an axle counter's record that is reported as undisturbed is true, and so is the record that a neighbour "
+    "hands over; no train runs faster than the top speed, and no other one takes its place unreported; nothing "
+    "is assumed of the messages of the fibre, the emitter or train control"
 )
 CLAIM = ("FVA-1", "FVA-10")
 STAY = ("FVA-2", "FVA-11")
@@ -34,7 +35,7 @@ whatever_the_fibre_tells = partial(always, requirements=(*CLAIM, *STAY), assumpt
 
 @dataclass(frozen=True, eq=False)
 class Figures:
-    """How far what is trusted can be from the truth, in figures of their own."""
+    """Greatest distances of a trusted reading from the truth, in figures of their own."""
 
     model: Verification
     train: Doubted
@@ -46,19 +47,19 @@ class Figures:
 
     @property
     def trusted(self) -> Bool:
-        """A position is given out."""
+        """A position is reported."""
         return self.model.machine.flag("trusted")
 
     @cached_property
     def interval_nm(self) -> tuple[Num, Num]:
-        """The interval that is given out."""
+        """The reported interval, nm."""
         position, below, above = (
             self.model.machine.output(name) for name in ("position_mm", "margin_below_mm", "margin_above_mm")
         )
         return exact_to(position - below, NM), exact_to(position + above, NM)
 
     def within(self, farthest_nm: Num) -> Bool:
-        """The train's front is in the interval that is given out, or no farther beside it."""
+        """Return the condition that the train's front is in the reported interval, or no farther than that beside it."""
         low, high = self.interval_nm
         return between(low - farthest_nm, self.own.truth, high + farthest_nm)
 
@@ -69,12 +70,12 @@ class Figures:
 
     @cached_property
     def runs_nm(self) -> int:
-        """How much two trains at top speed part in a cycle, or what is charged and what is run: of an older record each."""
+        """Two runs at top speed, nm: the true one, and the one that the machine adds in whole millimetres."""
         return self.own.config.max_speed_mm_s * self.own.config.period_ms * 1_000 + self.charged_run_mm * 1_000_000
 
     @cached_property
     def tolerance_nm(self) -> int:
-        """How far the fibre's interval may lie from where the front can be."""
+        """Greatest distance of the fibre's interval from the possible places of the front, nm."""
         return self.own.config.place_tolerance_mm * 1_000_000
 
     @property
@@ -84,14 +85,18 @@ class Figures:
 
 
 def properties(model: Verification, train: Doubted) -> list[Property]:
-    """What the fibre tells wrong is withheld, or within its figure."""
+    """Return the properties: a wrong reading of the fibre is withheld, or within its figure."""
     figures = Figures(model, train)
     return [
         *_place(figures),
+        *_place_at_any_time(figures),
         *_course(figures),
         *_values(figures),
+        *_control(figures),
+        *_speed(figures),
         *_cycles(figures),
-        *_kept(figures),
+        *_handed_over(figures),
+        *_of_this_train(figures),
         *_reached(figures),
     ]
 
@@ -100,6 +105,7 @@ def properties(model: Verification, train: Doubted) -> list[Property]:
 
 
 def _place(figures: Figures) -> Iterator[Property]:
+    """Claim the greatest distance of a trusted interval from the front."""
     own, trusted = figures.own, figures.trusted
     wide = own.record_place_high - own.record_place_low + own.config.place_tolerance_mm
     yield whatever_the_fibre_tells(
@@ -114,25 +120,31 @@ def _place(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "a place later",
         trusted.implies(figures.within(figures.train.width + figures.tolerance_nm)),
-        statement="later a trusted interval is no farther from the front than that and two runs at top speed for each cycle since",
+        statement="later a trusted interval is no farther from the front than that and two runs at top speed for each "
+        "cycle since",
     )
+
+
+def _place_at_any_time(figures: Figures) -> Iterator[Property]:
+    """Claim the same without regard to the record's age."""
+    own, trusted = figures.own, figures.trusted
     limit = Lit(own.config.place_doubt_limit_mm * 1_000_000 + figures.tolerance_nm, NM)
     yield whatever_the_fibre_tells(
         "a place at any time",
         trusted.implies(figures.within(limit)),
-        statement="whatever the fibre told, and for how long, a trusted interval is no farther from the front than "
+        statement="whatever the fibre reported, and for how long, a trusted interval is no farther from the front than "
         "place_doubt_limit_mm and the place tolerance",
     )
     doubt = exact_to(figures.model.machine.output("place_doubt_mm"), NM)
     yield whatever_the_fibre_tells(
         "the doubt that is told",
         trusted.implies(figures.within(doubt) & doubt.eq(figures.train.width + figures.tolerance_nm)),
-        statement="the machine tells how far from the front a trusted interval can be if the fibre is wrong",
+        statement="the machine reports how far from the front a trusted interval can be if the fibre is wrong",
     )
 
 
 def _course(figures: Figures) -> Iterator[Property]:
-    """What one cycle can add, by the check for jumps."""
+    """Claim the greatest change of that distance in one cycle, by the check for jumps."""
     own, (low, high) = figures.own, figures.interval_nm
     was_trusted = before(figures.model.machine.mode).eq(figures.model.machine.modes[2])
     last_low, last_high = (
@@ -146,8 +158,8 @@ def _course(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "a place from cycle to cycle",
         (was_trusted & figures.trusted & ~own.due).implies(ahead & behind),
-        statement="from one trusted cycle to the next no interval leaves the front farther behind than the far end of the one "
-        "before did, and jump_mm, and two runs at top speed",
+        statement="from one trusted cycle to the next the interval falls behind the front by no more than the far end of "
+        "the previous interval did, plus jump_mm and two runs at top speed",
         requirements=(*CLAIM, *COURSE),
     )
 
@@ -156,6 +168,7 @@ def _course(figures: Figures) -> Iterator[Property]:
 
 
 def _values(figures: Figures) -> Iterator[Property]:
+    """Claim that wrong readings of count, length and ends are withheld."""
     own, trusted = figures.own, figures.trusted
     counted = own.associated & own.seen_count.present
     yield whatever_the_fibre_tells(
@@ -179,6 +192,11 @@ def _values(figures: Figures) -> Iterator[Property]:
         ),
         statement="two ends between which the train's length does not fit, with tolerance and spread, withhold in the same cycle",
     )
+
+
+def _control(figures: Figures) -> Iterator[Property]:
+    """Claim that wrong data from train control are withheld."""
+    own, trusted = figures.own, figures.trusted
     said = own.control_count.present.implies(own.axles.eq(own.control_count.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
     yield whatever_the_fibre_tells(
@@ -188,11 +206,16 @@ def _values(figures: Figures) -> Iterator[Property]:
         "same cycle",
         requirements=CONTROL,
     )
+
+
+def _speed(figures: Figures) -> Iterator[Property]:
+    own, trusted = figures.own, figures.trusted
     yield whatever_the_fibre_tells(
         "a speed at the counter",
         all_of([figures.at_counter, trusted, own.seen_speed.present]).implies(_fast(figures)),
-        statement="in the cycle of a counter's record the fibre's speed is no farther from the train's than the width of the "
-        "record's speed, the speed tolerance, and what traction or brakes change twice over for each cycle that the record is old",
+        statement="in the cycle of a counter's record the fibre's speed is no farther from the train's than the width of "
+        "the record's speed, the speed tolerance, and twice the change by traction or brakes for each cycle that "
+        "the record is old",
         requirements=(*CLAIM, *ENTRY),
     )
 
@@ -203,7 +226,7 @@ def _long(figures: Figures, said: Num) -> Bool:
 
 
 def _fast(figures: Figures) -> Bool:
-    """Of an older record what is charged, in whole mm/s, and what the train changed."""
+    """Return the condition of the speed: of an older record, the change added in whole mm/s, and the train's true change."""
     own, config = figures.own, figures.own.config
     change = max(config.brake_mm_s2, config.traction_mm_s2) * config.period_ms
     twice = change + (change + 999) // 1_000 * 1_000
@@ -212,7 +235,7 @@ def _fast(figures: Figures) -> Bool:
     return between(-slack, exact_to(own.seen_speed.value, UM_S) - figures.train.speed, slack)
 
 
-# ------------------------------------------------------------------ within how many cycles
+# ------------------------------------------------------------------ time to withdrawal
 
 
 def _cycles(figures: Figures) -> Iterator[Property]:
@@ -220,8 +243,8 @@ def _cycles(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "nothing right is told any more",
         trusted.implies(train.untold_for <= own.config.currency_cycles),
-        statement="a train of which the fibre tells neither a right count nor a right length is withheld within currency_cycles "
-        "and one cycle",
+        statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
+        "currency_cycles and one cycle",
     )
     serves = own.config.place_doubt_limit_mm // (2 * figures.charged_run_mm)
     yield whatever_the_fibre_tells(
@@ -232,10 +255,11 @@ def _cycles(figures: Figures) -> Iterator[Property]:
     )
 
 
-# ------------------------------------------------------------------ what is kept and handed over
+# ------------------------------------------------------------------ stored and handed-over data
 
 
-def _kept(figures: Figures) -> Iterator[Property]:
+def _handed_over(figures: Figures) -> Iterator[Property]:
+    """Claim that the record that is handed over is true."""
     machine, own = figures.model.machine, figures.own
     long = (machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm"))
     place = (machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm"))
@@ -250,15 +274,22 @@ def _kept(figures: Figures) -> Iterator[Property]:
                 ]
             )
         ),
-        statement="what is handed over of a trusted train is true: its axles, bounds of its length, and bounds of its front",
+        statement="the record that is handed over of a trusted train is true: its axles, bounds of its length, and bounds "
+        "of its front",
         requirements=("FVA-D1", *STAY, *SAFE),
     )
+
+
+def _of_this_train(figures: Figures) -> Iterator[Property]:
+    """Claim that the reported place is that of a pattern of this train."""
+    machine, own = figures.model.machine, figures.own
     yield whatever_the_fibre_tells(
         "a pattern of nobody",
         figures.trusted.implies(
             own.associated & own.located & own.place.present & machine.output("position_mm").eq(own.place.value)
         ),
-        statement="what is given out is the place that the fibre tells in that cycle of a pattern of this train, and of no other",
+        statement="the reported position is the place that the fibre reports in that cycle for a pattern of this train, "
+        "and of no other",
     )
 
 
@@ -268,6 +299,6 @@ def _reached(figures: Figures) -> Iterator[Property]:
     yield reachable(
         "trusted and wrong",
         figures.trusted & ~between(low, own.truth, high) & was(own.by_count),
-        statement="a wrong place within the figure can be trusted: what the figures are for",
+        statement="a wrong place within the figure can be trusted: the figures are needed",
         requirements=CLAIM,
     )

@@ -1,6 +1,6 @@
-"""What must withhold a fibre position, parameter by parameter, and what alone may (FVA-1 to FVA-8).
+"""Properties of each mismatch that withholds a fibre position, and of all of them together (FVA-1 to FVA-8).
 
-Every mismatch is written from the inputs of the cycle and from what is stored, in figures of its own. Rounding makes two
+Every mismatch is written from the inputs of the cycle and from the state, in figures of its own. Rounding makes two
 figures of a jump: from one millimetre beyond the reach on it must withhold, and within the reach it must not.
 """
 
@@ -37,7 +37,7 @@ NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
     ),
     "another length by train control is withheld": (
         v.CONTROL_LENGTH,
-        "a length by train control that contradicts the reference withholds; it never replaces it",
+        "a length from train control that contradicts the reference withholds; it never replaces it",
         CONTROL,
     ),
     "control data do not repair": (
@@ -47,22 +47,24 @@ NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
     ),
     "ends too far apart are withheld": (
         v.ENDS_APART,
-        "both ends located where no length of the reference lies between them withhold in the same cycle",
+        "two located ends whose distance fits no length of the reference withhold in the same cycle",
         (*CLAIM, *STAY),
     ),
     "another speed at the counter is withheld": (
         v.SPEED_AT_ENTRY,
-        "at the counter the fibre's speed is the counter's, within tolerance and what the train can have changed since",
+        "at the counter the fibre's speed is the counter's, within the tolerance and the possible change since "
+        "the record",
         ENTRY,
     ),
     "another place at the counter is withheld": (
         v.PLACE_AT_ENTRY,
-        "at the counter the fibre's interval meets the counter's, within tolerance and the farthest run since",
+        "at the counter the fibre's interval overlaps the counter's, within the tolerance and the farthest run "
+        "since the record",
         ENTRY,
     ),
     "another record of the same stay is withheld": (
         v.REFERENCE_CONTRADICTS,
-        "a record that contradicts the stored one withholds in the same cycle, also where the fibre agrees with it",
+        "a record that contradicts the stored one withholds in the same cycle, also if the fibre agrees with it",
         (*SAFE, *STAY),
     ),
     "a length that changes withholds": (
@@ -72,18 +74,19 @@ NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
     ),
     "a speed that no train changes withholds": (
         v.SPEED_CHANGED,
-        "the speed changes by no more than traction, brakes and both tolerances allow; the brakes are those that train "
-        "control tells, where it does",
+        "the speed changes by no more than traction, brakes and both tolerances allow; the brakes are those that "
+        "train control reports, if it does",
         (*COURSE, *CONTROL),
     ),
     "a jump withholds": (
         v.JUMP,
-        "the front comes no farther than its speed and both intervals allow since its last place",
+        "the front is no farther from its last place than its speed and both intervals allow",
         COURSE,
     ),
     "a place out of reach is withheld": (
         v.OUT_OF_REACH,
-        "an interval where the train cannot have come from its last counter, even at top speed, withholds in the same cycle",
+        "an interval that the train cannot have reached from its last counter, even at top speed, withholds in "
+        "the same cycle",
         (*CLAIM, *STAY),
     ),
 }
@@ -91,7 +94,7 @@ for_all_inputs = partial(always, requirements=(*CLAIM, *COURSE), unconditional=T
 
 
 def properties(model: Verification) -> Iterator[Property]:
-    """Each mismatch withholds; all of them are latched as untrusted; nothing else is."""
+    """Yield the properties: each mismatch withholds; all of them make the train untrusted; nothing else does."""
     machine, own = model.machine, model.own
     _, withheld, trusted, untrusted = machine.modes
     mode, was_known = machine.mode, before(machine.mode).one_of(withheld, trusted)
@@ -103,7 +106,7 @@ def properties(model: Verification) -> Iterator[Property]:
     yield for_all_inputs(
         "mismatch withholds in the same cycle",
         (compared & any_of(must.values())).implies(mode.eq(untrusted)),
-        statement="whatever does not match, the train is untrusted in the same cycle",
+        statement="with any mismatch the train is untrusted in the same cycle",
     )
     newly = before(mode).ne(untrusted) & mode.eq(untrusted)
     yield for_all_inputs(
@@ -115,7 +118,7 @@ def properties(model: Verification) -> Iterator[Property]:
 
 
 def mismatches(own: Parts, was_known: Bool, least_mm: int) -> dict[Lit, Bool]:
-    """Every mismatch by its reason; a jump from so far beyond the reach on."""
+    """Return every mismatch by its reason; a jump from `least_mm` beyond the reach on."""
     return {
         **_of_record(own, was_known),
         **_of_parameters(own),
@@ -131,7 +134,7 @@ def mismatches(own: Parts, was_known: Bool, least_mm: int) -> dict[Lit, Bool]:
 
 
 def _of_record(own: Parts, was_known: Bool) -> dict[Lit, Bool]:
-    """A record that did not come, is no good, or says another thing than the stored one."""
+    """Return the mismatches of a record: it did not come, is unusable, or contradicts the stored one."""
     config, came = own.config, own.due & own.source.one_of(v.AXLE_COUNTER, v.NEIGHBOUR)
     old = own.record_age > config.reference_age_limit_cycles
     crossed = own.record_high < own.record_low
@@ -148,17 +151,17 @@ def _of_record(own: Parts, was_known: Bool) -> dict[Lit, Bool]:
 
 
 def _against(own: Parts, differs: Callable[[Num, Num, Num], Bool]) -> Bool:
-    """What differs from the record that is due, or else from the stored one."""
+    """Return the condition that a reading differs from the record that is due, or else from the stored one."""
     told = differs(own.record_count, own.record_low, own.record_high)
     kept = differs(before(own.kept_count), before(own.kept_low), before(own.kept_high))
     return (own.due & told) | (~own.due & kept)
 
 
-# ------------------------------------------------------------------ what does not change during a stay
+# ------------------------------------------------------------------ parameters that do not change during a stay
 
 
 def _of_parameters(own: Parts) -> dict[Lit, Bool]:
-    """Count, length, the distance of both ends; the same by train control."""
+    """Return the mismatches of count, length and distance of the ends; the same for train control."""
     near, far, tolerance = own.ends_low, own.ends_high, own.config.length_tolerance_mm
 
     def length(said: Num) -> Bool:
@@ -186,7 +189,7 @@ def _of_parameters(own: Parts) -> dict[Lit, Bool]:
 
 
 def _at_counter(own: Parts) -> dict[Lit, Bool]:
-    """Speed and place in the cycle of the record."""
+    """Return the mismatches of speed and place in the cycle of the record."""
     config = own.config
     here = own.associated & own.due & own.source.eq(v.AXLE_COUNTER)
     most = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // 1_000)
@@ -207,7 +210,7 @@ def _at_counter(own: Parts) -> dict[Lit, Bool]:
 
 
 def _of_course(own: Parts, least_mm: int) -> dict[Lit, Bool]:
-    """Length, speed and place against the last ones."""
+    """Return the mismatches of length, speed and place with the last readings."""
     length, speed, able = own.seen_length, own.seen_speed, Abilities(own)
     change = abs_(before(own.last_length) - length.value)
     run, place = own.place.value - before(own.last_place), own.place

@@ -1,4 +1,4 @@
-"""Where the front can be by the record and the top speed alone, and for how long that serves (FVA-1, FVA-2)."""
+"""Bounds of the front by the record and the top speed alone, and the time for which they can be used (FVA-1, FVA-2)."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def fastest_um(own: Parts) -> int:
-    """The run of a cycle at top speed, a started millimetre for a whole one."""
+    """Return the run of a cycle at top speed, um, rounded up to a millimetre."""
     return (own.config.max_speed_mm_s * own.config.period_ms + 999) // 1_000 * 1_000
 
 
 def reached_um(own: Parts) -> tuple[Num, Num]:
-    """Bounds of the front, of the inputs of a cycle and of what was stored before it."""
+    """Return bounds of the front, um, from the inputs of a cycle and the state before it."""
     farther = with_unit(own.record_age * fastest_um(own), UM)
     told = exact_to(own.record_place_low, UM) - farther, exact_to(own.record_place_high, UM) + farther
     last = exact_to(before(own.possible_low), UM), exact_to(before(own.possible_high), UM)
@@ -31,13 +31,13 @@ def reached_um(own: Parts) -> tuple[Num, Num]:
 
 
 def in_doubt(own: Parts) -> Bool:
-    """The bounds are farther apart than permitted."""
+    """Return the condition that the bounds are farther apart than permitted."""
     low, high = reached_um(own)
     return high > low + own.config.place_doubt_limit_mm * 1_000
 
 
 def beyond_reach(own: Parts) -> Bool:
-    """An interval that is told lies beyond the bounds by more than the tolerance, where these serve."""
+    """Return the condition that the fibre's interval lies beyond the bounds by more than the tolerance, while these can be used."""
     (low, high), place, tolerance = reached_um(own), own.place, own.config.place_tolerance_mm * 1_000
     there = own.associated & own.located & place.present & ~in_doubt(own)
     above = exact_to(place.value - own.place_below, UM) > high + tolerance
@@ -45,21 +45,32 @@ def beyond_reach(own: Parts) -> Bool:
 
 
 def properties(model: Verification) -> Iterator[Property]:
-    """The bounds come from the record, widen by the fastest run, and serve up to their limit."""
+    """Yield the properties: the bounds come from the record, widen by the fastest run, and can be used up to their limit."""
+    yield from _bounds(model)
+    yield from _reported(model)
+
+
+def _bounds(model: Verification) -> Iterator[Property]:
+    """Claim the bounds of the front, and their limit."""
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
     known, (low, high) = machine.mode.one_of(withheld, trusted), reached_um(own)
     yield for_all_inputs(
         "bounds of the front widen by the fastest run",
         known.implies(exact_to(own.possible_low, UM).eq(low) & exact_to(own.possible_high, UM).eq(high)),
-        statement="where the front can be is the record's place, wider by the run at top speed either way for each cycle of its "
-        "age and for each cycle since, until it is wider than permitted",
+        statement="the bounds of the front are the record's place, wider by the run at top speed in either direction for "
+        "each cycle of its age and for each cycle since, until they are wider than permitted",
     )
     yield for_all_inputs(
         "a doubtful place is withheld",
         in_doubt(own).implies(~machine.flag("trusted")),
-        statement="where the record and the top speed leave more open than permitted, nothing is trusted",
+        statement="if the record and the top speed leave more open than permitted, the train is not trusted",
     )
+
+
+def _reported(model: Verification) -> Iterator[Property]:
+    """Claim the outputs for the bounds."""
+    machine, own = model.machine, model.own
     said = machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm")
     limit = own.config.position_limit_mm
     yield for_all_inputs(
@@ -67,7 +78,7 @@ def properties(model: Verification) -> Iterator[Property]:
         machine.flag("handover_trusted").implies(
             said[0].eq(maximum(own.possible_low, -limit)) & said[1].eq(minimum(own.possible_high, limit))
         ),
-        statement="the neighbour is told where the front can be, within the line",
+        statement="the bounds of the front are handed over to the neighbour, within the line",
         requirements=("FVA-D1", "FVA-2", "FVA-11"),
     )
     doubt = own.possible_high + own.config.place_tolerance_mm - own.possible_low
@@ -75,5 +86,6 @@ def properties(model: Verification) -> Iterator[Property]:
     yield for_all_inputs(
         "the doubt of a place is told",
         ite(machine.flag("trusted"), told.eq(doubt), told.eq(0)),
-        statement="with a trusted place it is told how far from the front it can be if the fibre is wrong; without one, nothing",
+        statement="with a trusted place the machine reports how far from the front it can be if the fibre is wrong; "
+        "without one it reports zero",
     )

@@ -1,30 +1,52 @@
-"""The machines that ship, by name: each with its configuration, properties, recorded streams and simulation."""
+"""Finds the machines that ship: every folder of `models/` that holds a file `target.py` declares one or more in its `ENTRIES`."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any
 
-from pydantic import BaseModel
+from safeloc import models
+from safeloc.errors import ModelError
+from safeloc.target import Entry, Family
 
-from safeloc.shipped import fibre, localizer, markers, odometry, receiver, satellite
-from safeloc.shipped.hosting import for_hosts
-from safeloc.target import Entry, Target
-
-
-def _made(entry: Entry, config: BaseModel) -> Target:
-    return for_hosts(entry.make(config))
+ORDER = {family: number for number, family in enumerate(Family)}
 
 
-ENTRIES: Mapping[str, Entry] = {
-    entry.name: replace(entry, make=partial(_made, entry))
-    for entry in (
-        *odometry.ENTRIES,
-        *markers.ENTRIES,
-        *fibre.ENTRIES,
-        *satellite.ENTRIES,
-        *receiver.ENTRIES,
-        *localizer.ENTRIES,
-    )
-}
+def folders() -> list[str]:
+    """Return the folders of `models/` that declare a machine, by name."""
+    every = [module.name for module in iter_modules(models.__path__) if module.ispkg]
+    return sorted(name for name in every if _has_target(name))
+
+
+def _has_target(folder: str) -> bool:
+    inside = [f"{path}/{folder}" for path in models.__path__]
+    return any(module.name == "target" for module in iter_modules(inside))
+
+
+def declared(folder: str) -> Iterator[Entry[Any]]:
+    """Yield the entries that a folder declares. ModelError where its `target.py` has no tuple `ENTRIES` of them."""
+    module = import_module(f"{models.__name__}.{folder}.target")
+    entries = getattr(module, "ENTRIES", None)
+    if not isinstance(entries, tuple) or not entries or not all(isinstance(one, Entry) for one in entries):
+        raise ModelError(
+            f"{module.__file__}: ENTRIES is {entries!r}; declare a tuple of entries: ENTRIES = (Entry(...),)."
+        )
+    yield from (replace(entry, folder=folder) for entry in entries)
+
+
+def found() -> dict[str, Entry[Any]]:
+    """Return all entries by name: by family, by place in it, and then by name. ModelError for a name that two folders give."""
+    entries: dict[str, Entry[Any]] = {}
+    for entry in (one for folder in folders() for one in declared(folder)):
+        other = entries.setdefault(entry.name, entry)
+        if other is not entry:
+            raise ModelError(f"models/{other.folder} and models/{entry.folder} both declare a machine {entry.name!r}.")
+    ordered = sorted(entries.values(), key=lambda one: (ORDER[one.family], one.place, one.name))
+    return {entry.name: entry for entry in ordered}
+
+
+ENTRIES: Mapping[str, Entry[Any]] = found()
+"""The machines that ship, by name, in the order of `safeloc list`."""

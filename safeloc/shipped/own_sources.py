@@ -12,12 +12,12 @@ from safeloc.language.system import lower
 from safeloc.models import localizer, motion
 from safeloc.models.localizer import LocalizerConfig, Vehicle
 from safeloc.models.localizer.own_source import Maker, own_source, vehicle_of
+from safeloc.models.localizer.target import LOCALIZER, localized
 from safeloc.properties import own_source as own_source_properties
 from safeloc.reported import Reported
-from safeloc.shipped.localizer import localized
 from safeloc.target import Target
 
-WITH_SOURCES = "localizer"
+WITH_SOURCES = LOCALIZER.name
 """The machine that takes sources of a user's own."""
 SEPARATOR = "+"
 """Stands between the word for what is made and the sources: `localizer+beacons.py:source`."""
@@ -48,7 +48,8 @@ def _alone(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
 
 
 def _beside(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
-    return _bare(localized(localizer.compose_machines(config, own=makers), config), WITH_SOURCES)
+    target = _bare(localized(localizer.compose_machines(config, own=makers), config), WITH_SOURCES)
+    return LOCALIZER.for_hosts(target)
 
 
 def _bare(target: Target, name: str) -> Target:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from pydantic import ValidationError
@@ -72,7 +73,7 @@ def test_no_configuration_hides_a_case() -> None:
     assert set(SHARED) <= unused
 
 
-def alone(entry: Entry) -> Entry:
+def alone(entry: Entry[Any]) -> Entry[Any]:
     """A machine that is proved in its defaults only."""
     return replace(entry, configurations=Configurations(never=entry.configurations.never))
 

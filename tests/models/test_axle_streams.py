@@ -25,8 +25,7 @@ from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.shipped.making import STREAMS
-from safeloc.target import Target
+from safeloc.target import STREAMS, Target
 from tests.models.fibre_family import labels, mode_labels
 
 STREAMS_OF: Mapping[str, ModuleType] = {

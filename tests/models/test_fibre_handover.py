@@ -171,5 +171,5 @@ def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object],
 
 def test_places_beyond_the_line_are_refused() -> None:
     """The border sees every position that a verification can give."""
-    with pytest.raises(ValidationError, match=r"is beyond border\.position_limit_mm"):
+    with pytest.raises(ValidationError, match=r"has to be no greater than border\.position_limit_mm"):
         FibreHandoverConfig(border=BorderConfig(position_limit_mm=1_000_000))

@@ -9,7 +9,7 @@ from safeloc.models.fibre import machine
 from safeloc.models.fibre.variables import FibreConfig
 from safeloc.models.fibre.worked import RUNS
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.shipped.making import STREAMS
+from safeloc.target import STREAMS
 from tests.models.fibre_family import labels, mode_labels, replayed
 
 NAME = "fibre-no-end-of-section"

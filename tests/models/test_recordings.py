@@ -5,7 +5,7 @@ from __future__ import annotations
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
-from safeloc.shipped.making import STREAMS, recorded
+from safeloc.target import STREAMS, recorded
 
 MOST_BYTES = 3_000_000
 """All of them together, as they are installed."""

@@ -26,8 +26,8 @@ from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell, read_steps
-from safeloc.shipped.making import STREAMS
 from safeloc.simulation.motion import Leg
+from safeloc.target import STREAMS
 from tests.models.spoilt import rebuilt
 
 CONFIG = RouteConfig()

@@ -1,4 +1,4 @@
-"""Make the fibre recordings that ship anew: python -m safeloc.models.fibre.scenes [folder, models/streams unless told]."""
+"""Make the shipped fibre recordings anew: python -m safeloc.models.fibre.scenes [folder, by default models/streams]."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FOLDER = Path(__file__).parents[2] / "streams"
 
 
 def main() -> None:
-    """Write each recording as it is made."""
+    """Write each recording as soon as it is made."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
     for recording in recordings():
         recording.write(folder)

@@ -1,4 +1,4 @@
-"""The axle counters at an area's ends in a scene: which train enters or leaves when, and the record of its passage."""
+"""The axle counters at an area's ends in a scene: entries, exits, and the records of trains that passed."""
 
 from __future__ import annotations
 
@@ -29,8 +29,9 @@ class Ends:
 
 @dataclass(frozen=True)
 class Record:
-    """What the counter tells of a train that has passed: axles, and bounds of length (mm), speed (mm/s) and run since
-    the first axle (mm), with the time from the first axle to the record."""
+    """The counter's record of a train that has passed: axles, and bounds of length (mm), speed (mm/s) and run since
+    the first axle (mm), with the time from the first axle to the record.
+    """
 
     axles: int
     length_mm: tuple[int, int]
@@ -40,7 +41,7 @@ class Record:
 
 
 def record_of(train: Train, *, miscounted: int = 0) -> Record:
-    """The axle counter's machine over the train's axles at its first speed; `miscounted`: axles told beyond what passed.
+    """Return the record that the axle counter's machine makes at the train's first speed; `miscounted`: axles counted too many.
 
     InputError for a train of which the machine makes no record.
     """
@@ -71,7 +72,7 @@ Stretch = tuple[float, float]
 
 
 def events(ends: Ends, places: Sequence[Stretch]) -> list[str]:
-    """What the counters tell of a train by its ends in each moment, m: it enters with its front, it has left with its rear."""
+    """Return the counters' events of a train, from its ends in each moment, m: the front enters, the rear has left."""
     made, inside, before = list[str](), False, places[0]
     for now in places:
         event = _event(ends, before, now, inside)
@@ -92,5 +93,5 @@ def _event(ends: Ends, before: Stretch, now: Stretch, inside: bool) -> str:
 
 @cache
 def _on_board() -> Compiled:
-    """The counter without its environment, compiled once."""
+    """Return the counter without its world, compiled once."""
     return compile_system(without_ghosts(lower(machine(AXLES))))

@@ -1,8 +1,8 @@
-"""One end of a train as it was heard, as steps of the fibre machine, the truth beside them.
+"""One end of a train as the detector follows it, as steps of the fibre machine, with the truth.
 
 The amplitude at an end is taken from 10 to 50 m inside it, so a section's edge is noticed when the end is 30 m beyond
-it, whichever way it runs; the map is handed over so shifted. The map is answered as a host would, from the count that
-the machine itself tells.
+it, whichever way it runs; the places of the map are shifted by as much. The map's answers depend, as a host's do, on the
+count that the machine itself reports.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ GHOSTS = ("true_run_nm", "next_true_edge_nm", "next_true_count", "next_section_i
 
 @dataclass(frozen=True)
 class Followed:
-    """Which end of which train a machine follows, and what it is told besides.
+    """The end of a train that a machine follows, and its further inputs.
 
     train        number of the train in the scene; side: its end towards smaller or greater places
-    referred_mm  axle counters that tell place and count when the end has passed them; none: the code has to tell
-    flight       whether the time of flight is handed over
+    referred_mm  axle counters that give place and count when the end has passed them; none: the code has to give them
+    flight       the time of flight is an input
     """
 
     train: int = 0
@@ -44,7 +44,7 @@ class Followed:
 
 
 class EndHost:
-    """What stands between detector and machine on one end of one train: run, map, reference; and the truth's ghosts."""
+    """The host between detector and machine for one end of one train: run, map, reference, and the ghosts."""
 
     def __init__(self, scene: Scene, followed: Followed, config: FibreConfig | None = None) -> None:
         rules = scene.config.sections
@@ -56,13 +56,13 @@ class EndHost:
         self._ghosts = _Ghosts(self.map)
 
     def before(self, train: TrainSeen | None, moment: Moment) -> None:
-        """A moment before the first step: the run settles."""
+        """Let the run settle: a moment before the first step."""
         self._meter.follow(train, moment.time_ms)
         self._truth_mm = self.truth_mm(moment.truth[self._followed.train])
         self._ghosts.begin(self._truth_mm)
 
     def heard(self, train: TrainSeen | None, moment: Moment, outputs: Mapping[str, Value]) -> dict[str, Cell]:
-        """Inputs of one step, the truth's remark among them; `outputs` are the machine's after the step before."""
+        """Return the inputs of one step, with the truth as a remark; `outputs` are the machine's after the previous step."""
         run = self._meter.follow(train, moment.time_ms)
         now = None if train is None else self._end(train)
         made: dict[str, Cell] = {**step_inputs(now, None, self._points)}
@@ -79,11 +79,11 @@ class EndHost:
         return train.high if self._followed.side == "high" else train.low
 
     def truth_mm(self, truth: TrainTruth) -> int:
-        """Where the end really is."""
+        """Return the true place of the end, mm."""
         return round(MM_PER_M * (truth.high_m if self._followed.side == "high" else truth.low_m))
 
     def _reference(self, run: int | None, truth_mm: int) -> dict[str, Cell]:
-        """From an axle counter that the end passed in this cycle, with a run: its place, and half a run beyond."""
+        """Return the reference of an axle counter that the end passed in this cycle with a run: its place, and half a run beyond."""
         before, self._truth_mm = self._truth_mm, truth_mm
         passed = [
             place
@@ -96,12 +96,12 @@ class EndHost:
         return {"reference_accepted": True, "reference_count": self.map.below(place), "reference_position_mm": place}
 
     def ghosts(self, step: Mapping[str, Cell], was: Mapping[str, Value], told: Mapping[str, Value]) -> dict[str, Cell]:
-        """Ghost inputs of the step, from the machine's outputs before and after it."""
+        """Return the ghost inputs of the step, from the machine's outputs before and after it."""
         return self._ghosts.follow(step, was, told)
 
 
 class _Ghosts:
-    """Which edge was really passed when the amplitude changed, and how many sections are really below an end that runs up."""
+    """The edge really passed when the amplitude changed, and the true number of sections below an end that runs up."""
 
     def __init__(self, map_host: MapHost) -> None:
         self._sections = map_host.sections
@@ -109,11 +109,11 @@ class _Ghosts:
         self._edge_nm, self._count, self._real = 0, 0, False
 
     def begin(self, truth_mm: int) -> None:
-        """Where the end is before the first step."""
+        """Set the place of the end before the first step."""
         self._truth_mm = truth_mm
 
     def follow(self, step: Mapping[str, Cell], was: Mapping[str, Value], told: Mapping[str, Value]) -> dict[str, Cell]:
-        """Ghost inputs of one step."""
+        """Return the ghost inputs of one step."""
         truth = int(step["truth_mm"])
         run = 0 if self._truth_mm is None else truth - self._truth_mm
         self._truth_mm = truth
@@ -134,12 +134,12 @@ class _Ghosts:
         self._edge_nm = (edge if self._real else truth_mm) * NM_PER_MM
 
     def _unseen(self, truth_mm: int) -> bool:
-        """A section lies behind that was not noticed."""
+        """Return the condition that a section lies behind that was not noticed."""
         return sum(one.high_mm + REAL_MM < truth_mm for one in self._sections) > self._count
 
 
 REAL_MM = 100_000
-"""A change of the amplitude farther from any section is a false one."""
+"A change of the amplitude that lies farther from any section is a false one."
 
 
 def steps_of(
@@ -150,7 +150,7 @@ def steps_of(
     config: FibreConfig | None = None,
     ghosts: bool = True,
 ) -> Steps:
-    """Steps of the fibre machine; `ghosts=False` where the detector's bounds are not kept, as with a drifting index."""
+    """Return the steps of the fibre machine; `ghosts=False` if the detector exceeds its bounds, as with a drifting index."""
     host = EndHost(scene, followed, config)
     code = on_board((config or FibreConfig()).model_dump_json())
     state, steps = code.first(), Steps()
@@ -164,5 +164,5 @@ def steps_of(
 
 
 def the_only(moment: Moment) -> TrainSeen | None:
-    """The pattern told, in scenes with a single train."""
+    """Return the only pattern, in scenes with a single train."""
     return moment.trains[0] if len(moment.trains) == 1 else None

@@ -1,4 +1,4 @@
-"""The figures of the source, and what may go wrong with one end of a train: scenes whose light the fibre machine replays.
+"""The figures of the source, and troubles of one end of a train: scenes whose light the fibre machine replays.
 
 Source: ES2616413, figures 2 to 4 (the amplitude rises), 5 (code), 7 to 9 (it falls), 10 (reflecting points).
 """
@@ -25,9 +25,9 @@ SPACING_MM = 750_000
 class EndScene:
     """A recording of the fibre machine: `fibre-NAME.jsonl.gz`.
 
-    says      the scene and the outcome that is expected, in words
-    mapped    the sections as the host's map has them, where they are not those of the scene
-    ghosts    whether the detector keeps the bounds that the machine assumes
+    says      the scene and the expected outcome, in words
+    mapped    the sections of the host's map, if they are not those of the scene
+    ghosts    the detector stays within the bounds that the machine assumes
     """
 
     name: str
@@ -41,18 +41,18 @@ class EndScene:
 
 
 def section(low_m: int, *, rises: bool = True, long: bool = False, by_material: bool = False) -> Section:
-    """A section as the machine expects them."""
+    """Return a section as the machine expects it."""
     low = low_m * 1_000
     return Section(low, low + (CONFIG.long_mm if long else CONFIG.short_mm), Symbol(rises, long), by_material)
 
 
 def passenger(speed_m_s: float = SPEED_M_S, vehicles: int = 6) -> Train:
-    """A locomotive and coaches; they come to the fibre when its quiet is learnt."""
+    """Return a locomotive and coaches; they come to the fibre when the detector has learnt its quiet."""
     return coaches(vehicles, Course(-speed_m_s * QUIET_S, ((0.0, speed_m_s),)))
 
 
 def ore_train(speed_m_s: float = SPEED_M_S) -> Train:
-    """Two locomotives and 40 ore wagons, 800 m."""
+    """Return two locomotives and 40 ore wagons, 800 m."""
     return Train((*(LOCOMOTIVE,) * 2, *(ORE_WAGON,) * 40), Course(-speed_m_s * QUIET_S, ((0.0, speed_m_s),)))
 
 

@@ -1,4 +1,4 @@
-"""What a host's map answers to the fibre machine: the next sections of the count it tells, and a word it has read."""
+"""A host's map for the fibre machine: the next sections of the reported count, and the place of a word that was read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NOWHERE = Section(0, 0, Symbol(False, False))
 
 
 class MapHost:
-    """The sections in order, each where an end is when its amplitude changes: `shift_mm` beyond the section's edge."""
+    """The sections in order, each at the place of an end when its amplitude changes: `shift_mm` beyond the section's edge."""
 
     def __init__(self, config: FibreConfig, sections: Sequence[Section], shift_mm: int) -> None:
         self._window = config.window
@@ -26,11 +26,11 @@ class MapHost:
         self._places = PositionCode(symbols, config.window, config.reach).places if coded else {}
 
     def below(self, place_mm: int) -> int:
-        """How many sections lie wholly below a place."""
+        """Return how many sections lie wholly below a place."""
         return sum(one.high_mm < place_mm for one in self.sections)
 
     def answer(self, outputs: Mapping[str, Value]) -> dict[str, Cell]:
-        """Inputs of the next step, from what the machine told in the last one."""
+        """Return the inputs of the next step, from the machine's outputs of the last one."""
         count = int(outputs["count"])
         return self._record("ahead", count + 1, True) | self._record("behind", count, False) | self._word(outputs)
 
@@ -55,6 +55,6 @@ class MapHost:
 
 
 def _spelt(word: int, window: int) -> Word:
-    """The symbols of a word, oldest first."""
+    """Return the symbols of a word, oldest first."""
     digits = [word // SYMBOLS**power % SYMBOLS for power in reversed(range(window))]
     return tuple(Symbol(digit >= SYMBOLS // 2, digit % 2 == 1) for digit in digits)

@@ -1,4 +1,4 @@
-"""Whose a pattern is: the machine that orders trains, over the patterns of a scene and its axle counters' events."""
+"""The association of patterns with trains in a scene, from its patterns and its axle counters' events."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ORDER = TrainOrderConfig()
 
 @dataclass(frozen=True)
 class Ordered:
-    """Inputs of each step; whose each train's pattern is after it (None: nobody's), and which trains are in the area."""
+    """Inputs of each step; the association of each train's pattern after it (None: no train's), and the trains in the area."""
 
     steps: Steps
     patterns: list[list[TrainSeen | None]]
@@ -32,12 +32,12 @@ Places = Sequence[tuple[float, float]]
 
 
 def places_of(moments: Sequence[Moment], train: int) -> Places:
-    """Where a train of the scene is in each moment, m."""
+    """Return the place of a train of the scene in each moment, m."""
     return [(moment.truth[train].low_m, moment.truth[train].high_m) for moment in moments]
 
 
 def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) -> Ordered:
-    """The trains that the counters tell of, by where they are, numbered from 1 on in the order given."""
+    """Return the trains that the counters report, by their places, numbered from 1 on in the order given."""
     code = _on_board()
     told = [events(ends, places) for places in trains]
     state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
@@ -60,7 +60,7 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
 
 
 def _inside(one: TrainSeen, ends: Ends) -> bool:
-    """Some of the pattern is surely between the counters, as far as the middle of its bounds tells."""
+    """Return the condition that some of the pattern is certainly between the counters, by the middle of its bounds."""
     low = one.low is not None and one.low.path_mm.low + one.low.path_mm.high >= 2 * ends.high_mm
     high = one.high is not None and one.high.path_mm.low + one.high.path_mm.high <= 2 * ends.low_mm
     return not low and not high
@@ -90,7 +90,7 @@ def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> Trai
 
 
 def truth_of(trains: Sequence[Places], told: Ordered) -> Steps:
-    """Ghost inputs: each train's middle, whether it is in the area, and which train each pattern of the steps holds."""
+    """Return the ghost inputs: each train's middle, its presence in the area, and the train that each pattern of the steps contains."""
     made = Steps()
     for now, inside, seen in zip(zip(*trains, strict=True), told.inside, told.steps, strict=True):
         middles = [round(MM_PER_M * UM_PER_MM * (low + high) / 2) for low, high in now]
@@ -113,5 +113,5 @@ def _at(places: Sequence[int], number: int) -> int:
 
 @cache
 def _on_board() -> Compiled:
-    """The machine that orders trains without its environment, compiled once."""
+    """Return the machine that associates patterns without its world, compiled once."""
     return compile_system(without_ghosts(lower(machine(ORDER))))

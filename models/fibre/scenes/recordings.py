@@ -1,4 +1,4 @@
-"""Scenes as the recordings that ship: a step stream of the machine, and the data of its picture beside it."""
+"""Scenes as the recordings that ship: a step stream of the machine, and the data of its picture."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ BLOCKS_PER_S = 2
 
 @dataclass(frozen=True)
 class Recording:
-    """What stands in `NAME.jsonl.gz`, after values of ghosts at first, and in `NAME.waterfall.json`."""
+    """Content of `NAME.jsonl.gz`, after first values of ghosts, and of `NAME.waterfall.json`."""
 
     name: str
     machine: str
@@ -33,14 +33,14 @@ class Recording:
     picture: Mapping[str, Any]
 
     def write(self, folder: Path) -> None:
-        """Both files."""
+        """Write both files."""
         write_steps(folder / f"{self.name}.jsonl.gz", self.steps, machine=self.machine, first=self.first, short=True)
         rows = json.dumps(dict(self.picture), indent=1)
         (folder / f"{self.name}.waterfall.json").write_text(rows + "\n", encoding="utf-8")
 
 
 def recorded_end(made: EndScene) -> Recording:
-    """One end of a train, from when the fibre's quiet is learnt."""
+    """Return the recording of one end of a train, from the moment when the detector has learnt the fibre's quiet."""
     moments, begin = listen(made.scene), QUIET_S * BLOCKS_PER_S
     on_map = made.scene if made.mapped is None else replace(made.scene, sections=tuple(made.mapped))
     steps = steps_of(on_map, moments[begin:], made.followed, ghosts=made.ghosts)
@@ -50,7 +50,7 @@ def recorded_end(made: EndScene) -> Recording:
 
 
 def recorded_stay(made: AreaScene) -> Recording:
-    """A stay in a line area, from shortly before the train enters."""
+    """Return the recording of a stay in a line area, from shortly before the train enters."""
     moments, begin = listen(made.stay.scene), round(made.from_s * BLOCKS_PER_S)
     kept = stayed(made.stay, moments, begin)
     first = first_state(made.stay, moments[begin - 1], (made.stay.cuts[made.stay.shown - 1],))
@@ -60,7 +60,7 @@ def recorded_stay(made: AreaScene) -> Recording:
 
 
 def recorded_order(made: OrderScene) -> Recording:
-    """The patterns of several trains, in their order."""
+    """Return the recording of the patterns of several trains, in their order."""
     moments, begin = listen(made.scene), round(made.from_s * BLOCKS_PER_S)
     trains = [places_of(moments[begin:], number) for number in range(len(made.scene.trains))]
     told = order_of(made.ends, moments[begin:], trains)
@@ -73,13 +73,13 @@ def recorded_order(made: OrderScene) -> Recording:
 
 
 def _virtual(cut: tuple[int, int], states: Sequence[str]) -> dict[str, Any]:
-    """A virtual section: from which step on it was in which state."""
+    """Return a virtual section with the steps from which it was in which state."""
     begins = [number for number, state in enumerate(states) if number == 0 or states[number - 1] != state]
     return {"low_mm": cut[0], "high_mm": cut[1], "states": [[number, states[number]] for number in begins]}
 
 
 def recordings() -> Iterator[Recording]:
-    """All of them, one after the other; minutes."""
+    """Yield all recordings, one after the other; this takes minutes."""
     yield from map(recorded_end, END_SCENES)
     yield from map(recorded_order, ORDER_SCENES)
     yield from map(recorded_stay, AREA_SCENES)

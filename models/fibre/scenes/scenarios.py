@@ -1,4 +1,4 @@
-"""What may happen to a train in a line area: named scenes, each with what is to come of it in words.
+"""Named scenes of a train in a line area, each with the expected outcome in words.
 
 One area of 3.2 km for all: a test emitter before it, axle counters at both ends, four localization sections, six virtual
 ones. The trains are of seven coaches, 28 axles. `verified-20-km` is the source's own area, with a third counter inside.
@@ -32,7 +32,7 @@ START_M = -SPEED_M_S * QUIET_S
 class AreaScene:
     """A recording of the whole: `fibre_area-NAME.jsonl.gz`, from second `from_s` of the scene on.
 
-    says  the scene and the outcome that is expected, in words; what cannot be noticed is said, too
+    says  the scene and the expected outcome, in words, with errors that cannot be noticed
     """
 
     name: str
@@ -52,7 +52,7 @@ class AreaScene:
 
 @dataclass(frozen=True)
 class OrderScene:
-    """A recording of the machine that tells whose a pattern is: `train_order-NAME.jsonl.gz`; all trains of the scene."""
+    """A recording of the machine that associates patterns with trains: `train_order-NAME.jsonl.gz`; all trains of the scene."""
 
     name: str
     title: str
@@ -63,19 +63,19 @@ class OrderScene:
 
 
 def unit(coaches: int = COACHES, start_m: float = START_M, *speeds: tuple[float, float], ahead: bool = True) -> Train:
-    """A multiple unit; at 35 m/s unless told otherwise."""
+    """Return a multiple unit, by default at 35 m/s."""
     return Train((COACH,) * coaches, Course(start_m, speeds or ((0.0, SPEED_M_S),)), ahead)
 
 
 def sounding(until_s: float) -> tuple[Sounding, ...]:
-    """The emitter's pattern, time after time."""
+    """Return the emitter's pattern, time after time."""
     count = int((until_s - SOUNDS_FROM_S) // SOUNDS_EVERY_S)
     begins = (SOUNDS_FROM_S + SOUNDS_EVERY_S * number for number in range(count))
     return tuple(Sounding(EMITTER_BITS, EMITTER_MM / MM_PER_M, begin) for begin in begins)
 
 
 def cuts(ends: Ends, count: int) -> tuple[tuple[int, int], ...]:
-    """The area in so many virtual sections."""
+    """Return the area cut into virtual sections of equal length."""
     length = (ends.high_mm - ends.low_mm) // count
     bounds = [ends.low_mm + number * length for number in range(count)] + [ends.high_mm]
     return tuple((low, high - 1) for low, high in pairwise(bounds))

@@ -1,4 +1,4 @@
-"""What is where, what happens, and what the detector makes of the light: a scene, and the scene as it was heard.
+"""A scene: the line, its events, and the detector's readings of the light.
 
 The interrogator here sends 500 pulses a second and the cable is made of 5 m cells: half the pulses and half the cells
 of the front end's usual figures, for a tenth of the time; windows last 50 ms and channels 10 m as usual.
@@ -39,7 +39,7 @@ Numbers = NDArray[np.float64]
 PULSE_HZ, WINDOW_FRAMES, CELL_MM = 500, 25, 5_000
 MAX_AGE_MS = 1_000
 RAISED, LOWERED = 8.0, 0.25
-"""What a section makes of the strain: 18 dB more, or 12 dB less, which leaves the train to be heard."""
+"Effect of a section on the strain: 18 dB more, or 12 dB less, which leaves the train audible."
 NO_DRIFT = Drift()
 
 
@@ -55,11 +55,11 @@ class Section:
 
 @dataclass(frozen=True)
 class Scene:
-    """A line and what happens beside it. The cable lies one to one along the track.
+    """A line and the events beside it. The cable lies one to one along the track.
 
     points      reflecting points: name and place, mm
-    emitters    test emitters: name, place in mm, bit pattern; `soundings`: when they really sound
-    absorber    whether the fibre's end is absorbed; coupling_cdb: how uneven the cable lies
+    emitters    test emitters: name, place in mm, bit pattern; `soundings`: times at which they really sound
+    absorber    the fibre's end is absorbed; coupling_cdb: unevenness of the cable
     drift       of index and trigger at a second; faults: of the blocks
     """
 
@@ -96,10 +96,10 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """One block: what was told of it, and the truth at its last frame.
+    """One block: its readings, and the truth at its last frame.
 
-    refused  why the block told nothing; empty otherwise
-    energy   mean energy of each channel in the detector's band; NaN where no usable block came
+    refused  reason why the block gave no readings; empty otherwise
+    energy   mean energy of each channel in the detector's band; NaN if no usable block came
     """
 
     second: float
@@ -112,7 +112,7 @@ class Moment:
 
 
 def listen(scene: Scene) -> list[Moment]:
-    """The scene block by block, through the detector."""
+    """Return the scene block by block, seen through the detector."""
     config, rng = scene.config, np.random.default_rng(scene.seed)
     world = _world(scene, config, rng)
     front, analyser = FrontEnd(config, MAX_AGE_MS), Analyser(config)
@@ -149,7 +149,7 @@ def _moment(shot: Shot, front: FrontEnd, analyser: Analyser) -> Moment:
 
 
 def _energy(shot: Shot, analyser: Analyser) -> Numbers:
-    """What a picture shows, also of blocks that were refused for what they mean, not for what they are."""
+    """Return the energy for a picture, also of blocks that the detector refused for their meaning."""
     if shot.block is None:
         return np.zeros(0)
     phase_rate = np.asarray(shot.block.phase_rate, dtype=np.float32)

@@ -1,4 +1,4 @@
-"""A train's stay in a line area as it was heard, as steps of the whole: ends, emitter, entry, verification, area, sections."""
+"""A train's stay in a line area as the detector follows it, as steps of the whole area."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ OVERHANG_MM = 4_500
 class Stay:
     """A stay of the scene's first train between two axle counters. Places in mm.
 
-    between     counters inside the area, each of which gives a record, too
-    cuts        virtual sections; `shown`: number of the one that is section_1 of the machine as it ships
+    between     counters inside the area; each of them gives a record, too
+    cuts        virtual sections; `shown`: number of the one that is section_1 of the shipped machine
     miscounted  axles that the entry record has beyond those that passed
     chain_from  second from which the emitter is silent
     split       the second train of the scene is the rear part of the first, lost from this second on
-    ghosts      whether the truth is given with the steps
+    ghosts      the steps contain the truth
     """
 
     scene: Scene
@@ -50,14 +50,14 @@ class Stay:
 
     @property
     def train(self) -> Train:
-        """The whole of it, as it enters."""
+        """The whole train, as it enters."""
         first, *others = self.scene.trains
         lost = others[0].vehicles if self.split is not None else ()
         return Train((*first.vehicles, *lost), first.course, first.ahead)
 
     @property
     def config(self) -> FibreAreaConfig:
-        """With all the cuts."""
+        """The configuration with all the cuts."""
         plain = FibreAreaConfig()
         return FibreAreaConfig(sections=SectionsConfig(area=plain.sections.area, sections=len(self.cuts)))
 
@@ -71,7 +71,7 @@ class Stayed:
 
 
 def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> dict[str, Value]:
-    """What is open at the start: counters, cuts, and where the train is."""
+    """Return the open values at the start: counters, cuts, and the train's place."""
     low, high = (round(MM_PER_M * place) for place in _whole(stay, start))
     first: dict[str, Value] = {
         "area.low_end_mm": stay.ends.low_mm, "area.high_end_mm": stay.ends.high_mm,
@@ -92,7 +92,7 @@ def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> d
 
 
 def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
-    """The stay from moment number `begin` on; the remark `truth_mm` is where the front is."""
+    """Return the stay from moment number `begin` on; the remark `truth_mm` is the front's true place."""
     moments = heard[begin:]
     host = _Host(stay, heard[begin - 1])
     for moment in heard[:begin]:
@@ -106,14 +106,14 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
 
 @lru_cache(maxsize=8)
 def _on_board(config: str) -> Compiled:
-    """The area without its environment, kept for further stays with the same configuration (JSON)."""
+    """Return the area without its world, cached for further stays with the same configuration (JSON)."""
     return compile_system(
         without_ghosts(compose_machines(FibreAreaConfig.model_validate_json(config)).composition.system)
     )
 
 
 class _Host:
-    """What stands between detector, counters and the machines."""
+    """The host between detector, counters and the machines."""
 
     def __init__(self, stay: Stay, start: Moment) -> None:
         self._stay, config = stay, stay.config
@@ -132,12 +132,12 @@ class _Host:
         self.states: list[list[str]] = [[] for _ in stay.cuts]
 
     def before(self, moment: Moment) -> None:
-        """A moment before the first step."""
+        """Prepare the host: a moment before the first step."""
         for host in self._ends.values():
             host.before(self._nearest(moment), moment)
 
     def step(self, moment: Moment, own: TrainSeen | None, event: str) -> dict[str, Cell]:
-        """One cycle: what is heard, what the machines make of it, and the truth beside."""
+        """Return one cycle: inputs, the machines' outputs, and the truth."""
         was = self._code.named_outputs(self._state)
         pattern = self._nearest(moment)
         heard: dict[str, Cell] = {}
@@ -163,7 +163,7 @@ class _Host:
                 self.states[self._modes.index(var.name)].append(shown(var, value))
 
     def _nearest(self, moment: Moment) -> TrainSeen | None:
-        """The pattern that the ends' machines go on with: the one that holds the train, where there is just one."""
+        """Return the pattern for the machines of both ends: the one that contains the train, if there is just one."""
         low, high = _pattern(self._stay, moment)
         return holding(moment.trains, (low + high) // 2)
 
@@ -199,7 +199,7 @@ class _Axles:
         return made
 
     def passed(self, moment: Moment) -> dict[str, Cell]:
-        """Inputs of one cycle; of a counter that miscounts, fewer axles than came in."""
+        """Return the inputs of one cycle; of a counter that miscounts, fewer axles than came in."""
         before, self._inside = self._inside, self._within(moment)
         pairs = list(zip(before, self._inside, strict=True))
         came, went = sum(now and not then for then, now in pairs), sum(then and not now for then, now in pairs)
@@ -214,7 +214,7 @@ class _Axles:
 
 
 class _Entry:
-    """The counters: events, the records in their cycles, whether the area is empty, and whether the counts agree."""
+    """The counters: events, the records in their cycles, the report of an empty area, and the agreement of the counts."""
 
     def __init__(self, stay: Stay) -> None:
         self._places, self._miscounted = (stay.ends.low_mm, *stay.between), stay.miscounted
@@ -224,7 +224,7 @@ class _Entry:
         self._clear = True
 
     def heard(self, moment: Moment, event: str, front_mm: int) -> dict[str, Cell]:
-        """Inputs of one cycle. A train of which other axles leave than entered makes the counters disagree."""
+        """Return the inputs of one cycle. A train that leaves with other axles than it entered makes the counters disagree."""
         self._clear = self._clear and event == "NONE"
         before, self._front_mm = self._front_mm, front_mm
         for place in self._places:
@@ -243,7 +243,7 @@ class _Entry:
 
 
 def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:
-    """The record, as of the cycle in which it comes."""
+    """Return the record, valid in the cycle in which it comes."""
     return {
         "verification.record_sound": True, "verification.record_axles": record.axles,
         "verification.record_length_low_mm": record.length_mm[0],
@@ -257,7 +257,7 @@ def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:
 
 
 def _emitter(moment: Moment) -> dict[str, Cell]:
-    """The pattern that ended in this block; of several, a known one."""
+    """Return the pattern that ended in this block; of several, a known one."""
     heard = sorted(moment.heard, key=lambda one: one.emitter is None)
     step: dict[str, Cell] = {"emitter.test_requested": False}
     if not heard:
@@ -266,7 +266,7 @@ def _emitter(moment: Moment) -> dict[str, Cell]:
 
 
 def _verified(own: TrainSeen | None, associated: bool) -> dict[str, Cell]:
-    """What the detector tells of the train's pattern, once its course is fitted and settled."""
+    """Return the detector's readings of the train's pattern, once its course is fitted and settled."""
     made: dict[str, Cell] = {"verification.associated": associated}
     if own is None:
         return made
@@ -279,7 +279,7 @@ def _verified(own: TrainSeen | None, associated: bool) -> dict[str, Cell]:
 
 
 def holding(trains: Sequence[TrainSeen], place_mm: int) -> TrainSeen | None:
-    """The pattern that holds a place; None where none or several do."""
+    """Return the pattern that contains a place; None if none or several do."""
     found = [
         one
         for one in trains
@@ -290,7 +290,7 @@ def holding(trains: Sequence[TrainSeen], place_mm: int) -> TrainSeen | None:
 
 
 def _of(name: str, values: Mapping[str, Value] | Mapping[str, Cell]) -> dict[str, Value]:
-    """What belongs to one machine, under its own names."""
+    """Return the values of one machine, under its own names."""
     prefix = f"{name}."
     return {key.removeprefix(prefix): value for key, value in values.items() if key.startswith(prefix)}  # type: ignore[misc]
 
@@ -299,25 +299,25 @@ def _of(name: str, values: Mapping[str, Value] | Mapping[str, Cell]) -> dict[str
 
 
 def _pattern(stay: Stay, moment: Moment) -> tuple[int, int]:
-    """Ends of what the fibre can see of the train: a lost part stands silent."""
+    """Return the ends of what the fibre can see of the train: a lost part stands silent."""
     low, high = _whole(stay, moment) if not _is_split(stay, moment) else (moment.truth[0].low_m, moment.truth[0].high_m)
     return round(MM_PER_M * low), round(MM_PER_M * high)
 
 
 def _pattern_m(stay: Stay, moment: Moment) -> tuple[float, float]:
-    """The same, m."""
+    """Return the same, m."""
     low, high = _pattern(stay, moment)
     return low / MM_PER_M, high / MM_PER_M
 
 
 def _whole(stay: Stay, moment: Moment) -> tuple[float, float]:
-    """Ends of the whole train, with a part that it loses."""
+    """Return the ends of the whole train, with a part that it loses."""
     own = moment.truth[0]
     return (own.low_m if stay.split is None else moment.truth[1].low_m), own.high_m
 
 
 def _body(stay: Stay, high_mm: int, run_mm: int) -> dict[str, Cell]:
-    """Where the ends of the train would be had it lost nothing, and its run in the cycle."""
+    """Return the ends of the train as if it had lost no vehicle, and its run in the cycle."""
     low_mm = high_mm - round(MM_PER_M * stay.train.length_m)
     return {
         "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
@@ -330,7 +330,7 @@ def _is_split(stay: Stay, moment: Moment) -> bool:
 
 
 def _world(stay: Stay, moment: Moment) -> dict[str, Cell]:
-    """Ghost inputs of the machines behind the fibre's."""
+    """Return the ghost inputs of the machines behind the fibre's."""
     low, high = (round(MM_PER_M * UM_PER_MM * place) for place in _whole(stay, moment))
     seen_low, seen_high = _pattern(stay, moment)
     split = _is_split(stay, moment)

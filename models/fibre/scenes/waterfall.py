@@ -1,7 +1,7 @@
-"""The picture data of a scene: how loud each piece of fibre was at each time, small, and what was really there.
+"""Picture data of a scene: the loudness of each piece of fibre at each time, reduced, with the truth.
 
 Levels are steps of 3 dB over the fibre's quiet, one hexadecimal digit each: 0 is quiet, f is 45 dB and more, a dot
-is a block that told nothing. Rows are pieces of fibre from its beginning on, each as loud as its loudest channel.
+is a block without readings. Rows are pieces of fibre from its beginning on, each as loud as its loudest channel.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ QUIET_PERCENT = 20
 
 
 def waterfall(scene: Scene, moments: Sequence[Moment], begin: int, marks: Mapping[str, int]) -> dict[str, Any]:
-    """Of the moments from number `begin` on; `marks` are further places on the line, mm, by name."""
+    """Return the picture data of the moments from number `begin` on; `marks` are further places on the line, mm, by name."""
     levels = _levels(moments)[begin:]
     rows, columns = _group(levels.shape[1], MOST_ROWS), _group(len(levels), MOST_COLUMNS)
     shown = _pooled(levels, columns, rows)
@@ -63,7 +63,7 @@ def _name(rises: bool, long: bool) -> str:
 
 
 def _levels(moments: Sequence[Moment]) -> Numbers:
-    """Steps over quiet, [blocks, channels]; NaN where a block told nothing."""
+    """Return steps over quiet, [blocks, channels]; NaN if a block gave no readings."""
     channels = max(len(moment.energy) for moment in moments)
     energy = np.full((len(moments), channels), np.nan)
     for number, moment in enumerate(moments):
@@ -75,12 +75,12 @@ def _levels(moments: Sequence[Moment]) -> Numbers:
 
 
 def _silenced(moment: Moment) -> bool:
-    """Refused for more than that the fibre's quiet is not known yet."""
+    """Return whether a block was refused for more than an unknown quiet of the fibre."""
     return bool(moment.refused) and "quiet" not in moment.refused
 
 
 def _pooled(levels: Numbers, columns: int, rows: int) -> Numbers:
-    """The loudest of each group, [columns, rows]; NaN where nothing in it was told."""
+    """Return the loudest of each group, [columns, rows]; NaN if nothing in it has a level."""
     made = np.full((_group_count(len(levels), columns), _group_count(levels.shape[1], rows)), np.nan)
     for column in range(made.shape[0]):
         block = levels[column * columns : (column + 1) * columns]

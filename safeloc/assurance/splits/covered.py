@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -19,8 +20,6 @@ from safeloc.assurance.splits.places import source_of
 from safeloc.catalogue import DEFAULTS, ENTRIES
 from safeloc.target import Entry
 
-FOLDERS = {"selection": "satellite_selection", "satellite_drift": "satellite", "verification_doubted": "verification"}
-"""Folders of `models/` whose name is not that of their target."""
 SHARED = {
     "models/motion/world.py: laws is None": "who makes a world hands its laws in; the default is for tests",
     "models/motion/world.py: seen is None": "who makes a world hands its ghosts in; the default is for tests",
@@ -70,15 +69,15 @@ class Covered:
 
 def folder_of(target: str) -> str:
     """Return the folder of `models/` that declares a shipped target."""
-    return FOLDERS.get(target, target)
+    return ENTRIES[target].folder
 
 
-def targets_of(folder: str) -> list[Entry]:
+def targets_of(folder: str) -> list[Entry[Any]]:
     """Return the shipped targets that a folder declares."""
     return [entry for name, entry in ENTRIES.items() if folder_of(name) == folder]
 
 
-def configurations_of(entry: Entry) -> dict[str, BaseModel]:
+def configurations_of(entry: Entry[Any]) -> dict[str, BaseModel]:
     """Return every configuration that a machine is proved in, the defaults first."""
     return {DEFAULTS: entry.config(), **entry.configurations.named}
 
@@ -88,7 +87,7 @@ def covered(folder: str, on_built: OnBuilt = _quiet) -> Covered:
     return judge(folder, targets_of(folder), on_built)
 
 
-def judge(folder: str, entries: Sequence[Entry], on_built: OnBuilt = _quiet) -> Covered:
+def judge(folder: str, entries: Sequence[Entry[Any]], on_built: OnBuilt = _quiet) -> Covered:
     """The same for given targets."""
     found: dict[tuple[str, str], Splits] = {}
     for entry in entries:
@@ -104,7 +103,7 @@ def judge(folder: str, entries: Sequence[Entry], on_built: OnBuilt = _quiet) -> 
     return Covered(folder, found, hidden, never, shared, tuple(place for place in reasons if place not in needed))
 
 
-def _made(entry: Entry, config: BaseModel) -> Splits:
+def _made(entry: Entry[Any], config: BaseModel) -> Splits:
     return splits_of(lambda: entry.make(config))
 
 

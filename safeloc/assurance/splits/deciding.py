@@ -68,7 +68,7 @@ def changed(config: BaseModel, change: Change) -> BaseModel:
 
 
 def deciding(
-    entry: Entry, config: BaseModel, dead: Splits, on_change: Callable[[Change], None] = lambda _: None
+    entry: Entry[Any], config: BaseModel, dead: Splits, on_change: Callable[[Change], None] = lambda _: None
 ) -> dict[Split, Change]:
     """Return for each split that is dead in this configuration the first change of one figure that makes it live."""
     found: dict[Split, Change] = {}
@@ -81,7 +81,7 @@ def deciding(
     return found
 
 
-def _live(entry: Entry, config: BaseModel, change: Change) -> frozenset[Split]:
+def _live(entry: Entry[Any], config: BaseModel, change: Change) -> frozenset[Split]:
     """The live splits with the change; none where no machine comes of it."""
     try:
         other = changed(config, change)

@@ -9,7 +9,7 @@ from types import CodeType, FrameType
 from safeloc.assurance.source_places import DECLARING, Place, place_of, shown
 
 MOST_CHARACTERS = 60
-BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation")
+BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation", "target")
 """Files and folders of a machine that declare nothing of it."""
 
 

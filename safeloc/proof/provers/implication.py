@@ -1,8 +1,9 @@
-"""Check that goals follow from hypotheses: one z3 solver, one query per goal, and a countermodel if a goal fails."""
+"""Check that goals follow from hypotheses, by z3: which hypotheses the proof needs, or a countermodel of each goal that fails."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import weakref
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +11,9 @@ import z3
 
 from safeloc.codegen.smt import Terms, constant
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
+from safeloc.language.expr import Bool
 from safeloc.language.nodes import Value
-from safeloc.language.terms import variables
+from safeloc.language.terms import conjuncts, variables
 from safeloc.language.trace import shown
 from safeloc.proof.cache.answers import keep_proved, keeping, proved_before
 from safeloc.proof.provers.asking import ask, plain_solver, why_unknown
@@ -45,6 +47,25 @@ class Undecided:
 
 
 Failure = Refuted | Undecided
+CORE_SECONDS = 10.0
+"""Of effort, to prove all goals together and see which hypotheses that needs: most take 0.1 s."""
+_CORES: weakref.WeakKeyDictionary[Query[Any], Sequence[int]] = weakref.WeakKeyDictionary()
+
+
+def parts_of(query: Query[Key]) -> list[Bool]:
+    """Return the hypotheses, conjunct by conjunct, each once."""
+    return list(dict.fromkeys(part for term in query.hypotheses for part in conjuncts(term)))
+
+
+def core_of(query: Query[Key]) -> Sequence[int] | None:
+    """Return the numbers of the parts that z3's proof of all goals used, if this process has found that proof."""
+    return _CORES.get(query)
+
+
+def find_core(query: Query[Key], seconds: float) -> Sequence[int] | None:
+    """Return the same, found now; None if z3 finds no proof of all goals together within the seconds of effort."""
+    _Asked(query, 0).with_core(deadline(seconds))
+    return core_of(query)
 
 
 def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
@@ -63,7 +84,9 @@ def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Fail
 
 def _failures(query: Query[Key], seconds: float, seed: int) -> dict[Key, Failure]:
     asked, ends = _Asked(query, seed), deadline(seconds)
-    failed = asked.together(deadline(seconds / 2)) if len(query.goals) > 1 else {}
+    failed = asked.with_core(deadline(min(CORE_SECONDS, seconds / 2)))
+    if len(asked.left) > 1:
+        failed |= asked.together(deadline(ends.left / 2))
     if asked.left:
         failed |= asked.one_by_one(ends)
     return {key: failed[key] for key in query.goals if key in failed}
@@ -76,11 +99,29 @@ class _Asked:
     """
 
     def __init__(self, query: Query[Key], seed: int) -> None:
-        self._goals, self._seed = query.goals, seed
+        self._query, self._goals, self._seed = query, query.goals, seed
         self._named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
         terms = Terms(self._named)
-        self._hypotheses = [terms.bool(term) for term in query.hypotheses]
+        self._hypotheses = [terms.bool(term) for term in parts_of(query)]
         self.left = {key: terms.bool(goal) for key, goal in query.goals.items()}
+
+    def with_core(self, ends: Deadline) -> dict[Any, Failure]:
+        """All goals at once, each hypothesis behind a switch: a proof tells what it needs, a model which goals do not follow."""
+        if not self.left:
+            return {}
+        solver = plain_solver(self._seed)
+        switches = [z3.Bool(number) for number in range(len(self._hypotheses))]  # a number is no variable's name
+        for switch, hypothesis in zip(switches, self._hypotheses, strict=True):
+            solver.add(z3.Implies(switch, hypothesis))
+        solver.add(z3.Not(z3.And(*self.left.values())))
+        answer = ask(solver, ends.left, *switches)
+        if answer == z3.sat:
+            return self._taken_out(solver.model())
+        if answer == z3.unsat:
+            used = {str(switch) for switch in solver.unsat_core()}
+            _CORES[self._query] = [number for number, switch in enumerate(switches) if str(switch) in used]
+            self.left = {}
+        return {}
 
     def together(self, ends: Deadline) -> dict[Any, Failure]:
         """Goals that do not follow: every model takes out all that are false in it, until the rest follows or time is up."""
@@ -93,11 +134,14 @@ class _Asked:
             if answer == z3.unsat:
                 self.left = {}
                 break
-            model = solver.model()
-            false = [key for key, goal in self.left.items() if z3.is_false(model.eval(goal, model_completion=True))]
-            failed |= {key: self._refuted(key, model) for key in false}
-            self.left = {key: goal for key, goal in self.left.items() if key not in failed}
+            failed |= self._taken_out(solver.model())
         return failed
+
+    def _taken_out(self, model: z3.ModelRef) -> dict[Any, Failure]:
+        """Return the goals that are false in the model; they are no longer left."""
+        false = [key for key, goal in self.left.items() if z3.is_false(model.eval(goal, model_completion=True))]
+        self.left = {key: goal for key, goal in self.left.items() if key not in false}
+        return {key: self._refuted(key, model) for key in false}
 
     def one_by_one(self, ends: Deadline) -> dict[Any, Failure]:
         """Each goal that is left by itself: those that do not follow, or are not decided."""

@@ -5,6 +5,7 @@ Processes are forked, so that nothing has to be sent to them; what they send bac
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -99,6 +100,7 @@ def _start(context: ForkContext, index: int, task: Task) -> _Worker:
 
 def _run(task: Task, pipe: Connection) -> None:
     """In the new process: whatever goes wrong is handed over as text, and raised by the parent."""
+    gc.freeze()  # the collector never walks through what is inherited, which would copy every page of it
     try:
         pipe.send((task.work(),))
     except Exception as error:  # not swallowed: the parent raises it

@@ -1,10 +1,13 @@
 """Several targets at once: each is conducted by a process of its own, and all processes share the same places.
 
-The longest targets begin first. Progress is reported at once; all findings of a target arrive when it is done.
+The longest targets begin first. Progress is reported at once; all findings of a target arrive when it is done. All processes
+are forked before any findings arrive: a process that holds the findings of many targets is ten times as large, and each
+fork of it, and each fork of that, would cost as much more.
 """
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -90,12 +93,18 @@ class _Failed:
     error: SafelocError
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Conductor:
+    """The process of one target: it waits until it is told to begin through its pipe."""
+
     target: Target
     process: ForkProcess
     pipe: Connection
-    began: float
+    began: float = 0.0
+
+    def begin(self) -> None:
+        self.began = time.monotonic()
+        self.pipe.send(None)
 
 
 def verify_targets(
@@ -147,34 +156,37 @@ def _conducted(
     waiting: Sequence[Target], plan: Plan, jobs: int, places: Slots, on_event: OnEvent
 ) -> Iterator[tuple[Target, Plain, float]]:
     """Each target's findings as plain data, and its seconds, as they are complete; as many targets at a time as there are places."""
-    left, running = list(waiting), list[_Conductor]()
+    left, running = list[_Conductor](), list[_Conductor]()
     try:
+        for target in waiting:
+            left.append(_forked(target, plan, jobs, places, [one.pipe for one in left]))
         while left or running:
             while left and len(running) < max(1, jobs):
-                running.append(_begun(left.pop(0), plan, jobs, places))
+                running.append(left.pop(0))
+                running[-1].begin()
                 on_event(Began(running[-1].target.name, expected(running[-1].target)))
             wait([one.pipe for one in running])
             for one in [one for one in running if one.pipe.poll()]:
-                done = _heard(one, on_event)
+                done = _received(one, on_event)
                 if done is not None:
                     running.remove(one)
                     yield one.target, done, time.monotonic() - one.began
     finally:
-        for one in running:
+        for one in (*running, *left):
             one.process.terminate()
             one.process.join()
 
 
-def _begun(target: Target, plan: Plan, jobs: int, places: Slots) -> _Conductor:
+def _forked(target: Target, plan: Plan, jobs: int, places: Slots, others: Sequence[Connection]) -> _Conductor:
     context = multiprocessing.get_context("fork")
-    here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_conduct, args=(target, plan, jobs, places, there))
+    here, there = context.Pipe(duplex=True)
+    process = context.Process(target=_conduct, args=(target, plan, jobs, places, there, [*others, here]))
     process.start()
     there.close()
-    return _Conductor(target, process, here, time.monotonic())
+    return _Conductor(target, process, here)
 
 
-def _heard(one: _Conductor, on_event: OnEvent) -> Plain | None:
+def _received(one: _Conductor, on_event: OnEvent) -> Plain | None:
     """Pass on a message of a target's process; return its findings when it is done. Its error is raised here."""
     try:
         said: Any = one.pipe.recv()
@@ -198,9 +210,21 @@ def _heard(one: _Conductor, on_event: OnEvent) -> Plain | None:
 # ------------------------------------------------------------------ in the conductor's process
 
 
-def _conduct(target: Target, plan: Plan, jobs: int, places: Slots, pipe: Connection) -> None:
-    """All of one target; whoever computes has a place, this process among them."""
+def _conduct(
+    target: Target, plan: Plan, jobs: int, places: Slots, pipe: Connection, inherited: Sequence[Connection]
+) -> None:
+    """Verify one target as soon as the parent sends the start; every process that computes has a place, this one too.
+
+    inherited  the parent's ends of pipes: closed here, so that this process notices when the parent is gone
+    """
+    gc.freeze()  # the collector never walks through what is inherited, which would copy every page of it
     signal.signal(signal.SIGTERM, _leave)
+    for one in inherited:
+        one.close()
+    try:
+        pipe.recv()
+    except (EOFError, KeyboardInterrupt):
+        os._exit(1)
     places.take()
     try:
         with sharing(places), suppress(BrokenPipeError):

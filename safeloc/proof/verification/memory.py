@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
-LOOKS_EVERY_S = 0.5
+LOOKS_EVERY_S = 1.0
 PROC = Path("/proc")
 
 

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 
 from safeloc.errors import InputError
 from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer.target import LOCALIZER
 from safeloc.runtime.embedding.controller import Controller
 from safeloc.runtime.embedding.program import Program
-from safeloc.shipped import ENTRIES
 
 
 def localizer_program(config: LocalizerConfig | None = None) -> Program:
     """Return the localizer of a vehicle, made ready to run: takes seconds, so make one for all vehicles of a kind."""
-    return Program(ENTRIES["localizer"].make(config or LocalizerConfig()))
+    return Program(LOCALIZER.make(config or LocalizerConfig()))
 
 
 class Localizer(Controller):

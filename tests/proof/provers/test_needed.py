@@ -16,7 +16,7 @@ from safeloc.proof.cache import answers
 from safeloc.proof.cache.answers import keep_needed, kept_in, needed_before
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers import needed, recheck
-from safeloc.proof.provers.implication import Refuted, unproved
+from safeloc.proof.provers.implication import Refuted, core_of, unproved
 from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.recheck import certify
 
@@ -82,8 +82,11 @@ def test_it_is_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     whole = query(ORDERED & (C < 7), A > 3, goal=A < C)
     with kept_in(Store(tmp_path)):
         first = only_needed(whole)
-        monkeypatch.setattr(needed, "_core", lambda *_: pytest.fail("asked again"))
+        monkeypatch.setattr(needed, "find_core", lambda *_: pytest.fail("asked again"))
         assert only_needed(whole).hypotheses == first.hypotheses
+        again = query(ORDERED & (C < 7), A > 3, goal=A < C)
+        assert core_of(again) is None
+        assert only_needed(again).hypotheses == first.hypotheses
 
 
 @pytest.mark.parametrize("proposed", [[], [3], [0, 2]])
@@ -115,3 +118,12 @@ def _without(one: Query[str], left_out: Bool) -> list[Bool]:
 
 def _text_of(whole: Query[str]) -> str:
     return needed.to_smtlib(Query(whole.name, _parts(whole), whole.goals))
+
+
+def test_a_proof_tells_what_it_needs() -> None:
+    """Whoever has the goal proved need not ask again; a goal that does not follow has a countermodel and no core."""
+    whole, wrong = query(ORDERED & (C < 7), A > 3, goal=A < C), query(ORDERED, goal=C < A)
+    assert {} == unproved(whole, 10.0)
+    assert 2 == len(core_of(whole) or ())
+    assert isinstance(unproved(wrong, 10.0)["goal"], Refuted)
+    assert core_of(wrong) is None

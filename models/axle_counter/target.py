@@ -1,0 +1,31 @@
+"""The catalogue entry of the machine that makes a train's entry record."""
+
+from __future__ import annotations
+
+from safeloc.models import axle_counter
+from safeloc.models.axle_counter import AxleCounterConfig
+from safeloc.models.axle_counter.configurations import CONFIGURATIONS
+from safeloc.models.axle_counter.simulate import simulate
+from safeloc.properties import axle_counter as claims
+from safeloc.target import Entry, Family, Target, single
+
+
+def target(config: AxleCounterConfig) -> Target:
+    """Make the machine."""
+    model = axle_counter.build(axle_counter.parts(config))
+    properties = claims.properties(model)
+    return single(model.machine, properties, config, simulate=lambda seed: simulate(config, seed=seed))
+
+
+ENTRIES = (
+    Entry(
+        "axle_counter",
+        "a train's entry record from its axles",
+        AxleCounterConfig,
+        target,
+        Family.FIBRE,
+        place=50,
+        configurations=CONFIGURATIONS,
+        no_interval="It reports a train's record: axles, length, speed.",
+    ),
+)

@@ -1,0 +1,29 @@
+"""The catalogue entry of the machine of a counting head."""
+
+from __future__ import annotations
+
+from safeloc.models import axle_head
+from safeloc.models.axle_head import AxleHeadConfig
+from safeloc.models.axle_head.simulate import simulate
+from safeloc.properties import axle_head as claims
+from safeloc.target import Entry, Family, Target, single
+
+
+def target(config: AxleHeadConfig) -> Target:
+    """Make the machine."""
+    model = axle_head.build(axle_head.parts(config))
+    properties = claims.properties(model)
+    return single(model.machine, properties, config, simulate=lambda seed: simulate(config, seed=seed))
+
+
+ENTRIES = (
+    Entry(
+        "axle_head",
+        "axles and direction from two overlapping pulses",
+        AxleHeadConfig,
+        target,
+        Family.FIBRE,
+        place=40,
+        no_interval="It reports axles and directions.",
+    ),
+)

@@ -1,0 +1,32 @@
+"""The catalogue entry of the machine of a test emitter."""
+
+from __future__ import annotations
+
+from safeloc.models import emitter
+from safeloc.models.emitter import EmitterConfig
+from safeloc.models.emitter.configurations import CONFIGURATIONS
+from safeloc.models.emitter.simulate import simulate
+from safeloc.properties import emitter as claims
+from safeloc.target import Entry, Family, Target, single
+
+
+def target(config: EmitterConfig) -> Target:
+    """Make the machine."""
+    model = emitter.build(emitter.parts(config))
+    properties = claims.properties(model)
+    return single(model.machine, properties, config, simulate=lambda seed: simulate(config, seed=seed))
+
+
+ENTRIES = (
+    Entry(
+        "emitter",
+        "function check of the fibre by a test emitter",
+        EmitterConfig,
+        target,
+        Family.FIBRE,
+        place=80,
+        configurations=CONFIGURATIONS,
+        no_interval="It tells whether the fibre passed its function check.",
+        silent=("emitter",),
+    ),
+)

@@ -1,0 +1,41 @@
+"""The catalogue entry of the machine of one end of a train in a fibre."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from safeloc.models import fibre
+from safeloc.models.fibre import FibreConfig
+from safeloc.models.fibre.configurations import CONFIGURATIONS
+from safeloc.models.fibre.picture import picture
+from safeloc.properties import fibre as claims
+from safeloc.reported import Reported
+from safeloc.runtime.streams.steps import Cell
+from safeloc.target import Entry, Family, Target, single
+
+
+def target(config: FibreConfig) -> Target:
+    """Make the machine."""
+    model = fibre.build(fibre.parts(config))
+    properties, simulate = claims.properties(model), partial(_simulated, config)
+    return single(model.machine, properties, config, reported=Reported(), simulate=simulate, pictures=(picture(),))
+
+
+def _simulated(config: FibreConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.fibre.simulate import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+ENTRIES = (
+    Entry(
+        "fibre",
+        "place from localization sections in a fibre",
+        FibreConfig,
+        target,
+        Family.FIBRE,
+        place=10,
+        configurations=CONFIGURATIONS,
+    ),
+)

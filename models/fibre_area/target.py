@@ -1,0 +1,46 @@
+"""The catalogue entry of a train and its area, from backscatter to virtual sections."""
+
+from __future__ import annotations
+
+from safeloc.models import fibre_area
+from safeloc.models.fibre.picture import area_picture
+from safeloc.models.fibre_area import FibreAreaConfig
+from safeloc.models.fibre_area.configurations import CONFIGURATIONS
+from safeloc.properties import fibre_area as claims
+from safeloc.reported import Reported
+from safeloc.target import Entry, Family, Target, recorded
+
+DOC = (
+    "A train in a line area, from backscatter to virtual sections in one step: both ends' fibre machines, the test "
+    "emitter, the entry record, the verification, what is believed of the ends, the area and its sections."
+)
+REPORTED = Reported(
+    position="verification.position_mm",
+    below="verification.margin_below_mm",
+    above="verification.margin_above_mm",
+    valid="verification.trusted",
+    truth="front.truth_nm",
+)
+
+
+def target(config: FibreAreaConfig) -> Target:
+    """Make the composition."""
+    whole = fibre_area.compose_machines(config)
+    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    pictures = (area_picture(config.sections.sections),)
+    return Target(
+        "fibre_area", system.machines, system, properties, config, DOC, recorded("fibre_area"), REPORTED, pictures=pictures
+    )  # fmt: skip
+
+
+ENTRIES = (
+    Entry(
+        "fibre_area",
+        "a train and its area in one step",
+        FibreAreaConfig,
+        target,
+        Family.FIBRE,
+        place=90,
+        configurations=CONFIGURATIONS,
+    ),
+)

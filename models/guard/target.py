@@ -1,0 +1,41 @@
+"""The catalogue entry of the guard of a receiver whose own quality flags do not bound its error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from safeloc.language.nodes import Value
+from safeloc.models import guard
+from safeloc.models.guard.configurations import CONFIGURATIONS
+from safeloc.models.guard.variables import GuardConfig, parts
+from safeloc.properties import guard as claims
+from safeloc.reported import Reported
+from safeloc.target import Entry, Family, Target, single
+
+
+def target(config: GuardConfig) -> Target:
+    """Make the machine."""
+    model = guard.build(parts(config))
+    properties = claims.properties(model)
+    return single(
+        model.machine, properties, config, reported=Reported(), simulate=lambda seed: _simulated(config, seed)
+    )
+
+
+def _simulated(config: GuardConfig, seed: int) -> Sequence[Mapping[str, Value]]:
+    from safeloc.models.guard.simulate import simulate  # needed only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+ENTRIES = (
+    Entry(
+        "guard",
+        "of a receiver's positions, those that map and motion allow",
+        GuardConfig,
+        target,
+        Family.RECEIVER,
+        place=10,
+        configurations=CONFIGURATIONS,
+    ),
+)

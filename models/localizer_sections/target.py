@@ -1,0 +1,45 @@
+"""The catalogue entry of a vehicle that locates itself, and the virtual sections that it runs through."""
+
+from __future__ import annotations
+
+from safeloc.models import localizer_sections
+from safeloc.models.localizer.picture import PASSED_ON, picture
+from safeloc.models.localizer.target import properties_of_machines
+from safeloc.models.localizer_sections import NAME, LocalizerSectionsConfig
+from safeloc.properties import localizer_sections as claims
+from safeloc.target import Entry, Family, Target, recorded
+
+DOC = (
+    "A vehicle that locates itself, and the virtual sections that it runs through, in one step: the position that is "
+    "passed on on board goes by radio, its age charged, to the line area that follows the train."
+)
+
+
+def target(config: LocalizerSectionsConfig) -> Target:
+    """Make the composition."""
+    whole = localizer_sections.compose_machines(config)
+    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    return Target(
+        NAME, system.machines, system, properties, config, DOC, recorded(NAME), PASSED_ON,
+        pictures=(picture(config.localizer, _says),), members=properties_of_machines(whole.localizer),
+    )  # fmt: skip
+
+
+def _says(recording: str) -> str:
+    """Return the expected outcome of a shipped recording; empty for any other."""
+    from safeloc.models.localizer_sections.simulate import SCENES  # numpy is loaded only where a picture is drawn
+
+    scene = SCENES.get(recording.removeprefix(f"{NAME}-"))
+    return scene.says if scene else ""
+
+
+ENTRIES = (
+    Entry(
+        NAME,
+        "the located train in virtual sections: one truth on board and trackside",
+        LocalizerSectionsConfig,
+        target,
+        Family.LOCALIZER,
+        place=40,
+    ),
+)

@@ -1,0 +1,34 @@
+"""The catalogue entry of a line area with its virtual sections."""
+
+from __future__ import annotations
+
+from safeloc.models import sections
+from safeloc.models.sections import SectionsConfig
+from safeloc.models.sections.configurations import CONFIGURATIONS
+from safeloc.properties import sections as claims
+from safeloc.target import Entry, Family, Target, recorded
+
+DOC = "Trains of a line area between axle counters, and the virtual sections that it is cut into, in one step."
+
+
+def target(config: SectionsConfig) -> Target:
+    """Make the composition of the area and its sections."""
+    whole = sections.compose_machines(config)
+    machines = (whole.area.machine, *(one.machine for one in whole.sections))
+    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    return Target("sections", machines, system, properties, config, DOC, recorded("sections"))
+
+
+ENTRIES = (
+    Entry(
+        "sections",
+        "clear or not: virtual sections of a line area",
+        SectionsConfig,
+        target,
+        Family.FIBRE,
+        place=110,
+        configurations=CONFIGURATIONS,
+        no_interval="It reports which sections are clear.",
+        silent=("area",),
+    ),
+)

@@ -1,0 +1,48 @@
+"""The catalogue entry of odometry with the restrictive state behind it."""
+
+from __future__ import annotations
+
+from safeloc.models import supervised_odometry
+from safeloc.models.delocalized import DelocalizedConfig
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.properties import delocalized as delocalized_claims
+from safeloc.properties import odometry as odometry_claims
+from safeloc.properties import supervised_odometry as claims
+from safeloc.reported import Reported
+from safeloc.target import Entry, Family, Target
+
+DOC = "Odometry with the delocalized machine behind it, in one step: what the host of a vehicle sees."
+REPORTED = Reported(
+    position="delocalized.position_mm",
+    below="delocalized.margin_below_mm",
+    above="delocalized.margin_above_mm",
+    valid="delocalized.restrictive",
+    valid_is=False,
+    truth="odometry.truth_nm",
+)
+
+
+def target(config: OdometryConfig) -> Target:
+    """Make the composition, with the properties of each of its two machines."""
+    whole = supervised_odometry.compose_machines(config)
+    machines = (whole.source.machine, whole.guard)
+    properties = tuple(claims.properties(whole))
+    guard = DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.position_limit_mm)
+    members = {
+        whole.source.machine.name: tuple(odometry_claims.properties(whole.source)),
+        whole.guard.name: tuple(delocalized_claims.properties(whole.guard, guard)),
+    }
+    system = whole.composition.system
+    return Target("supervised_odometry", machines, system, properties, config, DOC, reported=REPORTED, members=members)
+
+
+ENTRIES = (
+    Entry(
+        "supervised_odometry",
+        "odometry and delocalized in one step",
+        OdometryConfig,
+        target,
+        Family.ODOMETRY,
+        place=30,
+    ),
+)

@@ -1,0 +1,30 @@
+"""The catalogue entry of a link that passes positions on."""
+
+from __future__ import annotations
+
+from safeloc.models import transmission
+from safeloc.models.transmission import TransmissionConfig
+from safeloc.models.transmission.configurations import CONFIGURATIONS
+from safeloc.properties import transmission as claims
+from safeloc.reported import Reported
+from safeloc.target import Entry, Family, Target, single
+
+
+def target(config: TransmissionConfig) -> Target:
+    """Make the machine."""
+    model = transmission.build(transmission.parts(config))
+    return single(model.machine, claims.properties(model), config, reported=Reported())
+
+
+ENTRIES = (
+    Entry(
+        "transmission",
+        "a position on its way; its age is charged",
+        TransmissionConfig,
+        target,
+        Family.LOCALIZER,
+        place=20,
+        configurations=CONFIGURATIONS,
+        silent=("transmission",),
+    ),
+)
