@@ -6,7 +6,7 @@ several terms share stay shared.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, assert_never
 
 import z3
@@ -58,7 +58,8 @@ class Terms:
         return result
 
 
-def _translate(node: Node, of: Mapping[Expr, Any]) -> Any:  # z3 builds terms by operators that type checkers cannot see
+def _translate(node: Node, of: Mapping[Expr, Any]) -> Any:
+    """Return the z3 term of a node whose parts have theirs in `of`; KeyError for a variable, TypeError for a past operator."""
     match node:
         case Lit(value, _):
             return z3.IntVal(value)
@@ -67,35 +68,72 @@ def _translate(node: Node, of: Mapping[Expr, Any]) -> Any:  # z3 builds terms by
         case NumVar() | BoolVar():
             raise KeyError(f"variable {node.name!r} has no z3 term here")
         case Add(a, b):
-            return of[a] + of[b]
+            return _number(z3.Z3_mk_add, of[a], of[b])
         case Sub(a, b):
-            return of[a] - of[b]
+            return _number(z3.Z3_mk_sub, of[a], of[b])
         case Mul(a, b):
-            return of[a] * of[b]
-        case FloorDiv(a, k):
-            return of[a] / k  # z3's integer division rounds down for a positive divisor
+            return _number(z3.Z3_mk_mul, of[a], of[b])
+        case FloorDiv(a, k):  # z3's integer division rounds down for a positive divisor
+            return z3.ArithRef(z3.Z3_mk_div(_context(), of[a].as_ast(), z3.IntVal(k).as_ast()))
         case Min(a, b):
-            return z3.If(of[a] <= of[b], of[a], of[b])
+            return _choice(_compared("<=", of[a], of[b]), of[a], of[b])
         case Max(a, b):
-            return z3.If(of[a] >= of[b], of[a], of[b])
+            return _choice(_compared(">=", of[a], of[b]), of[a], of[b])
         case Choose(c, a, b, _) | ChooseBool(c, a, b):
-            return z3.If(of[c], of[a], of[b])
+            return _choice(of[c], of[a], of[b])
         case Not(inner):
-            return z3.Not(of[inner])
+            return z3.BoolRef(z3.Z3_mk_not(_context(), of[inner].as_ast()))
         case And(parts):
-            return z3.And(*(of[part] for part in parts))
+            return _joined(z3.Z3_mk_and, [of[part] for part in parts])
         case Or(parts):
-            return z3.Or(*(of[part] for part in parts))
+            return _joined(z3.Z3_mk_or, [of[part] for part in parts])
         case Compare("<", a, b):
-            return of[a] < of[b]
+            return _compared("<", of[a], of[b])
         case Compare("<=", a, b):
-            return of[a] <= of[b]
+            return _compared("<=", of[a], of[b])
         case Compare("==", a, b):
-            return of[a] == of[b]
+            return _compared("==", of[a], of[b])
         case Compare() | Past():
             raise TypeError(f"{type(node).__name__} has no z3 term; observe the property first")
         case _:
             assert_never(node)
+
+
+# z3's own functions in place of the operators of its Python classes, which look up and convert sorts for every term and
+# take four times as long. Sorts were checked when the node was made (safeloc.language.nodes), and z3 checks them again.
+
+
+def _context() -> Any:
+    return z3.main_ctx().ref()
+
+
+def _array(terms: Sequence[Any]) -> Any:
+    return (z3.Ast * len(terms))(*(term.as_ast() for term in terms))
+
+
+def _number(make: Callable[..., Any], a: Any, b: Any) -> z3.ArithRef:
+    return z3.ArithRef(make(_context(), 2, _array((a, b))))
+
+
+_COMPARISONS = {"<": z3.Z3_mk_lt, "<=": z3.Z3_mk_le, ">=": z3.Z3_mk_ge, ">": z3.Z3_mk_gt, "==": z3.Z3_mk_eq}
+_SWAPPED = {"<": ">", "<=": ">=", ">=": "<=", "==": "=="}
+
+
+def _compared(relation: str, a: Any, b: Any) -> z3.BoolRef:
+    """Return the comparison; a constant comes first, as with z3's operators, so that z3 searches as it does with these."""
+    if isinstance(b, z3.IntNumRef) and not isinstance(a, z3.IntNumRef):
+        a, b, relation = b, a, _SWAPPED[relation]
+    return z3.BoolRef(_COMPARISONS[relation](_context(), a.as_ast(), b.as_ast()))
+
+
+def _joined(make: Callable[..., Any], parts: Sequence[Any]) -> z3.BoolRef:
+    return z3.BoolRef(make(_context(), len(parts), _array(parts)))
+
+
+def _choice(condition: Any, then: Any, other: Any) -> Any:
+    """Return the one or the other, of the same class."""
+    kind = z3.BoolRef if isinstance(then, z3.BoolRef) else z3.ArithRef
+    return kind(z3.Z3_mk_ite(_context(), condition.as_ast(), then.as_ast(), other.as_ast()))
 
 
 def constant(var: Var, suffix: str = "") -> z3.ExprRef:
