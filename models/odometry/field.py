@@ -152,7 +152,10 @@ def world(field: Field, limits: Limits, arrangement: Arrangement) -> Machine:
             Transition(name, running, running, when, _moved(field, front, rear), ("MRK-D5",), rank)
             for rank, (name, when) in enumerate({**meets, "between markers": TRUE}.items())
         ],
-        world=World(clauses={"the vehicle runs forward on the line": _forward(field, limits)}),
+        world=World(
+            clauses={"the vehicle runs forward on the line": _forward(field, limits)},
+            reads_machine="the field has no devices: it is the world of the odometry machine, and its state is what is so there",
+        ),
         initially=between_markers & arranged & (field.rear_place >= 1),
         lemmas={"both ends are between markers": between_markers, "the vehicle lies as arranged": arranged},
         doc="A line with evenly spaced markers; vehicle length, spacing and accuracy are free and stay as they are.",
