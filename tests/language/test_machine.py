@@ -9,7 +9,7 @@ from dataclasses import FrozenInstanceError, replace
 import pytest
 
 from safeloc.errors import ModelError, UnitError
-from safeloc.language.expr import boolean, enumeration, members, number
+from safeloc.language.expr import Expr, Var, boolean, enumeration, members, number
 from safeloc.language.interpret import holds
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes, together
 from safeloc.language.units import MM
@@ -117,7 +117,8 @@ def test_modes_have_distinct_names() -> None:
 def test_groups_of_updates_are_joined_in_their_order() -> None:
     """Groups that set different variables are the updates of one transition; the groups stay as they were."""
     a, b, c = number("a", MM, 0, 9), boolean("b"), number("c", MM, 0, 9)
-    measured, stated = {a: a + 1, b: True}, {c: 0}
+    measured: dict[Var, Expr | int | bool] = {a: a + 1, b: True}
+    stated: dict[Var, int] = {c: 0}
     joined = together(measured, stated, {})
     assert [a, b, c] == list(joined)
     assert [measured[a], True, 0] == list(joined.values())
