@@ -13,6 +13,7 @@ from safeloc.models import satellite as satellites
 from safeloc.models.balise.variables import parts as balise_parts
 from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import Motion
+from safeloc.models.odometry.ghosts import Movement
 from safeloc.models.odometry.variables import parts as odometry_parts
 from safeloc.models.reflector import variables as reflecting
 from safeloc.models.satellite import variables as satellite_words
@@ -61,8 +62,8 @@ def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[V
 
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe)
-    own = replace(own, ghosts=replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step))
+    moved = Movement(moves.own.ghosts.truth, moves.own.ghosts.true_step)
+    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=moved)
     model = odometry.build(own)
     wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
     told = {var: term for one in wires for var, term in one.items()}

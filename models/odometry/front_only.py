@@ -136,9 +136,15 @@ def _lemmas(whole: Comparison) -> Iterator[tuple[str, Bool]]:
 def _same_values(whole: Comparison) -> Iterator[tuple[str, Bool]]:
     """The front devices have the same values, run and age."""
     here, there = whole.both.own.devices[0], whole.alone.own.devices[0]
-    for one, twin in zip(here.state(), there.state(), strict=True):
+    for one, twin in zip(_state(here), _state(there), strict=True):
         yield f"{one.name} the same", _equal(whole.of_both(one), whole.of_alone(twin))
     yield "a dead front device holds nothing", whole.of_alone.bool(_empty_when_dead(there))
+
+
+def _state(device: Device) -> Iterator[Var]:
+    for unit in device.units:
+        yield from (unit.alive, unit.position, unit.above, unit.below, unit.last, unit.gap, unit.judged)
+    yield from (device.run, device.age, device.by_leading)
 
 
 def _empty_when_dead(device: Device) -> Bool:

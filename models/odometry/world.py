@@ -32,7 +32,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial, Machine
+from safeloc.language.machine import Machine
 from safeloc.language.terms import variables
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
@@ -45,21 +45,17 @@ ENDS = ("front", "rear")
 
 
 def world(own: Parts) -> World:
-    """The true position, the units' errors, the markers and, where the parts have one, the fault."""
+    """Make the world: the true movement, the units' errors, the markers and, where the parts have one, the fault."""
     seen = own.ghosts
-    first: dict[Var, Initial] = {seen.truth: ANY, seen.since_stray: ANY}
     moves: dict[Var, Expr] = {seen.truth: _after(own), seen.since_stray: _since_stray(own)}
     for index, of_unit in enumerate(seen.units):
         unit = measuring(own, index)
-        first |= {of_unit.wander: ANY, **unit.first()}
         moves |= {of_unit.wander: ite(unit.can_be_run, of_unit.next_wander, of_unit.wander), **unit.moves()}
         if of_unit.unset is not None:
-            first[of_unit.unset] = ANY
             moves[of_unit.unset] = _unset(own, index, of_unit.unset)
     if seen.faulty is not None:
-        first[seen.faulty] = ANY
         moves[seen.faulty] = seen.faulty
-    return World(first, _choices(own), moves, _laws(own))
+    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
 
 
 def on_board(machine: Machine) -> Machine:
@@ -67,12 +63,6 @@ def on_board(machine: Machine) -> Machine:
     ghosts = set(machine.world.variables)
     kept = {name: term for name, term in machine.lemmas.items() if ghosts.isdisjoint(variables([term]))}
     return replace(machine, world=World(), lemmas=kept)
-
-
-def _choices(own: Parts) -> list[Var]:
-    seen = own.ghosts
-    of_readers = [var for one in seen.readers for var in (one.spot, one.stray)]
-    return [seen.true_step, seen.length, *(one.next_wander for one in seen.units), *of_readers]
 
 
 def _laws(own: Parts) -> dict[str, Law]:
