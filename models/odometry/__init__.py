@@ -33,7 +33,8 @@ from safeloc.language.expr import (
     members,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, Updates, current_mode, modes, together
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.cycle import Judged, Reading, Remembered, Situation, judge
 from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, choose, nothing

@@ -34,8 +34,6 @@ class Any_:
 ANY: Final = Any_()
 Initial = Value | Lit | Any_
 STAY_NAME: Final = "(stay)"
-Updates = Mapping[Var, Expr | Value]
-"""What a transition sets: variable -> its value after the step, read from the values before it."""
 
 
 @refuse_old_keywords(ModelError, {"trace": "requirements"})
@@ -60,19 +58,6 @@ class Transition:
     def sources(self) -> tuple[Lit, ...]:
         """The source modes, always as a tuple."""
         return (self.source,) if isinstance(self.source, Lit) else self.source
-
-
-def together(*groups: Updates) -> dict[Var, Expr | Value]:
-    """Join groups of updates into the updates of one transition; ModelError where two groups set the same variable."""
-    joined: dict[Var, Expr | Value] = {}
-    for group in groups:
-        if twice := [var.name for var in group if var in joined]:
-            raise ModelError(
-                f"{declared_at()}: two groups of updates set {', '.join(map(repr, twice))}; a transition sets a variable once, "
-                "so leave it out of one group."
-            )
-        joined.update(group)
-    return joined
 
 
 @dataclass(frozen=True, slots=True)

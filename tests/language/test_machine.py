@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import pickle
-import re
 from dataclasses import FrozenInstanceError, replace
 
 import pytest
 
 from safeloc.errors import ModelError, UnitError
-from safeloc.language.expr import Expr, Var, boolean, enumeration, members, number
+from safeloc.language.expr import boolean, enumeration, members, number
 from safeloc.language.interpret import holds
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes, together
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM
 
 A, B = modes("A", "B")
@@ -112,26 +111,3 @@ def test_modes_have_distinct_names() -> None:
     """Two modes of one name could not be told apart in a trace or a file."""
     with pytest.raises(ModelError, match=r"mode has labels \['A', 'A'\]; they must be distinct\.$"):
         modes("A", "A")
-
-
-def test_groups_of_updates_are_joined_in_their_order() -> None:
-    """Groups that set different variables are the updates of one transition; the groups stay as they were."""
-    a, b, c = number("a", MM, 0, 9), boolean("b"), number("c", MM, 0, 9)
-    measured: dict[Var, Expr | int | bool] = {a: a + 1, b: True}
-    stated: dict[Var, int] = {c: 0}
-    joined = together(measured, stated, {})
-    assert [a, b, c] == list(joined)
-    assert [measured[a], True, 0] == list(joined.values())
-    assert ([a, b], [c]) == (list(measured), list(stated))
-    assert {} == together()
-
-
-def test_two_groups_that_set_one_variable_are_refused() -> None:
-    """Neither group wins silently, also where both give the same value."""
-    a, b, c = number("a", MM, 0, 9), boolean("b"), number("c", MM, 0, 9)
-    told = (
-        rf"^{re.escape(__file__)}:\d+: two groups of updates set 'a', 'c'; a transition sets a variable once, so leave it out "
-        r"of one group\.$"
-    )
-    with pytest.raises(ModelError, match=told):
-        together({a: 0, b: True, c: 1}, {}, {a: 0, c: 2})
