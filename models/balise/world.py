@@ -30,7 +30,6 @@ from safeloc.language.expr import (
     maximum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.telegram import LINKED, NOMINAL, PASSED, REVERSE, UNKNOWN
@@ -43,12 +42,8 @@ KEPT = "the groups that the map announced are read where the machine keeps them;
 
 
 def world(own: Parts) -> World:
-    """The true position, the odometer's error, and what is true of the group that is read."""
+    """Make the world: the true movement, the odometer's error, and the true place of the group that is read."""
     seen = own.world
-    first: dict[Var, Initial] = {
-        seen.truth: ANY, seen.wander: ANY, seen.national: own.config.default_accuracy_mm, seen.doubted: 0,
-        seen.backwards: False, seen.rolled: 0,
-    }  # fmt: skip
     moves: dict[Var, Expr] = {
         seen.truth: after(own),
         seen.wander: wander_after(own),
@@ -57,10 +52,8 @@ def world(own: Parts) -> World:
         **_rolling(own),
     }
     if not own.config.told_distance:
-        first |= measuring(own).first()
         moves |= measuring(own).moves()
-    choices: list[Var] = [seen.true_step, seen.next_wander, seen.spot, seen.true_since, seen.reading_wander]
-    return World(first, choices, moves, _laws(own), KEPT)
+    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own), KEPT)
 
 
 def _laws(own: Parts) -> dict[str, Bool | Law]:

@@ -10,6 +10,7 @@ from safeloc.language.expr import Bool, Expr, Num, NumVar, Optional, Var, ite, m
 from safeloc.language.machine import Machine
 from safeloc.models import balise, odometry, reflector, satellite_selection, verification
 from safeloc.models import satellite as satellites
+from safeloc.models.balise.variables import movement as balise_movement
 from safeloc.models.balise.variables import parts as balise_parts
 from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import Motion
@@ -71,11 +72,11 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = balise_parts(config.balise)
-    world = replace(own.world, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step)
-    if moves.own.ghosts.units is not None:
-        world = replace(world, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
-    own = replace(own, world=world)
+    seen = moves.own.ghosts
+    moved = replace(balise_movement(config.balise), truth=seen.truth, true_step=seen.true_step)
+    if seen.units is not None:
+        moved = replace(moved, wander=seen.units.told, next_wander=seen.units.next_told)
+    own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
     owed = _owed_law(Clause(model.machine, balise.ODOMETER), moves)
