@@ -122,7 +122,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
     selection = satellite_selection.build(satellite_selection.parts(config.satellite.selection))
-    own = replace(satellite_words.parts(config.satellite), truth=moves.own.ghosts.truth)
+    own = satellite_words.parts(config.satellite, truth=moves.own.ghosts.truth)
     machine = satellites.build(own)
     wires = satellites.selection_wires(own, selection)
     wires[own.next_truth] = moves.own.ghosts.truth

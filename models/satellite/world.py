@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Literal
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
-from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.satellite.variables import Parts
@@ -26,11 +25,10 @@ SELECTED = "a usable satellite keeps its bound"
 
 
 def world(own: Parts, trusted: Trusted) -> World:
-    """The vehicle's true place and speed, and for each channel what is true of its signal."""
-    signals = [*own.bounded, *own.compared] if trusted == "satellites" else []
+    """Make the world: true place and speed of the vehicle, and laws of the signals or of odometry."""
     return World(
-        ghosts={own.truth: ANY, own.true_speed: ANY},
-        choices=[own.next_truth, own.next_speed, *signals],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
         clauses={**_movement(own), **_references(own), **(_signals(own) if trusted == "satellites" else _run(own))},
     )
