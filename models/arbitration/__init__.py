@@ -27,13 +27,13 @@ from safeloc.language.expr import (
     Lit,
     Num,
     NumVar,
-    Var,
     as_num,
     between,
     exact_to,
     ite,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM
 from safeloc.language.world import Law, World
 from safeloc.models.arbitration.cycle import Cycle
@@ -113,8 +113,8 @@ def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
     lost, *given = cycle.table
     nobody = Lit(0, own.named)
 
-    def drop(reason: Num, first: Num = nobody, second: Num = nobody) -> dict[Var, Expr]:
-        return {**_nothing(own), own.reason: reason, own.first: first, own.second: second}
+    def drop(reason: Num, first: Num = nobody, second: Num = nobody) -> Updates:
+        return together(_nothing(own), {own.reason: reason, own.first: first, own.second: second})
 
     clash, carried = cycle.any_valid & ~cycle.agree, tuple(given)
     named = drop(CONTRADICTION, cycle.highest_low(), cycle.lowest_high())
@@ -143,14 +143,14 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
         yield Transition(f"{source.name} leads first", lost, target, begins, begun, REQUIREMENTS, 0)
     if len(own.sources) > 1:
         clash = cycle.any_valid & ~cycle.agree & own.first.eq(Lit(0, own.named))
-        named: dict[Var, Expr] = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
-        yield Transition(
-            "contradiction while withheld", lost, lost, clash, {**_nothing(own), **named, own.reason: CONTRADICTION}, REQUIREMENTS, 1
-        )  # fmt: skip
+        named: Updates = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
+        noticed = together(_nothing(own), named, {own.reason: CONTRADICTION})
+        yield Transition("contradiction while withheld", lost, lost, clash, noticed, REQUIREMENTS, 1)
     yield Transition("nothing to give out", lost, lost, set=_nothing(own), requirements=REQUIREMENTS, rank=2)
 
 
-def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
+def _told(own: Parts, cycle: Cycle, lag: Num) -> Updates:
+    """The interval that all valid sources have in common is given out."""
     nobody = Lit(0, own.named)
     return {
         own.position: cycle.estimate,
@@ -164,7 +164,8 @@ def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
     }
 
 
-def _nothing(own: Parts) -> dict[Var, Expr]:
+def _nothing(own: Parts) -> Updates:
+    """No position is given out."""
     zero = as_num(0, MM)
     return {own.position: zero, own.below: zero, own.above: zero, own.lag: zero, own.referred: FALSE}
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
-from safeloc.language.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
+from safeloc.language.expr import Bool, NumVar, between, boolean, choice, enumeration, exact_to, ite, number
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
@@ -50,8 +51,9 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     tolerable = (seen_above <= tolerance) & (seen_below <= tolerance)
     usable = valid & tolerable
     stated = ite(valid, TOLERANCE, ite(cause.eq(LOCATED), NO_REFERENCE, cause))
-    nothing: dict[Var, Expr | int] = {position: 0, above: 0, below: 0}
-    passed: dict[Var, Expr | int] = {position: seen, above: seen_above, below: seen_below, reason: LOCATED}
+    nothing: Updates = {position: 0, above: 0, below: 0}
+    lost = together(nothing, {reason: stated})
+    passed: Updates = {position: seen, above: seen_above, below: seen_below, reason: LOCATED}
     return Machine(
         name="delocalized",
         modes=table,
@@ -65,9 +67,7 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
             "reason": reason,
         },
         transitions=[
-            Transition(
-                "position lost", localized, delocalized, ~usable, {**nothing, reason: stated}, ("MRK-D1", "MRK-D2"), 0
-            ),
+            Transition("position lost", localized, delocalized, ~usable, lost, ("MRK-D1", "MRK-D2"), 0),
             Transition("position passed on", localized, localized, set=passed, requirements=("MRK-D1",), rank=1),
             Transition("reference accepted", delocalized, localized, usable & reference, passed, ("MRK-D1",), 1),
             Transition("stay restrictive", delocalized, delocalized, set=nothing, requirements=("MRK-D2",), rank=2),

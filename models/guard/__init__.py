@@ -23,8 +23,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
+from safeloc.language.expr import Bool, Expr, Lit, Num, as_num, between, ceil_to, floor_div, floor_to, ite
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.language.world import World
 from safeloc.models.guard import law
@@ -107,17 +108,17 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 def _heard(cycle: Judged, row: Transition) -> Transition:
     """Every other transition holds what was delivered as the last fix near the way, if it is one, and as the place last known."""
-    return replace(row, set={**row.set, **cycle.near_after, **cycle.known_after})
+    return replace(row, set=together(row.set, cycle.near_after, cycle.known_after))
 
 
 def _new_start(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Transition:
     """The host's word that nothing known before counts; what is delivered in the same step does not count either."""
     judged = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
-    nothing = {**become(own, _nothing()), **_nowhere(own), own.agreed: as_num(0, COUNT), own.judged: judged}
+    nothing = together(become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.judged: judged})
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
 
 
-def _nowhere(own: Parts) -> dict[Var, Expr]:
+def _nowhere(own: Parts) -> Updates:
     """No fix has come near the way, and nothing is known of the vehicle: it may be anywhere on the line."""
     low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
     return {
@@ -133,14 +134,14 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     full, none = as_num(config.confirmations, COUNT), as_num(0, COUNT)
     kept = usable(config, coasted.box)
 
-    def coast(agreed: Num, judged: Num) -> dict[Var, Expr]:
-        return {**become(own, coasted), own.agreed: agreed, own.judged: judged}
+    def coast(agreed: Num, judged: Num) -> Updates:
+        return together(become(own, coasted), {own.agreed: agreed, own.judged: judged})
 
-    passed = {**become(own, narrow), own.agreed: full, own.judged: PASSED}
+    passed = together(become(own, narrow), {own.agreed: full, own.judged: PASSED})
     goes_on = cycle.agrees & cycle.follows
     yield Transition("fix passed on", passing, passing, goes_on, passed, REQUIREMENTS, 0)
     yield Transition("receiver believed again", probation, passing, goes_on & cycle.confirmed, passed, REQUIREMENTS, 0)
-    lose = {**become(own, _nothing()), own.agreed: none, own.judged: _withheld(cycle)}
+    lose = together(become(own, _nothing()), {own.agreed: none, own.judged: _withheld(cycle)})
     yield Transition("window given up", both, lost, ~kept, lose, REQUIREMENTS, 1)
     doubt = coast(none, cycle.verdict)
     yield Transition("implausible fix", both, probation, cycle.implausible, doubt, REQUIREMENTS, 2)
@@ -166,26 +167,27 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     lost, recovering, passing, _ = table
     fresh, config = cycle.fresh, own.config
     none, one = as_num(0, COUNT), as_num(1, COUNT)
-    empty = {**become(own, _nothing()), own.agreed: none}
-    candidate = {**become(own, fresh), own.judged: UNCONFIRMED}
-    full = {**become(own, fresh), own.agreed: as_num(config.confirmations, COUNT), own.judged: PASSED}
+
+    def begun_by(agreed: Num, judged: Num) -> Updates:
+        return together(become(own, fresh), {own.agreed: agreed, own.judged: judged})
+
+    full = begun_by(as_num(config.confirmations, COUNT), PASSED)
     agrees = cycle.agrees & cycle.begins
     yield Transition("receiver believed", recovering, passing, agrees & cycle.confirmed, full, REQUIREMENTS, 6)
-    yield Transition(
-        "fix agrees", recovering, recovering, agrees, {**candidate, own.agreed: cycle.more}, REQUIREMENTS, 7
-    )
-    begin = {**candidate, own.agreed: one}
+    another = begun_by(cycle.more, UNCONFIRMED)
+    yield Transition("fix agrees", recovering, recovering, agrees, another, REQUIREMENTS, 7)
+    begin, anew = begun_by(one, UNCONFIRMED), begun_by(one, cycle.verdict)
     yield Transition("first fix", lost, recovering, cycle.begins, begin, REQUIREMENTS, 7)
-    anew = {**become(own, fresh), own.judged: cycle.verdict, own.agreed: one}
     yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, REQUIREMENTS, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
-    yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, REQUIREMENTS, 9)
-    waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}
+    empty = together(become(own, _nothing()), {own.agreed: none, own.judged: cycle.verdict})
+    yield Transition("fixes dropped", recovering, lost, unusable, empty, REQUIREMENTS, 9)
+    waiting = together(_carried(own, cycle.coasted.box), {own.judged: cycle.verdict})
     yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
     yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.fair}, requirements=REQUIREMENTS, rank=10)
 
 
-def _carried(own: Parts, box: Box) -> dict[Var, Expr]:
+def _carried(own: Parts, box: Box) -> Updates:
     """The box of the last fix, moved; it is no anchor."""
     return become(own, begun(box))
 

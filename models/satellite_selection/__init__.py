@@ -14,8 +14,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, Var, abs_, all_of, any_of, as_num, ite, minimum
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, abs_, all_of, any_of, as_num, ite, minimum
 from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.satellite_selection.variables import (
     ABSENT,
@@ -155,13 +156,16 @@ def _is_twice(own: Parts, one: Channel) -> Bool:
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, some = table
     count = _count(standing(own, one).eq(USABLE) for one in own.channels)
-    judged: dict[Var, Expr] = {own.usable: count}
-    for one in own.channels:
-        judged |= {one.standing: standing(own, one), one.warm: warm(own, one)}
-        judged[one.held] = ite(one.identity.present, one.identity.value, as_num(0, COUNT))
-    trace = ("SAT-1", "SAT-3", "SAT-4", "SAT-D1")
-    yield Transition("no satellite is usable", table, none, count.eq(0), judged, trace, 0)
-    yield Transition("satellites are selected", table, some, TRUE, judged, trace, 1)
+    requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-D1")
+    every = together({own.usable: count}, *(_channel(own, one) for one in own.channels))
+    yield Transition("no satellite is usable", table, none, count.eq(0), every, requirements, 0)
+    yield Transition("satellites are selected", table, some, TRUE, every, requirements, 1)
+
+
+def _channel(own: Parts, one: Channel) -> Updates:
+    """Standing, warm-up and identity of a channel's satellite."""
+    identity = ite(one.identity.present, one.identity.value, as_num(0, COUNT))
+    return {one.standing: standing(own, one), one.warm: warm(own, one), one.held: identity}
 
 
 def _count(terms: Iterator[Bool]) -> Num:

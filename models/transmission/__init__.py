@@ -35,6 +35,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import together
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
@@ -246,13 +247,14 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     lands, kept = own.arrived & flying.there, own.held.report.older(own.config)
     sent = Report(TRUE, own.valid, own.position, own.below, own.above, as_num(0, COUNT))
     way = own.flying.become(choose(own.sent, sent, choose(lands, NO_REPORT, flying)))
-    taken, gone = {**way, **own.held.become(flying)}, {**way, **own.held.become(NO_REPORT)}
+    taken, gone = together(way, own.held.become(flying)), together(way, own.held.become(NO_REPORT))
+    aged = together(way, own.held.become(kept))
     yield Transition("report arrives", table, held, lands & flying.usable(config), taken, REQUIREMENTS, 0)
     yield Transition("report revokes", table, nothing, lands & ~flying.valid, gone, REQUIREMENTS, 1)
     yield Transition("report arrives too wide", table, nothing, lands, gone, REQUIREMENTS, 2)
     yield Transition("report has become too old", held, nothing, ~kept.there, gone, REQUIREMENTS, 3)
     yield Transition("report has become too wide", held, nothing, ~kept.usable(config), gone, REQUIREMENTS, 4)
-    yield Transition("report grows older", held, held, TRUE, {**way, **own.held.become(kept)}, REQUIREMENTS, 5)
+    yield Transition("report grows older", held, held, TRUE, aged, REQUIREMENTS, 5)
     yield Transition("no report", nothing, nothing, TRUE, way, REQUIREMENTS, 5)
 
 
