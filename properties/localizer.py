@@ -16,7 +16,7 @@ from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import NM
 from safeloc.models.localizer import Localizer
 from safeloc.models.vocabulary.reasons import LOCATED
-from safeloc.properties.arbitration import properties as arbitrated
+from safeloc.properties.arbitration import kept_in_a_whole
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
 REQUIREMENTS = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
@@ -65,23 +65,10 @@ def _of_the_front(whole: Localizer) -> Property:
     return replace(whole.composition.inherited(counts, own), name=own.name)
 
 
-ARBITRATED = (
-    " against ",
-    "all that are valid agree",
-    "only valid sources narrow",
-    "leads validly",
-    "leads by its margin",
-    "min safe front end advances with the distance",
-    "min safe front end advances with the estimate",
-)
-"""What names of arbitration's properties hold that are asked of the whole."""
-
-
 def _arbitrated(whole: Localizer) -> Iterator[Property]:
-    """What arbitration keeps whatever it hears."""
-    for prop in arbitrated(whole.arbitration):
-        if any(words in prop.name for words in ARBITRATED):
-            yield whole.composition.inherited(whole.arbitration.machine, prop)
+    """The properties that arbitration has for all inputs in range, and so in the whole."""
+    for prop in kept_in_a_whole(whole.arbitration):
+        yield whole.composition.inherited(whole.arbitration.machine, prop)
 
 
 def _responses(whole: Localizer) -> Iterator[Property]:
