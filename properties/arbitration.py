@@ -1,4 +1,4 @@
-"""What must hold of arbitration between sources (RFL-13, RFL-14, MRK-D3): only agreement counts, and only of the valid."""
+"""Properties of arbitration between sources (RFL-13, RFL-14, MRK-D3): only valid sources count, and only if they agree."""
 
 from __future__ import annotations
 
@@ -300,7 +300,7 @@ def _goes_on(model: Arbitration, *, measured: bool) -> Bool:
 
 
 def _advance(model: Arbitration) -> Num:
-    """How far the min safe front end moves in the step, mm."""
+    """Return the advance of the min safe front end in the step, mm."""
     own = model.own
     safe_before = before(own.position) - before(own.below) - before(own.lag)
     return model.machine.output("min_safe_front_mm") - safe_before

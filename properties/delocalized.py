@@ -1,4 +1,4 @@
-"""What must hold of the delocalized machine (MRK-D1, MRK-D2)."""
+"""Properties of the delocalized machine (MRK-D1, MRK-D2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must hold of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
+"""Properties of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
 
 What arbitration, the links and the restrictive state assume is owed by the machines before them, and proved with the
 lemmas; so nothing in the whole is assumed but what each source's own sensors keep. Which source leads, and how far the min
@@ -25,7 +25,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: Localizer) -> list[Property]:
-    """What the host and the trackside get, and in which steps."""
+    """Return the properties of the position for host and trackside, and of the steps in which it changes."""
     makers = (_host, _arbitrated, _responses, _trackside)
     return [prop for maker in makers for prop in maker(whole)]
 
@@ -42,7 +42,7 @@ def _host(whole: Localizer) -> Iterator[Property]:
 
 
 def _of_the_guard(whole: Localizer) -> Property:
-    """What is passed on holds the truth: the restrictive state keeps that, being owed that arbitration's interval does."""
+    """A position that is passed on holds the truth: proved of the restrictive state, given that arbitration's interval holds it."""
     guard, truth = whole.guard, next(iter(whole.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
     position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
@@ -129,7 +129,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
 
 
 def _stated(whole: Localizer) -> dict[str, Bool]:
-    """Which sources state a position after the step, in terms of the whole; of the fibre, what has come on board."""
+    """Return the sources that state a position after the step, in terms of the whole; of the fibre, what has arrived on board."""
     found: dict[str, Bool] = {}
     for name, piece in whole.pieces.items():
         machine = piece.machines[-1]

@@ -1,4 +1,4 @@
-"""What must hold of a train that is located on board and followed in virtual sections (RFL-13, RFL-14, FVA-9, FVA-18).
+"""Properties of a train that is located on board and followed in virtual sections (RFL-13, RFL-14, FVA-9, FVA-18).
 
 All that holds of the localizer and of the sections holds here, and what the area assumes of this train's reports is proved.
 Beside it stands what only the whole can keep: that both views hold one truth, and that a section which is reported clear does
@@ -29,7 +29,7 @@ REQUIREMENTS = ("RFL-14", "FVA-9", "FVA-18")
 
 
 SENT = {"position": "position_mm", "below": "margin_below_mm", "above": "margin_above_mm"}
-"""What is sent of an interval: its name in the link -> the output that it comes from."""
+"""Values of an interval in a report: their name in the link -> the output that they come from."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 

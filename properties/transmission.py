@@ -1,4 +1,4 @@
-"""What must hold of a position on its way between computers (FVA-9, FVA-18, RFL-14): its age is charged, and limited."""
+"""Properties of a position on its way between computers (FVA-9, FVA-18, RFL-14): its age is added, and limited."""
 
 from __future__ import annotations
 

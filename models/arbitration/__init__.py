@@ -1,4 +1,4 @@
-"""Which of several positions counts: the intersection of all that are valid, or nothing (RFL-13, MRK-D3).
+"""Arbitration between several positions: the intersection of all that are valid, or nothing (RFL-13, MRK-D3).
 
 Every way of locating states an interval that holds the front end, or nothing. Of those that state one, the position is
 what they have in common; the one with the smallest margin leads and gives the estimate. Where they exclude each other at
@@ -182,7 +182,7 @@ def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:
 
 
 def _sources_hold_the_truth(own: Parts) -> dict[str, Law]:
-    """What a source states, where it states anything, holds the truth."""
+    """Return the laws that an interval which a source states holds the truth."""
     return {
         f"{source.name} holds the truth": Law(
             source.valid.implies(source.holds(own.next_truth)),

@@ -336,7 +336,7 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
 
 
 def _alike(own: Parts) -> dict[str, Bool]:
-    """What the machine keeps of inputs is what the world knows of them."""
+    """Return the lemmas that machine and world store the same of the inputs."""
     seen, told, odometer = own.world, own.national, own.odometer
     found = {
         "the national accuracy is the one received": seen.national.eq(

@@ -1,4 +1,4 @@
-"""What one cycle means to the balise machine: the telegram judged, linking supervised, the interval after it.
+"""One cycle of the balise machine: the verdict on the telegram, the supervision of linking, and the interval after it.
 
 Every term is built once and shared by all transitions, the assumption and the properties.
 """
@@ -80,7 +80,7 @@ class Judged:
 
     @cached_property
     def credible(self) -> Bool:
-        """What was read is a group's own, undamaged and recent, and read while running forwards."""
+        """The telegram is undamaged and recent, and was read while running forwards."""
         read = self.own.read
         return all_of([read.well_formed, ~read.corrupted, ~read.stale, ~self.backwards])
 
@@ -115,7 +115,7 @@ class Judged:
 
     @cached_property
     def place(self) -> Num:
-        """Where the map has the group, mm: linking, else what came with the telegram."""
+        """Place of the group on the map, mm: that of linking, else the one that came with the telegram."""
         return self._of_seen(*(one.record.place for one in self.sightings), default=self.own.read.place.value)
 
     @cached_property
@@ -131,7 +131,7 @@ class Judged:
 
     @cached_property
     def fix(self) -> Interval:
-        """Where the telegram puts the front end at the end of the cycle."""
+        """Interval of the front end at the end of the cycle by the telegram alone."""
         odometer = self.own.odometer
         return self.own.config.reader.fix(
             self.own.read, self.place, self.accuracy, odometer.distance, odometer.admitted
@@ -166,7 +166,7 @@ class Judged:
 
     @cached_property
     def verdict(self) -> Num:
-        """What becomes of the telegram."""
+        """Verdict on the telegram."""
         read, memory = self.own.read, self.own.memory
         return first_of(
             (read.silent, v.NONE),
@@ -198,7 +198,7 @@ class Judged:
 
     @cached_property
     def _unfit(self) -> list[tuple[Bool, Num]]:
-        """What speaks against a group without linking, wherever the vehicle is."""
+        """Reasons to refuse a group without linking, wherever the vehicle is."""
         read = self.own.read
         return [
             (~read.complete, v.INCOMPLETE),
@@ -248,7 +248,7 @@ class Judged:
 
     @cached_property
     def ended(self) -> Num:
-        """How many announced groups are given up in this cycle."""
+        """Number of announced groups that are given up in this cycle."""
         total: Num = as_num(0, COUNT)
         for gone in self.given_up:
             total = total + ite(gone, as_num(1, COUNT), as_num(0, COUNT))
@@ -272,7 +272,7 @@ class Judged:
 
     @cached_property
     def announcement(self) -> Num:
-        """What becomes of this cycle's announcement, in a mode that reports a position."""
+        """Verdict on this cycle's announcement, in a mode that reports a position."""
         record = self.own.linking.offered.record
         _, last = self.own.config.reader.window(record.place, record.accuracy_or(self.own.national.accuracy))
         return self.own.linking.verdict(self.left, self.run_on.low > last)

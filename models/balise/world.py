@@ -70,7 +70,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
 
 
 def after(own: Parts) -> Num:
-    """Where the front end is at the end of the cycle, nm."""
+    """Return the place of the front end at the end of the cycle, nm."""
     return own.world.truth + own.world.true_step
 
 
@@ -78,7 +78,7 @@ def after(own: Parts) -> Num:
 
 
 def physics(config: BaliseConfig) -> Physics:
-    """What the vehicle can run, and how finely it is measured."""
+    """Return the limits of the vehicle's movement, and of its measurement."""
     return Physics(
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
         config.gap_limit_cycles, config.gap_limit_cycles + 1,
@@ -234,7 +234,7 @@ def _age_law(own: Parts) -> Law:
 
 
 def _in_age(own: Parts) -> Num:
-    """What the vehicle runs at its highest speed in the age of the reading; mm/s x ms x 1000 = nm."""
+    """Return the run at the highest speed in the age of the reading; mm/s x ms x 1000 = nm."""
     return with_unit(own.read.age.value * (own.config.max_speed_mm_s * THOUSAND), NM)
 
 
@@ -248,7 +248,7 @@ def national(own: Parts) -> Num:
 
 
 def _far_nm(own: Parts, accuracy: Num) -> Num:
-    """How far off a group lies, at least, that is not where the map has it: where no interval and no reading reach, nm."""
+    """Return the least distance of a misplaced group from its place on the map: beyond every interval and every reading, nm."""
     config = own.config
     fixed = 2 * config.tolerance_mm + 2 * config.detection_mm + config.odometer.constant_mm
     cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
@@ -355,7 +355,7 @@ def _serves(own: Parts) -> Bool:
 
 
 def _fine_enough(own: Parts) -> Bool:
-    """What it says is no coarser than the tolerance, and on the line."""
+    """The reading puts the front end on the line, no less accurately than the tolerance."""
     config, read = own.config, own.read
     since = ite(read.since.present, read.since.value, as_num(0, MM))
     slack = ite(read.since.present, _counted_wrong(own), _in_age(own) + config.measuring_step_mm * NM_PER_MM)

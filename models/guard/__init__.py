@@ -93,7 +93,7 @@ def build(own: Parts) -> Guard:
 
 
 def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """How long the row of agreeing fixes is in each mode."""
+    """Return the lemmas on the number of agreeing fixes in each mode."""
     lost, recovering, passing, probation = table
     full = own.config.confirmations
     return {

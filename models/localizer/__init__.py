@@ -61,7 +61,7 @@ class Localizer:
 
 @dataclass(frozen=True, eq=False)
 class More:
-    """What a composition adds behind a localizer's own machines, as for `compose`."""
+    """Machines that a composition adds behind a localizer's own, with arguments for `compose`."""
 
     machines: tuple[Machine, ...] = ()
     wires: Mapping[Var, Expr] = field(default_factory=dict)
@@ -162,7 +162,7 @@ def _into_link(link: Transmission, valid: Bool, position: Num, below: Num, above
 
 
 def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> dict[str, Stated]:
-    """What arbitration hears, by source: of the fibre what has come on board."""
+    """Return each source's statement as arbitration gets it: of the fibre, the one that has arrived on board."""
     stated = {name: piece.stated for name, piece in pieces.items()}
     if downlink is not None:
         machine = downlink.machine

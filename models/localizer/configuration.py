@@ -1,4 +1,4 @@
-"""What a localizer depends on: its sources, and what they share."""
+"""Configuration of a localizer: its sources, and the figures that they share."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class LocalizerConfig(Config):
 
     @property
     def arbitration(self) -> ArbitrationConfig:
-        """What arbitration depends on."""
+        """Configuration of arbitration."""
         return self.arbitration_of(tuple(name for name in SOURCES if name in self.sources), ())
 
     @property
@@ -64,7 +64,7 @@ class LocalizerConfig(Config):
         return 10 * self.tolerance_mm
 
     def arbitration_of(self, shipped: tuple[str, ...], own: tuple[str, ...]) -> ArbitrationConfig:
-        """What arbitration depends on between these shipped sources and a user's own."""
+        """Return the configuration of arbitration between these shipped sources and a user's own."""
         return ArbitrationConfig(
             sources=shipped,
             own=own,

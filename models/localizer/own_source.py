@@ -38,7 +38,7 @@ SHARED_LAWS = ("the vehicle keeps to its highest speed", "the vehicle stays on t
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """What a source knows of its vehicle: some figures, and for its world the front end's true place.
+    """Vehicle as a source may read it: some figures, and for its world the front end's true place.
 
     truth, true_step    ghosts: the front end's place before the cycle, and its run in the cycle, nm
     period_ms           the cycle

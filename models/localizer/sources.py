@@ -25,7 +25,7 @@ from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFEREN
 
 @dataclass(frozen=True, eq=False)
 class Stated:
-    """What a source's machine states, in terms of that machine after the step."""
+    """Statement of a source's machine, in terms of that machine after the step."""
 
     valid: Bool
     position: Num
@@ -89,7 +89,7 @@ def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
 
 
 def plainly(machine: Machine) -> Stated:
-    """What a machine states whose outputs have the common names and reasons."""
+    """Return the statement of a machine whose outputs have the common names and reasons."""
     return Stated(
         machine.flag("valid"),
         *heard_interval(machine),

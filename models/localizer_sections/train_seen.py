@@ -64,11 +64,11 @@ class Heard:
 
     @property
     def inputs(self) -> list[Var]:
-        """What is heard of it."""
+        """Inputs of the report."""
         return [self.valid, self.position, self.below, self.above]
 
     def holds(self) -> Bool:
-        """What is given out of it holds the true place."""
+        """The interval that the link gives out holds the true place."""
         return self.valid.implies(between(exact_to(self.low, NM), self.next_truth, exact_to(self.high, NM)))
 
 

@@ -166,7 +166,7 @@ class Device:
 
 @dataclass(frozen=True, eq=False)
 class DeviceState:
-    """What a device holds after a cycle: its units' values, distance and time since its reading, and the reader's part."""
+    """State of a device after a cycle: its units' values, distance and time since its reading, and whether the leading reader set it."""
 
     values: tuple[Values, Values]
     run: Num
@@ -221,7 +221,7 @@ def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """What the measured distances of one cycle do to a device, readings apart.
+    """Effect of the measured distances of one cycle on a device, readings apart.
 
     reach, run, age  the greater of both measured distances; distance and time since the device's reading, after the cycle
     failed           its distances are missing for too long, it has run too far or too long, or its units exclude each other

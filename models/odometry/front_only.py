@@ -104,7 +104,7 @@ def _reads(there: Optional, here: Optional) -> dict[Var, Expr]:
 
 
 def _assumed(whole: Comparison) -> Bool:
-    """What is asked of the front reader's markers beside that.
+    """Assume, besides, of the front reader's markers:
 
     None that is worth less than what the front device still has is read while the front reader alone reports nothing:
     that machine takes such a marker, having nothing to lose, while the one with both readers keeps the better values, and

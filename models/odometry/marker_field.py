@@ -57,7 +57,7 @@ class MarkerField:
 
     @property
     def lead_mm(self) -> Num:
-        """How far end A is past its last marker when end B passes the marker that waits for it."""
+        """Distance of end A past its last marker when end B passes the marker that waits for it."""
         return self.own.num(self.arrangement.lead_mm(self.field.length, self.field.spacing))
 
 

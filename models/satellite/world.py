@@ -148,7 +148,7 @@ FIGURES = {
 
 
 def hidden_errors(config: SelectionConfig) -> tuple[int, int]:
-    """What prediction and clock, as good as configured, leave in the differences: mm of range, mm/s of range rate."""
+    """Return the error that remains in the differences if prediction and clock are as configured: mm of range, mm/s of range rate."""
     return config.range_prediction_mm + config.range_clock_mm, config.speed_prediction_mm_s + config.speed_clock_mm_s
 
 

@@ -1,4 +1,4 @@
-"""Which visible satellites are usable: measured against predicted Doppler and pseudorange (SAT-1 to SAT-4, SAT-D1).
+"""Selection of usable satellites: measured against predicted Doppler and pseudorange (SAT-1 to SAT-4, SAT-D1).
 
 The prediction comes from the state at the cycle before and the mapped track alone (SAT-1); its differences to what was
 measured, the receiver's clock removed, are the inputs. In every cycle the list of usable satellites (LSVU) starts from
@@ -97,7 +97,7 @@ def build(own: Parts) -> Selection:
 
 
 def accepts(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:
-    """Whether the criterion keeps the satellite. |difference| is what counts: a one-sided test misses half the faults."""
+    """Return whether the criterion keeps the satellite. It tests |difference|: a one-sided test misses half the faults."""
     checks = []
     if config.compared in ("pseudorange", "both"):
         checks.append(_kept(abs_(one.off.value), config.range_threshold_mm, one.covariance.value, config.range_covariance_mm2, removal))  # fmt: skip
@@ -129,14 +129,14 @@ def _spread(one: Channel, config: SelectionConfig) -> Bool:
 
 
 def warm(own: Parts, one: Channel) -> Num:
-    """How many cycles the same satellite was heard on this channel, this one included, up to the warm-up."""
+    """Return the number of cycles in which this channel heard the same satellite, up to the warm-up, with this cycle."""
     same = one.identity.present & one.identity.value.eq(one.held) & _heard(one, own.config) & one.ephemeris
     first = one.identity.present & _heard(one, own.config) & one.ephemeris
     return ite(same, minimum(one.warm + 1, own.config.warm_up_cycles), ite(first, as_num(1, COUNT), 0))
 
 
 def standing(own: Parts, one: Channel) -> Num:
-    """What the channel is in this cycle."""
+    """Return the standing of the channel's satellite in this cycle."""
     config = own.config
     ready = _spread(one, config) & (warm(own, one) >= config.warm_up_cycles)
     judged = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)

@@ -44,7 +44,7 @@ REQUIREMENTS = ("FVA-9", "FVA-18", "RFL-14")
 
 
 class TransmissionConfig(Config):
-    """What the link between two computers may do to a report."""
+    """Limits of the link between two computers."""
 
     period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
@@ -80,7 +80,7 @@ class Report:
         return choose(young, replace(self, there=young, age=self.age + 1), NO_REPORT)
 
     def charged(self, config: TransmissionConfig) -> Num:
-        """What its age adds to either side, mm."""
+        """Return the error that its age adds to either side, mm."""
         return with_unit(self.age * config.run_mm, MM)
 
     def usable(self, config: TransmissionConfig) -> Bool:
@@ -123,7 +123,7 @@ class Slot:
 
     @property
     def report(self) -> Report:
-        """What is kept."""
+        """The stored report."""
         return Report(self.there, self.valid, self.position, self.below, self.above, self.age)
 
     def become(self, report: Report) -> dict[Var, Expr]:
@@ -262,7 +262,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _sent_truly(own: Parts) -> Bool:
-    """What the sender states holds the truth of that cycle."""
+    """The interval that the sender states holds the true position of that cycle."""
     low, high = own.position - own.below, own.position + own.above
     return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
 

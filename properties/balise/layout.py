@@ -1,4 +1,4 @@
-"""What holds of the balise machine on a line that passes the audit, in the audit's own rules (RFL-D4)."""
+"""Properties of the balise machine on a line that passes the audit, in the audit's own rules (RFL-D4)."""
 
 from __future__ import annotations
 
