@@ -137,7 +137,8 @@ def build(own: Parts) -> Machine:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> list[Transition]:
     delocalized, localized = table
-    usable = own.valid & (own.above <= own.tolerance_mm) & (own.below <= own.tolerance_mm)
+    tolerable = (own.above <= own.tolerance_mm) & (own.below <= own.tolerance_mm)
+    usable = own.valid & tolerable
     stated = ite(own.valid, TOLERANCE, ite(own.cause.eq(LOCATED), NO_REFERENCE, own.cause))
     nothing: Updates = {own.passed: 0, own.passed_above: 0, own.passed_below: 0}
     lost = together(nothing, {own.reason: stated})
