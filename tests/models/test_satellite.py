@@ -413,11 +413,6 @@ def test_the_threshold_rule_is_sharp(name: str) -> None:
     assert [[], [f"satellite/property/{rule}"]] == [unproved(least + 1), unproved(least)]
 
 
-def _with(field: str, value: Num) -> Callable[[Any], Any]:
-    """A state variable that is set to one value in every row."""
-    return lambda right: lambda own, state: {**right(own, state), getattr(own, field): value}
-
-
 def _beside(right: Callable[[Parts, State], Anchor]) -> Callable[[Parts, State], Anchor]:
     """Odometry that counts from beside the reference."""
     return lambda own, state: replace(right(own, state), offset=right(own, state).offset + 1)
@@ -441,7 +436,7 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
             "predicted", lambda right: lambda own: replace(right(own), fastest=own.fastest), "containment",
             marks=pytest.mark.slow,
         ),
-        ("_become", _with("change", as_num(0, UM_S)), "the prediction goes on with the change of speed"),
+        ("_change", lambda _: lambda own, state: as_num(0, UM_S), "the prediction goes on with the change of speed"),
         ("_at_reference", _beside, "a position begins with nothing of what was before"),
         ("referred", lambda right: lambda own: replace(right(own), low=right(own).low - 1), "a reference bounds the position"),
         ("reportable", lambda right: lambda own, state: right(own, state) & own.anchored, "a good reference begins a position"),
