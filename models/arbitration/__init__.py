@@ -1,18 +1,18 @@
 """Arbitration between several positions: the intersection of all that are valid, or nothing (RFL-13, MRK-D3).
 
-Every way of locating states an interval that holds the front end, or nothing. Of those that state one, the position is
-what they have in common; the one with the smallest margin leads and gives the estimate. Where they exclude each other at
-least one of them is wrong, and nobody can say which: nothing is given out any more, and two that exclude each other are
-named. A position is given out again only when all that state one agree, and one of them has just accepted an absolute
-reference. What states nothing narrows nothing.
+Each source states an interval that holds the front end, or nothing. The position is the common part of all stated intervals;
+the source with the smallest margin leads and gives the estimate. If intervals exclude each other, at least one is wrong, and it
+is unknown which: the machine withdraws the position and names two sources that exclude each other. It gives out a position again
+only when all stated intervals agree, and one of their sources has just accepted an absolute reference. A source that states
+nothing narrows nothing.
 
     WITHHELD  nothing is given out
     ODOMETRY, BALISE, ...  the position is given out; the source that the mode names leads
 
-The min safe front end is given out apart. It never advances by more than the distance estimated for the cycle (OCORA
-7244), even where a better source comes in and narrows the interval at a blow: it then lags behind the interval's own lower
-end until it has caught up. The distance estimated is what the odometer measured, or, where it measured nothing, the change
-of the estimated position, as far as a vehicle can run in a cycle.
+The min safe front end is a separate output. It never advances by more than the distance estimated for the cycle (OCORA
+7244), even where a better source joins and narrows the interval at once: it then lags behind the interval's lower end until it
+has caught up. The estimated distance is the odometer's, or, without one, the change of the estimated position, limited to the
+run of a vehicle in a cycle.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Arbitration:
 
 
 def build(own: Parts) -> Arbitration:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("WITHHELD", *(source.name.upper() for source in own.sources))
     current = current_mode(table)
     given = current.ne(table[0])

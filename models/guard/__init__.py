@@ -1,21 +1,22 @@
-"""The guard of a receiver: of the positions that a receiver reports, only what map and motion allow (MRK-D6).
+"""The guard of a receiver: it passes on only those of the receiver's positions that map and motion allow (MRK-D6).
 
-A receiver's position may serve as marker information, but its own quality flags do not bound its error. So a fix is
-judged by the map (is it on the track, and is it clear on which), by what a vehicle can do (can it be there by now, at
-that speed) and by how often in a row the receiver has agreed with both. Flags are not read at all.
+A receiver's position may serve as marker information, but the receiver's quality flags do not bound its error. So the guard
+checks a fix by the map (is it on the track, and on which one), by the vehicle's possible motion (can it be there by now, at
+that speed) and by the number of fixes in a row that agreed with both. It does not read the flags.
 
-    WITHDRAWN   nothing is held: the receiver's word is all there is, and it is not enough
-    RECOVERING  one or more fixes in a row agree among themselves; nothing is passed on
-    PASSING     a fix that agrees with what is held is passed on and narrows it
-    PROBATION   the receiver said something implausible, or contradicted itself: nothing is passed on and nothing narrows,
-                until as many fixes in a row agree as are asked for
+    WITHDRAWN   no interval is stored: the receiver alone is not enough
+    RECOVERING  one or more fixes in a row agree with each other; none is passed on
+    PASSING     a fix that agrees with the stored interval is passed on and narrows it
+    PROBATION   a fix was implausible, or contradicted the one before: none is passed on and nothing narrows, until the
+                configured number of fixes in a row agree
 
-A row is broken as well where a vehicle cannot have run from one fix near the way to the next, whatever became of the first.
-A fix is refused whose course crosses the way, or runs against the only direction in which the way may be run, and one at a place
-that the vehicle cannot have come to from where it was last known, however long ago. Only the host lets that place be forgotten.
+A row also ends where a vehicle cannot have run from one fix near the way to the next, whatever the verdict on the first was.
+The guard refuses a fix whose course crosses the way, or runs against the only permitted direction, and one at a place that the
+vehicle cannot have reached from its last known place, however long ago. Only the host's new start forgets that place.
 
-What is held is an interval of places along the way and one of speeds. Without a fix that passes, both grow by all that
-the vehicle can do; what is wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along the way, speeds um/s, negative against the way's direction.
+The guard stores an interval of places along the way and one of speeds. Without a fix that passes, both grow by the vehicle's
+possible motion; an interval wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along
+the way, speeds um/s, negative against the way's direction.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ REQUIREMENTS = ("MRK-D6",)
 
 
 def machine(config: GuardConfig | None = None) -> Machine:
-    """The guard's machine (MRK-D6)."""
+    """Return the guard's machine (MRK-D6)."""
     return build(parts(config or GuardConfig())).machine
 
 
@@ -57,7 +58,7 @@ class Guard:
 
 
 def build(own: Parts) -> Guard:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
     current, judged = current_mode(table), judge(own)
     holding, recovering = current.one_of(*table[2:]), current.eq(table[1])
@@ -82,8 +83,8 @@ def build(own: Parts) -> Guard:
         lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]), recovering)},
         definitions=_definitions(judged),
         doc=(
-            "Passes on of a receiver's positions what map and motion allow, each with the interval along the way that "
-            "the vehicle is in. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "
+            "Passes on those of a receiver's positions that map and motion allow, each with the interval along the way that "
+            "contains the vehicle. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "
             "that each follow from the one before as a vehicle can run, the one that completes the number asked for, and every "
             "further one, is wrong by no more than its error bound. Nothing is assumed of any other fix, nor of the receiver's "
             "quality flags. A receiver that errs along the track, slowly enough for a vehicle, for that many fixes, is not noticed."
@@ -107,12 +108,12 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 
 def _heard(cycle: Judged, row: Transition) -> Transition:
-    """Every other transition holds what was delivered as the last fix near the way, if it is one, and as the place last known."""
+    """Add to every other transition that it stores the fix as the last one near the way, and as the last known place, if it is one."""
     return replace(row, set=together(row.set, cycle.near_after, cycle.known_after))
 
 
 def _new_start(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Transition:
-    """The host's word that nothing known before counts; what is delivered in the same step does not count either."""
+    """The host orders a new start: nothing known before is used any more, nor a fix of the same step."""
     judged = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
     nothing = together(become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.judged: judged})
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
@@ -127,7 +128,7 @@ def _nowhere(own: Parts) -> Updates:
 
 
 def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Transitions while an interval is held that has the truth in it."""
+    """Transitions while an interval is stored that contains the truth."""
     lost, _, passing, probation = table
     both, config = (passing, probation), own.config
     narrow, coasted = cycle.with_fix, cycle.coasted
@@ -163,7 +164,7 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
 
 
 def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Transitions while nothing is known of the truth: fixes are compared with each other only."""
+    """Transitions while no interval contains the truth for sure: fixes are only compared with each other."""
     lost, recovering, passing, _ = table
     fresh, config = cycle.fresh, own.config
     none, one = as_num(0, COUNT), as_num(1, COUNT)
@@ -198,12 +199,12 @@ def _nothing() -> Held:
 
 
 def _withheld(cycle: Judged) -> Num:
-    """The reason where a fix that keeps its gates is withheld all the same."""
+    """Return the reason: that of the verdict, or UNCONFIRMED for a fix that passed all checks and is withheld all the same."""
     return ite(cycle.agrees, UNCONFIRMED, cycle.verdict)
 
 
 def _definitions(cycle: Judged) -> dict[str, Expr]:
-    """Names for what the table speaks of."""
+    """Name the terms of the table."""
     return {
         "delivery judged": cycle.verdict,
         "delivery judged alone": cycle.alone,

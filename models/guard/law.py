@@ -183,7 +183,7 @@ def _promised(own: Parts) -> Bool:
 
 
 def _row_after(own: Parts) -> Num:
-    """How many fair fixes follow from each other; one off the track, across it or out of reach ends the row, one elsewhere
+    """Return the number of fair fixes in a row; one off the track, across it or out of reach ends the row, one elsewhere
     begins it anew."""
     (low, high), place, error = _reach(own), _place(own), _error(own)
     follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)

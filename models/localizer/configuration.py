@@ -100,7 +100,7 @@ class LocalizerConfig(Config):
 
     @model_validator(mode="after")
     def _fits(self) -> LocalizerConfig:
-        """What is left out need not fit."""
+        """Refuse figures of used machines that do not fit each other; unused machines are not checked."""
         widest, used = self.widest_mm, self.used
         for name, limit in {
             "odometry.tolerance_mm": self.odometry.tolerance_mm,

@@ -89,11 +89,11 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
         lemmas=lemmas(own, current, mode),
         definitions=_definitions(own, judged),
         doc=(
-            "Position of end A of the vehicle from distance measured since position markers, which a reader at either "
-            "end reads. Assumed: a unit delivers a distance that obeys its error law, or one that no vehicle can have run; no "
-            "cycle runs farther than the highest speed allows; a reader stood over the marker that it gives, within its "
-            "latency, the map has that marker within its accuracy, and the vehicle is as long as told. Once in the age limit "
-            "a reader may give a marker that lies far away instead (never, where the first marker is believed at once)."
+            "Position of end A of the vehicle from the distance measured since position markers, which a reader at either "
+            "end reads. Assumed: each unit delivers a distance that obeys its error law, or one that no vehicle can have run; the "
+            "vehicle keeps to its highest speed and is as long as its data say; a reader stood, within its latency, over the marker "
+            "that it reports, and the map has this marker within its accuracy. Once in the age limit a reader may report a marker "
+            "that lies far away instead (never, if the first marker is trusted at once)."
         ),
     )
     return Odometry(made, own, judged)
@@ -238,7 +238,10 @@ def _index(own: Parts, device: Device) -> int:
 
 
 def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
-    """Return whether the device at that index leads after the cycle: by the smaller margin; where equal, if a reading set it now."""
+    """Return whether the device at that index leads after the cycle.
+
+    The smaller margin leads; of two equal ones the front device, unless a reading set the rear device alone in this cycle.
+    """
     if len(own.devices) == 1:
         return cycle.any_alive
     front, rear = (cycle.says(device) for device in own.devices)
