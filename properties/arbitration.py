@@ -156,7 +156,7 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
         yield _free(
             f"the reason of {source.name} is passed on",
             (lost & ~valid & before(machine.mode).eq(mode)).implies(own.reason.eq(why)),
-            f"where {source.name} led and no source states an interval any more, its reason is told",
+            f"where {source.name} led and no source states an interval any more, the reported reason is the one of {source.name}",
         )
     too_wide = own.reason.eq(TOLERANCE)
     most = own.config.tolerance_mm

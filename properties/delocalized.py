@@ -60,7 +60,7 @@ def _restriction(machine: Machine) -> Iterator[Property]:
     yield for_all_inputs(
         "restrictive",
         machine.flag("restrictive").iff(machine.mode.eq(delocalized)),
-        statement="the host is told to be restrictive exactly while delocalized",
+        statement="the restrictive output is set exactly while the vehicle is delocalized",
         requirements=("MRK-D2",),
     )
     yield reachable(

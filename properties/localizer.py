@@ -1,8 +1,8 @@
 """Properties of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
 
-What arbitration, the links and the restrictive state assume is owed by the machines before them, and proved with the
-lemmas; so nothing in the whole is assumed but what each source's own sensors keep. Which source leads, and how far the min
-safe front end advances, is proved of arbitration by itself for all that it can hear, and so of the whole.
+The assumptions of arbitration, of the links and of the restrictive state are proved from the machines before them, with the
+lemmas; so the whole assumes only the laws of each source's own sensors. The choice of the leading source and the advance of the
+min safe front end are proved of arbitration by itself for all inputs in range, and so of the whole.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _of_the_guard(whole: Localizer) -> Property:
 
 
 def _of_the_front(whole: Localizer) -> Property:
-    """The min safe front end is behind the front end: arbitration keeps that, being owed that its sources are true."""
+    """The min safe front end is behind the front end: proved of arbitration, given that its sources hold the truth."""
     counts, truth = whole.arbitration.machine, whole.arbitration.own.next_truth
     own = under_assumption(
         "min safe front end",
@@ -112,7 +112,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         valid.implies(
             between(exact_to(position - below, NM), whole.motion.own.ghosts.truth, exact_to(position + above, NM))
         ),
-        statement="the position that the trackside sees, its age charged, holds the true position of the front end",
+        statement="the interval that the trackside gets, widened by its age, holds the true position of the front end",
     )
     limit = whole.config.uplink.age_limit_cycles
     arrives = machine.fired("report arrives")

@@ -82,7 +82,7 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
         of.bool(machine.flag("valid")).implies(
             between(exact_to(position - below, NM), of.num(own.truth), exact_to(position + above, NM))
         ),
-        statement="what the trackside is told of the train's far end holds it, its age charged",
+        statement="the interval of the train's far end that the trackside gets, widened by its age, holds that end",
     )
 
 
@@ -111,12 +111,12 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     yield for_all_inputs(
         "a report counts once",
         _counted_once(whole),
-        statement="the area is told of a train only in a cycle in which a report arrives: one that is held says nothing more",
+        statement="the area gets a report of a train only in a cycle in which it arrives: a stored report is not repeated",
     )
 
 
 def _counted_once(whole: LocalizerSections) -> Bool:
-    """The trackside is told something only by a report that arrives; with what it remembers of the cycle before."""
+    """The trackside learns of the train only by a report that arrives; with its state of the cycle before."""
     uplink, seen = whole.localizer.uplink.machine, whole.trackside
     link, side = whole.composition.of(uplink), whole.composition.of(seen.machine)
     remembers = side.bool(seen.own.known).iff(link.bool(uplink.flag("valid")))

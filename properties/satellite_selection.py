@@ -91,7 +91,7 @@ def _told(model: Selection, one: Channel) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name}: what is not usable is told as what it is",
         all_of(now.eq(label).iff(meaning) for label, meaning in meanings),
-        statement="a channel is told to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
+        statement="a channel is reported to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
         "violate the criterion exactly where that is so",
         requirements=("SAT-1", "SAT-3", "SAT-D1"),
     )
@@ -245,7 +245,7 @@ def _counted(model: Selection) -> Iterator[Property]:
     yield for_all_inputs(
         "a usable channel is told",
         all_of(machine.flag(f"channel_{one.number}_usable").iff(one.standing.eq(USABLE)) for one in own.channels),
-        statement="a channel is told to be usable exactly where its standing says so",
+        statement="a channel is reported as usable exactly if its standing is USABLE",
         requirements=("SAT-1",),
     )
     yield reachable(

@@ -17,7 +17,7 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: Transmission) -> list[Property]:
-    """Containment, age, revocation and widening."""
+    """Return the properties: containment, age, revocation and widening."""
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
     position, below, above = (machine.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
@@ -27,19 +27,19 @@ def properties(model: Transmission) -> list[Property]:
         always(
             "containment",
             valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
-            statement="what has arrived holds the true position now, however long it was on its way",
+            statement="the interval that has arrived holds the true position now, however long it was on its way",
             requirements=REQUIREMENTS,
             assumption=LAW,
         ),
         for_all_inputs(
             "tolerance",
             valid.implies((below <= own.config.margin_limit_mm) & (above <= own.config.margin_limit_mm)),
-            statement="what is given out is never wider than the limit",
+            statement="the given interval is never wider than the limit",
         ),
         for_all_inputs(
             "age",
             machine.output("age_ms") <= own.config.age_limit_ms,
-            statement="nothing older than the limit is given out: a link that falls silent withdraws the position in time",
+            statement="no position older than the limit is given out: a link without reports withdraws the position in time",
         ),
         for_all_inputs(
             "age is charged",
@@ -47,7 +47,7 @@ def properties(model: Transmission) -> list[Property]:
                 (below - before(own.held.below) >= with_unit(before(own.held.age) * own.config.run_mm, MM))
                 & own.held.age.eq(before(own.held.age) + 1)
             ),
-            statement="while no report arrives the one that is held grows older and wider in every cycle",
+            statement="while no report arrives the stored one grows older and wider in every cycle",
         ),
         for_all_inputs(
             "no resurrection",
@@ -84,7 +84,7 @@ class _Before:
 
     @property
     def narrow(self) -> Bool:
-        """Within the limit on either side, its age charged."""
+        """Within the limit on either side, when widened by its age."""
         charged = with_unit(self.age * self.config.run_mm, MM)
         widths = (before(self.slot.below), before(self.slot.above))
         return all_of(width <= self.config.margin_limit_mm - charged for width in widths)
@@ -104,7 +104,7 @@ def _on_its_way(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a report that is sent is on its way",
         own.sent.implies(flying.there & as_sent),
-        statement="what the sender sends is on its way as it was sent, in place of what was sent before",
+        statement="a report that is sent is on its way as it was sent, in place of the one sent before",
     )
     yield for_all_inputs(
         "a report on its way is not changed",
@@ -125,7 +125,7 @@ def _arrived(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a report that arrives is given out",
         (arrives & usable).implies(valid & known.is_in(own.held)),
-        statement="a position that arrives, no wider than the limit with its age charged, is given out as it was sent",
+        statement="a position that arrives, no wider than the limit when widened by its age, is given out as it was sent",
     )
     yield for_all_inputs(
         "a report that arrives without a usable position takes the last one away",
@@ -146,5 +146,5 @@ def _kept(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "the age is told",
         ite(valid, age.eq(with_unit(own.held.age * own.config.period_ms, MS)), age.eq(0)),
-        statement="the age of what is given out is told, and none where nothing is",
+        statement="the age of a given position is reported, and 0 where there is none",
     )

@@ -86,7 +86,7 @@ def physics(config: BaliseConfig) -> Physics:
 
 
 def measuring(own: Parts) -> Measuring:
-    """The odometer as the world has it, where it is heard itself."""
+    """Return the world's view of the odometer, where the machine reads it directly."""
     return Measuring(own.odometer.law, own.odometer.step, own.world.heard, own.world.silent, physics(own.config))
 
 
@@ -99,7 +99,7 @@ def can_be_run(own: Parts) -> Bool:
 
 
 def wander_after(own: Parts) -> Num:
-    """Of a distance that comes judged it may move in every cycle: whatever it does is told."""
+    """Return the one-off error after the cycle. With a checked distance it may change in every cycle: the reported error covers it."""
     counts = TRUE if own.config.told_distance else can_be_run(own)
     return ite(counts, own.world.next_wander, own.world.wander)
 

@@ -60,7 +60,7 @@ class LocalizerConfig(Config):
 
     @property
     def widest_mm(self) -> int:
-        """The greatest margin of a source that is heard."""
+        """The greatest margin that arbitration accepts of a source."""
         return 10 * self.tolerance_mm
 
     def arbitration_of(self, shipped: tuple[str, ...], own: tuple[str, ...]) -> ArbitrationConfig:

@@ -37,9 +37,9 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A source: its machines in order, how they are wired, what it states, and what sources before it owe it.
+    """A source: its machines in order, their wires, its statement, and the clauses that machines before it discharge.
 
-    models  what the machines were built as, for claims about each of them
+    models  the objects that the machines were built as, for properties of each of them
     """
 
     machines: tuple[Machine, ...]
@@ -50,12 +50,12 @@ class Piece:
 
 
 def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
-    """An odometer input that hears a unit of the vehicle."""
+    """Return the wires of an odometer input to a unit of the vehicle."""
     return {step.value: heard.value, step.present: heard.present}
 
 
 def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
-    """An odometer input that hears what is told of the vehicle's odometer."""
+    """Return the wires of an odometer input to the distance that `motion` reports."""
     if moves.own.check is None or more is None:
         return _same_distance(step, moves.own.odometer.step)
     says = moves.machine
@@ -84,7 +84,7 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
 
 
 def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
-    """With a check unit the law of the distance is owed by `motion`."""
+    """Return the clause of the distance's law if `motion` discharges it: with a check unit."""
     return () if moves.own.check is None else (law,)
 
 

@@ -15,7 +15,7 @@ from safeloc.models.satellite.variables import Parts
 from safeloc.models.satellite_selection import SelectionConfig
 
 Trusted = Literal["satellites", "odometry"]
-"""satellites: the solver and what it is told can be trusted; odometry: any solution may be false, the run is true."""
+"""satellites: the solver and its inputs are trusted; odometry: any solution may be false, the run is true."""
 
 REFERENCE = "a reference holds the true place"
 """The clause that an earlier machine can be made to keep, if the reference is its position."""

@@ -142,7 +142,7 @@ def _charged(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "accuracy by precedence",
         (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
-        statement="an accepted group is charged with the location accuracy of linking, else the national one, else the default",
+        statement="the location accuracy of an accepted group is that of linking, else the national one, else the default",
     )
     national = own.national
     told = national.known & national.kept.eq(national.received.value)

@@ -103,7 +103,7 @@ def _told_whole(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "the place last known is told whole",
         between(0, behind, NM_PER_MM - 1) & between(0, ahead, NM_PER_MM - 1),
-        statement="what is told of the place last known holds all of it, with the way that a vehicle may roll back, to a millimetre",
+        statement="the reported last known place contains all of it, with the distance that a vehicle may roll back, to a millimetre",
     )
 
 

@@ -192,7 +192,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
             yield for_all_inputs(
                 f"{unit.name} charges silence",
                 (kept & silent).implies(unit.above - earlier_num(unit.above) >= farthest),
-                statement="a cycle in which no distance of the device is admitted is charged with the highest speed",
+                statement="in a cycle without an admitted distance of the device the margins grow by the run at the highest speed",
                 requirements=("MRK-D1", "MRK-4"),
             )
 

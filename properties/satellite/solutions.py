@@ -110,7 +110,7 @@ def narrowed(model: Satellite) -> Iterator[Property]:
         "a solution narrows to its protection level and no farther",
         of.bool(model.machine.fired("solution counts")).implies(all_of(ends)),
         statement="a solution that counts leaves of the predicted interval what is within its protection level: its dilution "
-        "times threshold, prediction and clock error together, and what is told beside; the same of the speed",
+        "times threshold, prediction and clock error together, and the further error; the same of the speed",
         requirements=("SAT-4", "SAT-5"),
     )
 
