@@ -18,51 +18,58 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 def properties(model: Transmission) -> list[Property]:
     """Return the properties: containment, age, revocation and widening."""
-    machine, own = model.machine, model.own
-    valid = machine.flag("valid")
+    makers = (_interval, _age, _withdrawal, _on_its_way, _arrived, _kept)
+    return [prop for maker in makers for prop in maker(model)]
+
+
+def _interval(model: Transmission) -> Iterator[Property]:
+    machine, own, valid = model.machine, model.own, model.machine.flag("valid")
     position, below, above = (machine.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
-    landed = machine.fired("report arrives")
-    kept = valid & earlier_bool(valid) & ~landed
-    return [
-        always(
-            "containment",
-            valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
-            statement="the interval that has arrived holds the true position now, however long it was on its way",
-            requirements=REQUIREMENTS,
-            assumption=LAW,
+    yield always(
+        "containment",
+        valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
+        statement="the interval that has arrived holds the true position now, however long it was on its way",
+        requirements=REQUIREMENTS,
+        assumption=LAW,
+    )
+    yield for_all_inputs(
+        "tolerance",
+        valid.implies((below <= own.config.margin_limit_mm) & (above <= own.config.margin_limit_mm)),
+        statement="the given interval is never wider than the limit",
+    )
+
+
+def _age(model: Transmission) -> Iterator[Property]:
+    machine, own, valid = model.machine, model.own, model.machine.flag("valid")
+    kept = valid & earlier_bool(valid) & ~machine.fired("report arrives")
+    wider = machine.output("margin_below_mm") - before(own.held.below)
+    yield for_all_inputs(
+        "age",
+        machine.output("age_ms") <= own.config.age_limit_ms,
+        statement="no position older than the limit is given out: a link without reports withdraws the position in time",
+    )
+    yield for_all_inputs(
+        "age is charged",
+        kept.implies(
+            (wider >= with_unit(before(own.held.age) * own.config.run_mm, MM))
+            & own.held.age.eq(before(own.held.age) + 1)
         ),
-        for_all_inputs(
-            "tolerance",
-            valid.implies((below <= own.config.margin_limit_mm) & (above <= own.config.margin_limit_mm)),
-            statement="the given interval is never wider than the limit",
-        ),
-        for_all_inputs(
-            "age",
-            machine.output("age_ms") <= own.config.age_limit_ms,
-            statement="no position older than the limit is given out: a link without reports withdraws the position in time",
-        ),
-        for_all_inputs(
-            "age is charged",
-            kept.implies(
-                (below - before(own.held.below) >= with_unit(before(own.held.age) * own.config.run_mm, MM))
-                & own.held.age.eq(before(own.held.age) + 1)
-            ),
-            statement="while no report arrives the stored one grows older and wider in every cycle",
-        ),
-        for_all_inputs(
-            "no resurrection",
-            (valid & ~earlier_bool(valid)).implies(landed),
-            statement="a position is given out again only when a report arrives",
-        ),
-        for_all_inputs(
-            "revocation",
-            machine.fired("report revokes").implies(~valid),
-            statement="a report that revokes takes the position away in the step in which it arrives",
-        ),
-        *_on_its_way(model),
-        *_arrived(model),
-        *_kept(model),
-    ]
+        statement="while no report arrives the stored one grows older and wider in every cycle",
+    )
+
+
+def _withdrawal(model: Transmission) -> Iterator[Property]:
+    machine, valid = model.machine, model.machine.flag("valid")
+    yield for_all_inputs(
+        "no resurrection",
+        (valid & ~earlier_bool(valid)).implies(machine.fired("report arrives")),
+        statement="a position is given out again only when a report arrives",
+    )
+    yield for_all_inputs(
+        "revocation",
+        machine.fired("report revokes").implies(~valid),
+        statement="a report that revokes takes the position away in the step in which it arrives",
+    )
 
 
 @dataclass(frozen=True, eq=False)
