@@ -131,7 +131,8 @@ def own_source(make: Maker, vehicle: Vehicle) -> OwnSource:
 
 def distinct(sources: Sequence[OwnSource]) -> None:
     """Refuse a source that is called like another one, or like a machine of the localizer: InputError with file and line."""
-    known: dict[str, str] = {name: "the localizer" for name in TAKEN}
+    known: dict[str, str] = {}
+    known |= dict.fromkeys(TAKEN, "the localizer")
     for one in sources:
         name = one.machine.name
         if not name.isidentifier():
