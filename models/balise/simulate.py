@@ -27,7 +27,7 @@ from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.sensors import Distances, Law, measure
 
 DISPLACED_MM = 40_000
-"""How far beyond both margins and twice its accuracy a displaced group lies."""
+"""Distance of a displaced group beyond both margins and twice its accuracy."""
 Steps = list[dict[str, Cell]]
 KINDS = Kinds(
     "a balise group",
@@ -143,7 +143,7 @@ def _spots(
     rng: np.random.Generator,
     faults: Sequence[Fault],
 ) -> list[Passage]:
-    """Where the front end really is when each group is read: off by up to nine tenths of all accuracies."""
+    """Return the true place of the front end at each reading: off by up to nine tenths of all accuracies."""
     kinds = {fault.where: fault.kind for fault in faults}
     signs = {"early": -1, "late": 1}
     spots = []
@@ -159,7 +159,7 @@ def _spots(
 
 
 def _displaced_mm(config: BaliseConfig, group: Group, national_mm: int) -> int:
-    """How far off a displaced group lies."""
+    """Return the distance of a displaced group from its place on the map."""
     return 2 * (config.tolerance_mm + max(national_mm, group.accuracy_mm or 0)) + DISPLACED_MM
 
 

@@ -1,4 +1,4 @@
-"""How a run of the localizer is drawn: every source about the truth, what leads, and everything that was rejected."""
+"""Drawing of a run of the localizer: each source's interval about the truth, the leading source, and every rejected input."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
 
 
 def _interval(name: str) -> Interval:
-    """What a source states to arbitration: of the fibre what has come on board."""
+    """Return the outputs that a source states to arbitration: of the fibre, those that have arrived on board."""
     machine = {"satellite": "position", "fibre": "downlink"}.get(name, name)
     position, below, above, valid = (
         f"{machine}.{what}" for what in ("position_mm", "margin_below_mm", "margin_above_mm", "valid")

@@ -117,7 +117,7 @@ def _area(config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: 
 
 
 def first_state(config: LocalizerSectionsConfig, scene: Scene) -> dict[str, Value]:
-    """What is open at the start: the vehicle, its train, the area's ends and cuts."""
+    """Return first values of the open variables: the vehicle, its train, the area's ends and cuts."""
     far = _first_far_nm(config)
     first: dict[str, Value] = {
         **localizer_first(config.localizer, scene.journey),

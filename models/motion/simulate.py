@@ -1,4 +1,4 @@
-"""What a vehicle's units measure, and what motion tells of it: run through the machine itself."""
+"""Simulated distances of a vehicle's units, and the distance that motion reports of them: run through the machine itself."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def _on_board(config: str) -> Compiled:
 
 @dataclass(frozen=True)
 class Measured:
-    """What the units of the vehicle measured, and what those hear who share the odometer."""
+    """Distances of the vehicle's units, and the distances for the machines that share the odometer."""
 
     odometer: Distances
     check: Distances | None

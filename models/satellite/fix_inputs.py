@@ -75,7 +75,7 @@ def _place_nm(solution: Solution, ahead: Ahead, offset_s: float) -> Interval:
 
 
 def _speed_um_s(solution: Solution, ahead: Ahead, offset_s: float, config: SatelliteConfig) -> tuple[int, int]:
-    """The speed, and what comes to its error. One that no vehicle has is told as the nearest that one has, and as far off."""
+    """Return the speed and its further error. A speed beyond every vehicle's becomes the nearest possible one, with that much more error."""
     fast, found = config.max_speed_mm_s * UM_PER_MM, solution.speed_off_mm_s()
     if found is None:
         return 0, fast

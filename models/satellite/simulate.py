@@ -34,7 +34,7 @@ from safeloc.simulation.speed_profile import Halt, drive
 Steps = list[dict[str, Cell]]
 LINE, START_HEIGHT_M = "valley", 300.0
 SCENES = (station_roof(0, 150), canyon(600, 1_800), cutting(2_400, 3_300), tunnel(3_700, 4_100))
-"""What stands beside the line, in m along it."""
+"""Buildings beside the line, in m along it."""
 BALISE_MM, SPEED_MM_S = 1_000, 300
 """Accuracy of a balise, and of the speed that is known at it."""
 ODOMETRY_MM, ODOMETRY_PERCENT = 5, 2
@@ -119,7 +119,7 @@ def motion(journey: Journey, config: SatelliteConfig, vehicle: VehicleConfig | N
 
 
 def signals(journey: Journey, config: SatelliteConfig, *, seed: int) -> SimulatedRun:
-    """What the receiver gives, with the truth."""
+    """Output of the receiver, with the truth."""
     sky = constellation(journey.walkers, np.random.default_rng(seed))
     (portion,) = track().portions(0.0, journey.to_m)
     world = World(sky, portion, journey.scenes, journey.receiver, spoofers=journey.spoofers, outages=journey.outages)

@@ -1,4 +1,4 @@
-"""What must hold of odometry between markers, in the words of the requirements (MRK-1 to MRK-5, MRK-D1 to MRK-D6)."""
+"""Properties of odometry between markers, in the words of the requirements (MRK-1 to MRK-5, MRK-D1 to MRK-D6)."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
 
 
 def _no_worse(machine: Machine, unit: Unit) -> Bool:
-    """What is reported, rounded up to whole mm, has no greater margin than the unit while that has a position."""
+    """The reported margins, rounded up to whole mm, are no greater than the unit's, while that unit has a position."""
     reported = exact_to(_margin(machine), NM) - (MM_IN_NM - 1)
     return unit.alive.implies((reported <= unit.above) | (reported <= unit.below))
 
@@ -192,7 +192,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
             yield for_all_inputs(
                 f"{unit.name} charges silence",
                 (kept & silent).implies(unit.above - earlier_num(unit.above) >= farthest),
-                statement="a cycle in which no distance of the device is admitted is charged with the highest speed",
+                statement="in a cycle without an admitted distance of the device the margins grow by the run at the highest speed",
                 requirements=("MRK-D1", "MRK-4"),
             )
 
