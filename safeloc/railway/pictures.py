@@ -301,7 +301,7 @@ class LoudFibre:
 
 
 @dataclass(frozen=True)
-class Interval:
+class NamedInterval:
     """A reported interval with its name in the legend."""
 
     name: str
@@ -330,7 +330,7 @@ class Waterfall:
 
     title: str
     loud: Callable[[str], LoudFibre | None]
-    intervals: tuple[Interval, ...]
+    intervals: tuple[NamedInterval, ...]
     sections: tuple[SectionState, ...] = ()
     signals: tuple[str, ...] = ()
     modes: Mapping[str, str] = field(default_factory=lambda: {"mode": "mode"})
@@ -375,7 +375,7 @@ class Sources:
     period_ms: int
     fused: Reported
     lead: str
-    sources: tuple[Interval, ...]
+    sources: tuple[NamedInterval, ...]
     beside: tuple[Things, ...] = ()
     refusals: tuple[Refusals, ...] = ()
     says: Callable[[str], str] | None = None

@@ -19,7 +19,7 @@ from safeloc.errors import InputError
 from safeloc.language.units import MS_PER_S, US_PER_MS
 from safeloc.sensing.echoes import Echo
 from safeloc.sensing.figures import MILLION, Installation, RadarConfig
-from safeloc.sensing.rounding import Exact, Interval
+from safeloc.sensing.rounding import Exact, ExactBounds
 
 
 @dataclass(frozen=True)
@@ -49,41 +49,41 @@ class Delay:
         return cls(max(0, age - 1), age + 1, least_mm_s, most_mm_s)
 
     @property
-    def speed(self) -> Interval:
+    def speed(self) -> ExactBounds:
         """Speed towards the reflector, mm/s."""
-        return Interval(self.least_mm_s, self.most_mm_s)
+        return ExactBounds(self.least_mm_s, self.most_mm_s)
 
 
-def distance_now(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
+def distance_now(echo: Echo, config: RadarConfig, delay: Delay) -> ExactBounds:
     """Return bounds in mm of the distance along the track to the reflector of an echo, after the delay.
 
     Negative below: the reflector may have been passed. InputError where the range is beyond the sharpest radius.
     """
     then = along_track(_at_frame(_measured(echo), config, delay), config.installation)
-    age = Interval(Fraction(delay.least_ms, MS_PER_S), Fraction(delay.most_ms, MS_PER_S))
+    age = ExactBounds(Fraction(delay.least_ms, MS_PER_S), Fraction(delay.most_ms, MS_PER_S))
     run = age * delay.speed
-    return Interval(then.low - run.high, then.high - run.low)
+    return ExactBounds(then.low - run.high, then.high - run.low)
 
 
-def lateral(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
+def lateral(echo: Echo, config: RadarConfig, delay: Delay) -> ExactBounds:
     """Return bounds in mm of how far aside of the antenna's axis an echo was when the frame was taken, positive to the left."""
     low, high = echo.sine_ppm - echo.sine_error_ppm, echo.sine_ppm + echo.sine_error_ppm
-    sine = Interval(Fraction(low, MILLION), Fraction(high, MILLION))
+    sine = ExactBounds(Fraction(low, MILLION), Fraction(high, MILLION))
     return _at_frame(_measured(echo), config, delay) * sine
 
 
-def _measured(echo: Echo) -> Interval:
+def _measured(echo: Echo) -> ExactBounds:
     nearest = max(echo.range_mm - echo.range_error_mm, 0)
-    return Interval(nearest, echo.range_mm + echo.range_error_mm)
+    return ExactBounds(nearest, echo.range_mm + echo.range_error_mm)
 
 
-def _at_frame(measured: Interval, config: RadarConfig, delay: Delay) -> Interval:
+def _at_frame(measured: ExactBounds, config: RadarConfig, delay: Delay) -> ExactBounds:
     """A chirp measures the range that will be `lead` later: what is run until then is added again."""
     lead_s = config.sensor.lead_us / (US_PER_MS * MS_PER_S)
     nearest = measured.low - max(abs(delay.least_mm_s), abs(delay.most_mm_s)) * lead_s
-    closing = delay.speed * Interval(_least_cosine(nearest, config.installation), 1)
-    run = closing * Interval(lead_s, lead_s)
-    return Interval(max(measured.low + run.low, 0), measured.high + run.high)
+    closing = delay.speed * ExactBounds(_least_cosine(nearest, config.installation), 1)
+    run = closing * ExactBounds(lead_s, lead_s)
+    return ExactBounds(max(measured.low + run.low, 0), measured.high + run.high)
 
 
 def _least_cosine(range_mm: Exact, installation: Installation) -> Fraction:
@@ -95,7 +95,7 @@ def _least_cosine(range_mm: Exact, installation: Installation) -> Fraction:
     return max(Fraction(0), 1 - sine * sine)
 
 
-def along_track(slant: Interval, installation: Installation) -> Interval:
+def along_track(slant: ExactBounds, installation: Installation) -> ExactBounds:
     """Return the distance along the track to a reflector ahead at this slant range >= 0; bounds are whole mm, rounded outward."""
     radius = installation.least_radius_mm
     widest = installation.offset_mm + installation.offset_error_mm
@@ -103,7 +103,7 @@ def along_track(slant: Interval, installation: Installation) -> Interval:
     bend = Fraction(widest, radius)
     least = slant.low**2 - widest**2 - installation.height_difference_mm**2
     low = math.isqrt(max(0, math.floor(least / (1 + bend))))
-    return Interval(low, _farthest(max(slant.high**2 - narrowest**2, 0), bend, radius))
+    return ExactBounds(low, _farthest(max(slant.high**2 - narrowest**2, 0), bend, radius))
 
 
 def _farthest(square: Exact, bend: Fraction, radius: int) -> int:

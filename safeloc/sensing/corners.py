@@ -14,32 +14,34 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 
 BILLION = 1_000_000_000
 
 
-def nearest(range_nm: Interval, sine_ppb: Interval, farther_nm: int) -> tuple[Interval, Interval]:
+def nearest(range_nm: ExactBounds, sine_ppb: ExactBounds, farther_nm: int) -> tuple[ExactBounds, ExactBounds]:
     """Return bounds of range (nm) and sine (1e-9) of the nearest corner, from those of one `farther_nm` beyond it."""
     if farther_nm == 0:
         return range_nm, sine_ppb
     cosine = _cosine_ppb(sine_ppb)
     low = max(math.floor(range_nm.low), _ceil_share(farther_nm, int(cosine.high)))
     high = max(math.ceil(range_nm.high), low)
-    near = Interval(
+    near = ExactBounds(
         math.isqrt(_square(low, farther_nm, int(cosine.high))),
         math.isqrt(_square(high, farther_nm, int(cosine.low)) + 1) + 1,
     )
-    ratio = Interval(Fraction(low, int(near.high)), Fraction(high, max(1, int(near.low))))
+    ratio = ExactBounds(Fraction(low, int(near.high)), Fraction(high, max(1, int(near.low))))
     return near, sine_ppb * ratio
 
 
-def _cosine_ppb(sine_ppb: Interval) -> Interval:
+def _cosine_ppb(sine_ppb: ExactBounds) -> ExactBounds:
     """Whole numbers, rounded outward."""
     ends = [abs(Fraction(one)) for one in (sine_ppb.low, sine_ppb.high)]
     least = 0 if sine_ppb.low <= 0 <= sine_ppb.high else math.floor(min(ends))
     most = min(BILLION, math.ceil(max(ends)))
-    return Interval(math.isqrt(BILLION**2 - most**2), min(BILLION, math.isqrt(BILLION**2 - min(least, most) ** 2) + 1))
+    return ExactBounds(
+        math.isqrt(BILLION**2 - most**2), min(BILLION, math.isqrt(BILLION**2 - min(least, most) ** 2) + 1)
+    )
 
 
 def _square(range_nm: int, farther_nm: int, cosine_ppb: int) -> int:

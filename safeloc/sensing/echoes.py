@@ -14,7 +14,7 @@ from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import in_cdb
 from safeloc.sensing.interpolation import Points
 from safeloc.sensing.range_law import section_cdbsm
-from safeloc.sensing.rounding import Interval, hull, outward
+from safeloc.sensing.rounding import ExactBounds, hull, outward
 from safeloc.sensing.sensor_errors import range_nm, sine_ppb
 from safeloc.sensing.signature import Doubt, Group, Model, Spots, groups
 
@@ -74,7 +74,7 @@ def _echo(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Ech
     )
 
 
-def _nearest(group: Group, found: Points, config: RadarConfig) -> tuple[Interval, Interval]:
+def _nearest(group: Group, found: Points, config: RadarConfig) -> tuple[ExactBounds, ExactBounds]:
     """Range (nm) and sine (1e-9) of the nearest corner: what each of the corners says of it, and the hull of these."""
     sensor = config.sensor
     bounds = [

@@ -13,7 +13,7 @@ Exact = int | Fraction
 
 
 @dataclass(frozen=True, slots=True)
-class Interval:
+class ExactBounds:
     """Exact bounds of a quantity. InputError when they are in the wrong order."""
 
     low: Exact
@@ -23,17 +23,17 @@ class Interval:
         if self.low > self.high:
             raise InputError(f"an interval from {self.low} to {self.high} holds nothing; give the lower bound first.")
 
-    def __mul__(self, other: Interval) -> Interval:
+    def __mul__(self, other: ExactBounds) -> ExactBounds:
         corners = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
-        return Interval(min(corners), max(corners))
+        return ExactBounds(min(corners), max(corners))
 
-    def moved(self, by: Exact) -> Interval:
+    def moved(self, by: Exact) -> ExactBounds:
         """Return the same, farther by this."""
-        return Interval(self.low + by, self.high + by)
+        return ExactBounds(self.low + by, self.high + by)
 
-    def widened(self, by: Exact) -> Interval:
+    def widened(self, by: Exact) -> ExactBounds:
         """Return the same, `by` more on either side."""
-        return Interval(self.low - by, self.high + by)
+        return ExactBounds(self.low - by, self.high + by)
 
 
 def exactly(value: float) -> Fraction:
@@ -43,12 +43,12 @@ def exactly(value: float) -> Fraction:
     return Fraction(value)
 
 
-def hull(intervals: Sequence[Interval]) -> Interval:
+def hull(intervals: Sequence[ExactBounds]) -> ExactBounds:
     """Return the smallest interval that holds them all: it holds the truth if any single one does."""
-    return Interval(min(one.low for one in intervals), max(one.high for one in intervals))
+    return ExactBounds(min(one.low for one in intervals), max(one.high for one in intervals))
 
 
-def outward(interval: Interval, unit: int = 1) -> tuple[int, int]:
+def outward(interval: ExactBounds, unit: int = 1) -> tuple[int, int]:
     """(value, error), whole multiples of the unit with value - error <= low and high <= value + error.
 
     The error is below half the width plus one and a half: both ends move to whole numbers, the middle to one of two.

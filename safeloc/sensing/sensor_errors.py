@@ -7,14 +7,14 @@ from fractions import Fraction
 from safeloc.language.units import NM_PER_MM
 from safeloc.sensing.figures import MILLION, Sensor
 from safeloc.sensing.interpolation import Places, Points
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 
 BILLION = 1_000_000_000
 GROUND_SECOND_ORDER = Fraction(5, 4)
 NEAREST_MM = 1_000
 
 
-def range_nm(one: int, found: Points, sensor: Sensor) -> Interval:
+def range_nm(one: int, found: Points, sensor: Sensor) -> ExactBounds:
     """Return the slant range of a peak, with bounds for noise and other echoes, scale, offset, ground."""
     measured = _scaled(int(found.peaks.row[one]), found.range, one, sensor.cell_mm * NM_PER_MM)
     offset = sensor.offset_error_mm * NM_PER_MM
@@ -42,16 +42,16 @@ def ground_nm(sensor: Sensor, range_nm: int) -> int:
     return -(-detour * share.numerator // (nearest * share.denominator))
 
 
-def sine_ppb(one: int, found: Points, sensor: Sensor) -> Interval:
+def sine_ppb(one: int, found: Points, sensor: Sensor) -> ExactBounds:
     """Return the sine of the angle to the left, with the error of mounting."""
     cell = int(found.peaks.column[one]) - sensor.side_cells
     return _scaled(cell, found.angle, one, sensor.sine_cell * BILLION).widened(sensor.angle_error_urad * 1_000)
 
 
-def _scaled(cell: int, places: Places, one: int, width: Fraction) -> Interval:
+def _scaled(cell: int, places: Places, one: int, width: Fraction) -> ExactBounds:
     """Cell and part of a cell in the unit of the width, rounded outward; exact, for a float is a rational number."""
     low, high = float(places.low[one]), float(places.high[one])
-    return Interval(_floor(cell, low, width), -_floor(-cell, -high, width))
+    return ExactBounds(_floor(cell, low, width), -_floor(-cell, -high, width))
 
 
 def _floor(cell: int, part: float, width: Fraction) -> int:

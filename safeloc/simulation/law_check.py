@@ -8,7 +8,7 @@ import numpy as np
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import Distances, Law
+from safeloc.simulation.sensors import Distances, ErrorFigures
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Breach:
     allowed_nm: int
 
 
-def first_breach(motion: Motion, law: Law, unit: Distances) -> Breach | None:
+def first_breach(motion: Motion, law: ErrorFigures, unit: Distances) -> Breach | None:
     """Return the first cycle in which the wander leaves its band or the drift exceeds floor and rate; None if there is none.
 
     A cycle without a measurement says nothing about the drift; its wander must rest.

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,14 +31,24 @@ KINDS = Kinds(
 """By name of the sensor, in cycles; a jump is measured `by_mm` too far in its first cycle."""
 
 
-@dataclass(frozen=True)
-class Law:
-    """The numbers of an error law: mm, ppm, mm/s, mm/s."""
+class ErrorFigures(Protocol):
+    """Figures of a unit's error law, as the machines declare them (`ErrorLaw`). Drift is not simulated."""
 
-    constant_mm: int
-    rate_ppm: int
-    floor_mm_s: int = 0
-    knee_mm_s: int = 0
+    @property
+    def constant_mm(self) -> int:
+        """One-off part of the error: it does not add up."""
+
+    @property
+    def rate_ppm(self) -> int:
+        """Part of the error in proportion to the distance above the knee."""
+
+    @property
+    def floor_mm_s(self) -> int:
+        """Part of the error that grows with time."""
+
+    @property
+    def knee_mm_s(self) -> int:
+        """Speed up to which the rate adds nothing."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +84,7 @@ class Reading:
 def measure(
     name: str,
     motion: Motion,
-    law: Law,
+    law: ErrorFigures,
     rng: np.random.Generator,
     *,
     dropout: float = 0.0,
@@ -115,12 +126,12 @@ def _silenced(name: str, cycles: int, faults: Sequence[Fault]) -> NDArray[np.boo
     return silent
 
 
-def _slip_nm(law: Law, severity: float) -> float:
+def _slip_nm(law: ErrorFigures, severity: float) -> float:
     """The part of the constant that slip may use: what rounding to whole mm leaves."""
     return max(0.0, min(law.constant_mm * NM_PER_MM * 0.4 * severity, (law.constant_mm - 1) * NM_PER_MM / 2 - 1_000))
 
 
-def _drift_nm(law: Law, true_nm: int, period_ms: int) -> int:
+def _drift_nm(law: ErrorFigures, true_nm: int, period_ms: int) -> int:
     """The drift a cycle may have, reckoned from a distance that is surely below the measured one."""
     floor = law.floor_mm_s * period_ms * 1000
     least = abs(true_nm) // NM_PER_MM * (1_000_000 - law.rate_ppm) // 1_000_000 - 2 - floor // NM_PER_MM
@@ -140,7 +151,7 @@ def _episodes(cycles: int, most_nm: float, rng: np.random.Generator) -> NDArray[
     return path
 
 
-def _check_wander(name: str, law: Law, wander: NDArray[np.int64]) -> None:
+def _check_wander(name: str, law: ErrorFigures, wander: NDArray[np.int64]) -> None:
     if len(wander) and int(np.abs(wander).max()) > law.constant_mm * NM_PER_MM // 2:
         raise InputError(
             f"{name}: a constant of {law.constant_mm} mm cannot hold the rounding to whole mm; make it >= 2 mm."

@@ -9,7 +9,7 @@ from enum import Enum
 from safeloc.sensing.fibre.axles import Count
 from safeloc.sensing.fibre.emitters import Heard
 from safeloc.sensing.fibre.sections import Edge, Effect
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Bounds:
     high: int
 
     @classmethod
-    def outward(cls, interval: Interval) -> Bounds:
+    def outward(cls, interval: ExactBounds) -> Bounds:
         """Return the smallest whole bounds around exact ones."""
         return cls(math.floor(interval.low), math.ceil(interval.high))
 

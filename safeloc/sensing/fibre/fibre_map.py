@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from safeloc.errors import InputError
 from safeloc.railway.map.elements import Fibre, FibrePoint, Stretch
-from safeloc.sensing.rounding import Exact, Interval
+from safeloc.sensing.rounding import Exact, ExactBounds
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ class FibreMap:
         )
         return path + (fibre_mm - fibre) * Fraction(further - path, later - fibre)
 
-    def on_track(self, fibre: Interval) -> Interval:
+    def on_track(self, fibre: ExactBounds) -> ExactBounds:
         """Return bounds along the path of a place with bounds on the fibre."""
-        return Interval(self.path_mm(fibre.low), self.path_mm(fibre.high)).widened(self.error_mm)
+        return ExactBounds(self.path_mm(fibre.low), self.path_mm(fibre.high)).widened(self.error_mm)
 
 
 def from_line(fibre: Fibre, error_mm: int = 5_000) -> FibreMap:

@@ -12,7 +12,7 @@ from safeloc.sensing.fibre.reflections import Reflections, coincident
 from safeloc.sensing.fibre.time_of_flight import bounds_mm, time_ps
 from safeloc.sensing.fibre.tracks import Fit
 from safeloc.sensing.figures import MILLION
-from safeloc.sensing.rounding import Interval, exactly
+from safeloc.sensing.rounding import ExactBounds, exactly
 
 HALF = Fraction(1, 2)
 
@@ -37,7 +37,7 @@ def end(
     """Return a train's end from its outermost axle's measured place; `outward` +1 or -1 is where the vehicle goes on."""
     measured = _measured(place_mm, off_mm, outward, config)
     index = config.interrogator.index_ppm
-    flight = Interval(time_ps(measured.low, index), time_ps(measured.high, index)).widened(
+    flight = ExactBounds(time_ps(measured.low, index), time_ps(measured.high, index)).widened(
         config.interrogator.trigger_error_ps
     )
     fibre = bounds_mm(flight, index, config.interrogator.index_error_ppm)
@@ -45,14 +45,14 @@ def end(
     return End(Bounds.outward(where.on_track(fibre)), Bounds.outward(fibre), Bounds.outward(flight), points)
 
 
-def _measured(place_mm: float, off_mm: float, outward: int, config: FibreConfig) -> Interval:
+def _measured(place_mm: float, off_mm: float, outward: int, config: FibreConfig) -> ExactBounds:
     """Bounds of the end as measured, never before the coupler: error, scatter beyond half of it, overhang."""
     detection = config.detection
     scatter = max(Fraction(0), exactly(off_mm) - detection.end_error_mm * HALF)
-    axle = Interval(exactly(place_mm), exactly(place_mm)).widened(detection.end_error_mm + scatter)
+    axle = ExactBounds(exactly(place_mm), exactly(place_mm)).widened(detection.end_error_mm + scatter)
     low = axle.low - (detection.overhang_mm if outward < 0 else 0)
     high = axle.high + (detection.overhang_mm if outward > 0 else 0)
-    return Interval(max(low, 0), max(high, 0))
+    return ExactBounds(max(low, 0), max(high, 0))
 
 
 def speed(fit: Fit, config: FibreConfig) -> Bounds:
@@ -61,7 +61,7 @@ def speed(fit: Fit, config: FibreConfig) -> Bounds:
     detection, found = config.detection, exactly(fit.speed_mm_s)
     changed = Fraction(detection.most_change_mm_s2 * detection.fit_ms, 2 * MS_PER_S)
     error = detection.speed_error_mm_s + changed + exactly(fit.apart_mm_s) / 2 + by_index(found, config)
-    return Bounds.outward(Interval(found, found).widened(error))
+    return Bounds.outward(ExactBounds(found, found).widened(error))
 
 
 def length(fit: Fit, config: FibreConfig, where: FibreMap) -> Bounds:
@@ -70,8 +70,8 @@ def length(fit: Fit, config: FibreConfig, where: FibreMap) -> Bounds:
     low, high = where.path_mm(max(exactly(fit.low_mm), Fraction(0))), where.path_mm(exactly(fit.high_mm))
     scatter = max(Fraction(0), exactly(fit.off_low_mm) + exactly(fit.off_high_mm) - detection.length_error_mm)
     charged = detection.length_error_mm + scatter + 2 * where.error_mm + by_index(high - low, config)
-    between = Interval(high - low, high - low).widened(charged)
-    return Bounds.outward(Interval(max(between.low, 0), max(between.high, 0) + 2 * detection.overhang_mm))
+    between = ExactBounds(high - low, high - low).widened(charged)
+    return Bounds.outward(ExactBounds(max(between.low, 0), max(between.high, 0) + 2 * detection.overhang_mm))
 
 
 def by_index(measured: Fraction, config: FibreConfig) -> Fraction:

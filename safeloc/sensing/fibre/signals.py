@@ -10,7 +10,7 @@ from safeloc.sensing.fibre.measures import by_index, end
 from safeloc.sensing.fibre.runs import Mask, Run
 from safeloc.sensing.fibre.sections import Change, Effect, Watcher, amplitude
 from safeloc.sensing.fibre.tracks import Fit
-from safeloc.sensing.rounding import Interval, exactly
+from safeloc.sensing.rounding import ExactBounds, exactly
 
 
 class Signaller:
@@ -64,8 +64,8 @@ class Signaller:
         if change.length_mm is None:
             return None
         run = exactly(change.length_mm)
-        found = Interval(run, run).widened(self._config.sections.length_error_mm + by_index(run, self._config))
-        return Bounds.outward(Interval(max(found.low, 0), found.high))
+        found = ExactBounds(run, run).widened(self._config.sections.length_error_mm + by_index(run, self._config))
+        return Bounds.outward(ExactBounds(max(found.low, 0), found.high))
 
     def _near(self, effect: Effect, se: Bounds) -> str | None:
         """Return the only possible section within the search distance, if times of flight are right; else None."""

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from safeloc.errors import InputError
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION
-from safeloc.sensing.rounding import Exact, Interval
+from safeloc.sensing.rounding import Exact, ExactBounds
 
 PS_PER_S = 10**12
 
@@ -36,11 +36,11 @@ def time_ps(distance: Exact, index_ppm: int) -> Fraction:
     return Fraction(distance) * 2 * PS_PER_S / speed_mm_s(index_ppm)
 
 
-def bounds_mm(time: Interval, index_ppm: int, index_error_ppm: int) -> Interval:
+def bounds_mm(time: ExactBounds, index_ppm: int, index_error_ppm: int) -> ExactBounds:
     """Return bounds of the distance (Se) when the time lies in `time` (ps) and the index is off by at most so many ppm of it."""
     error = Fraction(index_error_ppm, MILLION)
     near, far = distance_mm(max(time.low, 0), index_ppm), distance_mm(max(time.high, 0), index_ppm)
-    return Interval(near / (1 + error), far / (1 - error))
+    return ExactBounds(near / (1 + error), far / (1 - error))
 
 
 def most_pulses_hz(fibre_mm: int, index_ppm: int) -> Fraction:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
+from safeloc.language.units import MM_PER_M
 from safeloc.runtime.border import Fault, Reason
 from safeloc.sensing.rounding import exactly
 from safeloc.sensing.satellite.residuals import Residuals
@@ -18,7 +19,6 @@ from safeloc.sensing.satellite.windows import Window
 CONSTELLATIONS = "GRECJIS"
 """In RINEX order: GPS, GLONASS, Galileo, BeiDou, QZSS, NavIC, SBAS; each has a hundred identities."""
 FARTHEST_MM, FASTEST_MM_S, WIDEST = 10**9, 10**8, 10**15
-MM = 1_000
 ChannelValues = dict[str, int | bool]
 
 
@@ -115,10 +115,10 @@ def _whole(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[
     for name, value in values.items():
         if not math.isfinite(value):
             faults.append(Fault(name, Reason.NOT_FINITE, repr(value)))
-        elif exactly(abs(value)) * MM > most:
+        elif exactly(abs(value)) * MM_PER_M > most:
             faults.append(Fault(name, Reason.OUT_OF_RANGE, f"{value} differs from the prediction by more than is told"))
         else:
-            exact = exactly(value) * MM
+            exact = exactly(value) * MM_PER_M
             found[name] = math.ceil(exact) if value > 0 else math.floor(exact)
     return found
 

@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 from safeloc.errors import InputError
+from safeloc.language.units import MM_PER_M
 from safeloc.railway.map.elements import Geometry, Gradient, TrackEdge
 from safeloc.railway.map.imports.building import missing
 from safeloc.railway.map.routes import Route
@@ -21,7 +22,6 @@ from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.track_prediction import Portion
 
 DEGREES, DEGREES_AND_HEIGHT, EARTH_FIXED = "EPSG:4326", "EPSG:4979", "EPSG:4978"
-MM = 1_000
 
 
 class LineTrack:
@@ -45,7 +45,7 @@ class LineTrack:
         """Return the courses that a vehicle between the two distances may be on: as many as there are ways that differ there."""
         found: dict[tuple[Run, ...], Portion] = {}
         for route, portion in zip(self.routes, self._portions, strict=True):
-            found.setdefault(tuple(_runs_between(route, low_m * MM, high_m * MM)), portion)
+            found.setdefault(tuple(_runs_between(route, low_m * MM_PER_M, high_m * MM_PER_M)), portion)
         return list(found.values())
 
     @cached_property
@@ -87,13 +87,13 @@ class _Course:
                 if number == 0 and points:
                     continue
                 points.append(point)
-            lengths += [(b - a) / MM for (a, _), (b, _) in pairwise(steps)]
+            lengths += [(b - a) / MM_PER_M for (a, _), (b, _) in pairwise(steps)]
             height += self._climb_m(route, run, route.topology.length_mm(run))
         if not all(map(math.isfinite, (value for point in points for value in point))):
             raise InputError(
                 f"route {route.name}: a point of edge {first.id!r} or beyond is no place; mend the geometry."
             )
-        return Portion(-route.start_mm / MM, tuple(points), tuple(lengths))
+        return Portion(-route.start_mm / MM_PER_M, tuple(points), tuple(lengths))
 
     def _steps(self, edge: TrackEdge, run: Run) -> list[tuple[float, tuple[float, float]]]:
         """Distance (mm) run on the edge and degrees of every point, in the order of the run."""
@@ -114,7 +114,7 @@ class _Course:
         length = route.topology.length_mm(run)
         low, high = sorted((_position(run, length, 0), _position(run, length, to_mm)))
         rises = (_rise_mm(one, low, high) for one in self._gradients.get(run.edge, ()))
-        return (1 if run.direction == "increasing" else -1) * sum(rises) / MM
+        return (1 if run.direction == "increasing" else -1) * sum(rises) / MM_PER_M
 
     def _degrees(self, edge: TrackEdge) -> tuple[tuple[float, float], ...]:
         if not isinstance(edge.geometry, Geometry):

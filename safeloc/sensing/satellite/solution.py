@@ -15,7 +15,8 @@ from fractions import Fraction
 from typing import Literal
 
 from safeloc.errors import InputError
-from safeloc.sensing.rounding import Interval, exactly, hull
+from safeloc.language.units import MM_PER_M
+from safeloc.sensing.rounding import ExactBounds, exactly, hull
 from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.predicted import Predicted
 from safeloc.sensing.satellite.track_fit import Sight, TrackFit, fit, slope_ppm
@@ -28,7 +29,6 @@ SLOPE, SLOPES_FREE_M = Fraction(1, 2_000_000), 1_000
 NEAREST_M, FASTEST_M_PER_S = 19_000_000, 5_000
 """No navigation satellite is nearer, or faster against the Earth."""
 Weighting = Literal["equal", "elevation"]
-MM = 1_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ def _slopes(correction: Fraction) -> Fraction:
 
 def _more(bound: int | None, metres: Fraction) -> int | None:
     """A bound in mm (or mm/s) and that much more, rounded up."""
-    return None if bound is None else bound + math.ceil(metres * MM) + ROUNDING
+    return None if bound is None else bound + math.ceil(metres * MM_PER_M) + ROUNDING
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,19 +87,19 @@ class Solved:
     place: TrackFit | None
     speed: TrackFit | None
 
-    def off_mm(self) -> Interval | None:
+    def off_mm(self) -> ExactBounds | None:
         """Return the vehicle's distance along the track beyond the prediction."""
         return _interval(self.place, self.bounds.range_mm)
 
-    def speed_off_mm_s(self) -> Interval | None:
+    def speed_off_mm_s(self) -> ExactBounds | None:
         """Return the vehicle's speed above the prediction."""
         return _interval(self.speed, self.bounds.speed_mm_s)
 
 
-def _interval(found: TrackFit | None, bound: int | None) -> Interval | None:
+def _interval(found: TrackFit | None, bound: int | None) -> ExactBounds | None:
     if found is None or bound is None:
         return None
-    return Interval(found.along, found.along).widened(found.protection_level(bound))
+    return ExactBounds(found.along, found.along).widened(found.protection_level(bound))
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,16 +122,16 @@ class Solution:
         """Return the same of the speed and the range rates."""
         return max((one.speed.dilution for one in self.solved if one.speed is not None), default=Fraction(0))
 
-    def off_mm(self) -> Interval | None:
+    def off_mm(self) -> ExactBounds | None:
         """Return the vehicle's distance beyond the prediction; None if it was not solved on every portion."""
         return _hull([one.off_mm() for one in self.solved])
 
-    def speed_off_mm_s(self) -> Interval | None:
+    def speed_off_mm_s(self) -> ExactBounds | None:
         """Return the vehicle's speed above the prediction; None if it was not solved on every portion."""
         return _hull([one.speed_off_mm_s() for one in self.solved])
 
 
-def _hull(found: Sequence[Interval | None]) -> Interval | None:
+def _hull(found: Sequence[ExactBounds | None]) -> ExactBounds | None:
     whole = [one for one in found if one is not None]
     return hull(whole) if whole and len(whole) == len(found) else None
 

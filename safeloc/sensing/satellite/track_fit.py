@@ -16,9 +16,9 @@ from fractions import Fraction
 from operator import mul
 
 from safeloc.errors import InputError
+from safeloc.language.units import PPM_PER_ONE
 
 SOLVE, DETECT, EXCLUDE = 2, 3, 4
-PPM = 10**6
 
 
 class NoSolution(InputError):
@@ -97,13 +97,13 @@ def fit(sights: Mapping[str, Sight]) -> TrackFit:
     normal, sums = _normal(list(rows.values()), weights, [one.difference for one in sights.values()])
     (first, over), (found, under) = _solved(normal, [1, *[0] * (size - 1)]), _solved(normal, sums)
     weighed = zip(rows.items(), weights, strict=True)
-    shares = {name: Fraction(weight * _dot(row, first) * PPM, over) for (name, row), weight in weighed}
+    shares = {name: Fraction(weight * _dot(row, first) * PPM_PER_ONE, over) for (name, row), weight in weighed}
     # columns are millionths, a clock's as well: what belongs to them is in millions
     terms = zip(clocks, found[size - len(clocks) :], strict=True)
     residuals = (one.weight * (one.difference * under - _dot(rows[name], found)) ** 2 for name, one in sights.items())
     return TrackFit(
-        Fraction(found[0] * PPM, under),
-        {clock: Fraction(term * PPM, under) for clock, term in terms},
+        Fraction(found[0] * PPM_PER_ONE, under),
+        {clock: Fraction(term * PPM_PER_ONE, under) for clock, term in terms},
         shares,
         sum(residuals, Fraction(0)) / under**2,
         len(sights) - size,
@@ -111,7 +111,7 @@ def fit(sights: Mapping[str, Sight]) -> TrackFit:
 
 
 def _row(one: Sight, clocks: Sequence[str]) -> list[int]:
-    return [one.slope_ppm, *one.across_ppm, *(PPM if clock == one.clock else 0 for clock in clocks)]
+    return [one.slope_ppm, *one.across_ppm, *(PPM_PER_ONE if clock == one.clock else 0 for clock in clocks)]
 
 
 def _whole(weights: Sequence[Fraction]) -> list[int]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.language.units import NM_PER_M
 from safeloc.sensing.fibre.figures import Interrogator
 from safeloc.sensing.fibre.time_of_flight import speed_mm_s
 from safeloc.sensing.figures import MILLION
@@ -24,7 +25,6 @@ from safeloc.simulation.fibre.cable import Cable
 Numbers = NDArray[np.float64]
 Complex = NDArray[np.complex64]
 Single = NDArray[np.float32]
-NM_PER_M = 1e9
 
 
 class OpticsFigures(Config):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.language.units import NM_PER_M
 from safeloc.sensing.satellite.epochs import Epoch, Measured
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
@@ -29,7 +30,6 @@ from safeloc.simulation.satellite.receiver import (
 from safeloc.simulation.satellite.scenery import Rays, Received, Scene, received
 
 Floats = NDArray[np.float64]
-NM_PER_M = 1e9
 LOWEST_RAD = math.radians(5)
 """A receiver tracks nothing lower."""
 
