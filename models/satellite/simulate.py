@@ -23,10 +23,11 @@ from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.satellite.channels import identity
 from safeloc.sensing.satellite.line_track import LineTrack
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion, VehicleConfig
 from safeloc.simulation.satellite.constellation import GPS, Walker, constellation
 from safeloc.simulation.satellite.receiver import ReceiverConfig
-from safeloc.simulation.satellite.run import Outages, SimulatedRun, Spoofer, Truth, World
+from safeloc.simulation.satellite.run import SimulatedRun, Truth, World
 from safeloc.simulation.satellite.run import simulate as simulate_signals
 from safeloc.simulation.satellite.scenery import Scene, canyon, cutting, station_roof, tunnel
 from safeloc.simulation.speed_profile import Halt, drive
@@ -63,13 +64,18 @@ class Journey:
     to_m: float = 400.0
     speed_mm_s: int = 25_000
     scenes: tuple[Scene, ...] = SCENES
-    spoofers: tuple[Spoofer, ...] = ()
-    outages: tuple[Outages, ...] = ()
+    faults: tuple[Fault, ...] = ()
     walkers: tuple[Walker, ...] = (GPS,)
     receiver: ReceiverConfig = ReceiverConfig()
     balises: bool = True
     odometry: bool = False
     lawful: bool = True
+
+
+def false_place(begin_ms: int, drift_m_per_s: float, gathering_m_per_s2: float) -> Fault:
+    """Return spoofed signals of all satellites, of a place that leaves the true one from then on."""
+    figures = {"drift_m_per_s": drift_m_per_s, "gathering_m_per_s2": gathering_m_per_s2}
+    return Fault("false place", begin=begin_ms, figures=figures)
 
 
 STREET = Journey(620, 760, 14_000)
@@ -79,7 +85,7 @@ SHIPPED: Mapping[str, tuple[Journey, int]] = {
     "satellite-tunnel": (Journey(4_240, 4_640, scenes=(tunnel(4_300, 4_420),), lawful=False), 2),
     "satellite_drift-spoofed": (
         Journey(
-            4_150, 4_550, scenes=(), spoofers=(Spoofer(3.0, 3.0, 0.5),), balises=False, odometry=True, lawful=False
+            4_150, 4_550, scenes=(), faults=(false_place(3_000, 3.0, 0.5),), balises=False, odometry=True, lawful=False
         ),
         5,
     ),
@@ -124,7 +130,7 @@ def signals(journey: Journey, config: SatelliteConfig, *, seed: int) -> Simulate
     """What the receiver gives, with the truth."""
     sky = constellation(journey.walkers, np.random.default_rng(seed))
     (portion,) = track().portions(0.0, journey.to_m)
-    world = World(sky, portion, journey.scenes, journey.receiver, spoofers=journey.spoofers, outages=journey.outages)
+    world = World(sky, portion, journey.scenes, journey.receiver, journey.faults)
     return simulate_signals(world, motion(journey, config), seed=seed)
 
 
