@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from safeloc.sensing.rounding import ExactBounds
 
-BILLION = 1_000_000_000
+_BILLION = 1_000_000_000
 
 
 def nearest(range_nm: ExactBounds, sine_ppb: ExactBounds, farther_nm: int) -> tuple[ExactBounds, ExactBounds]:
@@ -38,9 +38,9 @@ def _cosine_ppb(sine_ppb: ExactBounds) -> ExactBounds:
     """Whole numbers, rounded outward."""
     ends = [abs(Fraction(one)) for one in (sine_ppb.low, sine_ppb.high)]
     least = 0 if sine_ppb.low <= 0 <= sine_ppb.high else math.floor(min(ends))
-    most = min(BILLION, math.ceil(max(ends)))
+    most = min(_BILLION, math.ceil(max(ends)))
     return ExactBounds(
-        math.isqrt(BILLION**2 - most**2), min(BILLION, math.isqrt(BILLION**2 - min(least, most) ** 2) + 1)
+        math.isqrt(_BILLION**2 - most**2), min(_BILLION, math.isqrt(_BILLION**2 - min(least, most) ** 2) + 1)
     )
 
 
@@ -50,4 +50,4 @@ def _square(range_nm: int, farther_nm: int, cosine_ppb: int) -> int:
 
 
 def _ceil_share(whole: int, ppb: int) -> int:
-    return -(-whole * ppb // BILLION)
+    return -(-whole * ppb // _BILLION)

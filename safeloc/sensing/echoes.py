@@ -18,7 +18,7 @@ from safeloc.sensing.rounding import ExactBounds, hull, outward
 from safeloc.sensing.sensor_errors import range_nm, sine_ppb
 from safeloc.sensing.signature import Doubt, Group, Model, Spots, groups
 
-PPB_PER_PPM = 1_000
+_PPB_PER_PPM = 1_000
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Echo:
 
 def echoes(found: Points, config: RadarConfig) -> list[Echo]:
     """Return reflectors and single echoes, nearest first."""
-    spots = spots_of(found, config)
+    spots = _spots_of(found, config)
     grouped = groups(spots, config)
     taken = {member for group in grouped for member in group.members}
     alone = [Group(Model.UNKNOWN, (one,), (0,), Doubt.SHAPE) for one in range(len(spots.power)) if one not in taken]
@@ -52,7 +52,7 @@ def echoes(found: Points, config: RadarConfig) -> list[Echo]:
     return sorted(made, key=lambda echo: (echo.range_mm, echo.sine_ppm))
 
 
-def spots_of(found: Points, config: RadarConfig) -> Spots:
+def _spots_of(found: Points, config: RadarConfig) -> Spots:
     """Return the best places in mm and sines."""
     sensor = config.sensor
     range_mm = (found.peaks.row + found.range.best) * float(sensor.cell_mm)
@@ -68,7 +68,7 @@ def _echo(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Ech
         Model.UNKNOWN if group.doubt else group.model,
         group.doubt,
         *outward(far, NM_PER_MM),
-        *outward(aside, PPB_PER_PPM),
+        *outward(aside, _PPB_PER_PPM),
         in_cdb(power),
         section_cdbsm(power, float(spots.range_mm[weakest]), config),
     )

@@ -15,7 +15,7 @@ from safeloc.config import Config, quantity
 
 LIGHT_MM_S = 299_792_458_000
 MILLION = 1_000_000
-SEPARATE_CELLS = 4
+_SEPARATE_CELLS = 4
 
 
 class Sensor(Config):
@@ -142,10 +142,10 @@ class RadarConfig(Config):
     @model_validator(mode="after")
     def _resolves(self) -> RadarConfig:
         unit, cell = self.reflectors.unit_mm, self.sensor.cell_mm
-        if unit < SEPARATE_CELLS * cell * Fraction(99, 100):
+        if unit < _SEPARATE_CELLS * cell * Fraction(99, 100):
             raise ValueError(
                 f"corners {unit} mm apart are not told apart with cells of {float(cell):.0f} mm: "
-                f"take more bandwidth or a unit of {math.ceil(SEPARATE_CELLS * cell)} mm."
+                f"take more bandwidth or a unit of {math.ceil(_SEPARATE_CELLS * cell)} mm."
             )
         if self.reflectors.mark_tolerance_mm * 3 > unit:
             raise ValueError(f"a tolerance of marks above a third of the unit ({unit} mm) makes models overlap.")

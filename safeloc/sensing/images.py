@@ -18,7 +18,7 @@ from safeloc.runtime.border import Deliveries, Raw, Reason
 from safeloc.sensing.figures import Sensor
 
 Power = NDArray[np.float64]
-DOUBTFUL_CDB = 1e-6
+_DOUBTFUL_CDB = 1e-6
 """No logarithm of a float is off by that much."""
 
 
@@ -94,7 +94,7 @@ def in_cdb(power: float) -> int:
     """
     level = 1_000 * math.log10(power)
     nearest = round(level)
-    if abs(level - nearest) > DOUBTFUL_CDB:
+    if abs(level - nearest) > _DOUBTFUL_CDB:
         return math.floor(level)
     return nearest if Fraction(power) ** 1_000 >= Fraction(10) ** nearest else nearest - 1
 

@@ -11,24 +11,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.detection import Peaks
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import Power
 
-Numbers = NDArray[np.float64]
 FLOAT_CELLS = 1e-9
-SIDE_FACTOR = 2.0
+_SIDE_FACTOR = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
     """Places along one axis in cells from the peak's cell: best, lowest and highest. Shapes [peaks]."""
 
-    best: Numbers
-    low: Numbers
-    high: Numbers
+    best: Floats
+    low: Floats
+    high: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +37,7 @@ class Points:
     peaks: Peaks
     range: Places
     angle: Places
-    power: Numbers
+    power: Floats
 
 
 def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
@@ -52,39 +51,39 @@ def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
     return Points(found, _range(power, found, noise), _angle(power, found, noise), top)
 
 
-def hann(x: Numbers) -> Numbers:
+def hann(x: Floats) -> Floats:
     """Return the amplitude of a point x cells away, 1 at 0 and 1/2 at 1."""
     near = np.abs(np.abs(x) - 1) < 1e-9
     return np.where(near, 0.5, np.sinc(x) / np.where(near, 1.0, 1 - x * x))
 
 
-def side_lobes(x: Numbers) -> Numbers:
+def side_lobes(x: Floats) -> Floats:
     """No point has more amplitude than this x >= 0 cells away; beyond the main lobe it falls with the cube."""
     far = np.maximum(x, 1.5)
     return np.where(x < 1.5, 1.0, 1 / (np.pi * far * (far * far - 1)))
 
 
-def leakage(found: Peaks, amplitude: Numbers) -> Numbers:
+def leakage(found: Peaks, amplitude: Floats) -> Floats:
     """Return the amplitude that all other peaks together may have in a peak's cell or the next one."""
     rows = np.abs(found.row[:, None] - found.row[None, :]) - 1.5
     columns = np.abs(found.column[:, None] - found.column[None, :]) - 1.5
-    part = side_lobes(rows) * np.minimum(1.0, SIDE_FACTOR * side_lobes(columns))
+    part = side_lobes(rows) * np.minimum(1.0, _SIDE_FACTOR * side_lobes(columns))
     np.fill_diagonal(part, 0.0)
-    total: Numbers = part @ amplitude
+    total: Floats = part @ amplitude
     return total
 
 
-def _range(power: Power, found: Peaks, noise: Numbers) -> Places:
+def _range(power: Power, found: Peaks, noise: Floats) -> Places:
     before, after = power[found.row - 1, found.column], power[found.row + 1, found.column]
     return _places(power[found.row, found.column], before, after, noise, power.shape[0])
 
 
-def _angle(power: Power, found: Peaks, noise: Numbers) -> Places:
+def _angle(power: Power, found: Peaks, noise: Floats) -> Places:
     before, after = power[found.row, found.column - 1], power[found.row, found.column + 1]
     return _places(power[found.row, found.column], before, after, noise, 2 * power.shape[1] - 2)
 
 
-def _places(peak: Numbers, before: Numbers, after: Numbers, noise: Numbers, samples: int) -> Places:
+def _places(peak: Floats, before: Floats, after: Floats, noise: Floats, samples: int) -> Places:
     """Two neighbours of a peak in a transform of so many samples; a window that short is a little off the formula."""
     short = 4.0 / samples**2 + FLOAT_CELLS
     tall, beside = np.sqrt(peak), np.sqrt(np.maximum(before, after))
@@ -97,15 +96,15 @@ def _places(peak: Numbers, before: Numbers, after: Numbers, noise: Numbers, samp
     return Places(np.where(ahead, best, -best), np.where(ahead, near, -far), np.where(ahead, far, -near))
 
 
-def _offset(ratio: Numbers) -> Numbers:
+def _offset(ratio: Floats) -> Floats:
     whole = np.maximum(ratio, 0.0)
-    offset: Numbers = (2 * whole - 1) / (1 + whole)
+    offset: Floats = (2 * whole - 1) / (1 + whole)
     return offset
 
 
-def _top(power: Power, found: Peaks) -> Numbers:
+def _top(power: Power, found: Peaks) -> Floats:
     """Power between the cells, where the echo is."""
     none = np.zeros(len(found))
     along, across = _range(power, found, none).best, _angle(power, found, none).best
-    top: Numbers = power[found.row, found.column] / (hann(along) * hann(across)) ** 2
+    top: Floats = power[found.row, found.column] / (hann(along) * hann(across)) ** 2
     return top

@@ -17,7 +17,7 @@ from safeloc.sensing.radar import Outcome
 from safeloc.sensing.rounding import outward
 from safeloc.sensing.signature import Model
 
-NO_MODEL = "NONE"
+_NO_MODEL = "NONE"
 StepValues = dict[str, int | bool | str]
 
 
@@ -69,7 +69,7 @@ def _values(name: str, echo: Echo, config: RadarConfig, delay: Delay) -> StepVal
     return {
         f"{name}_range_mm": range_mm,
         f"{name}_error_mm": error_mm,
-        f"{name}_model": NO_MODEL if echo.model is Model.UNKNOWN else echo.model.value,
+        f"{name}_model": _NO_MODEL if echo.model is Model.UNKNOWN else echo.model.value,
         f"{name}_intensity_cdb": echo.intensity_cdb - config.sensor.full_scale_cdb,
         f"{name}_lateral_mm": outward(lateral(echo, config, delay))[0],
     }

@@ -16,9 +16,9 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import in_cdb
-from safeloc.sensing.interpolation import Numbers
 from safeloc.sensing.range_law import is_lawful, section_cdbsm
 
 
@@ -51,9 +51,9 @@ MARKS = {Model.A: (0, 1, 12), Model.B: (0, 3, 10), Model.C: (0, 4, 9), Model.D: 
 class Spots:
     """Echoes as places, in order of range: range in mm, sine of the angle (left: positive), and power."""
 
-    range_mm: Numbers
-    sine: Numbers
-    power: Numbers
+    range_mm: Floats
+    sine: Floats
+    power: Floats
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def _beyond(along_mm: float, spots: Spots, config: RadarConfig) -> _Beyond:
     return _Beyond(there, strongest)
 
 
-def seen_at(range_mm: Numbers, sine: Numbers, along_mm: float) -> tuple[Numbers, Numbers]:
+def seen_at(range_mm: Floats, sine: Floats, along_mm: float) -> tuple[Floats, Floats]:
     """Return the range and sine of what stands `along_mm` beyond a point, on a line parallel to the antenna's axis."""
     ahead, aside = range_mm * np.sqrt(1 - sine * sine) + along_mm, range_mm * sine
     far = np.hypot(ahead, aside)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 
-GRAVITY_MM_S2 = 9_810
+_GRAVITY_MM_S2 = 9_810
 
 
 class VehicleConfig(Config):
@@ -30,7 +30,7 @@ class VehicleConfig(Config):
 def adhesion_mm_s2(vehicle: VehicleConfig, speed_mm_s: float) -> float:
     """Return the acceleration that the rails allow at a speed: Curtius-Kniffler, 7.5 / (v + 44 km/h) + 0.161, of gravity."""
     friction = 7.5 / (abs(speed_mm_s) * 0.0036 + 44) + 0.161
-    return friction * GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
+    return friction * _GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
 
 
 @dataclass(frozen=True)

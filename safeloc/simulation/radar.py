@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION, RadarConfig
 from safeloc.sensing.range_law import REFERENCE_MM
 
-NEAREST_MM = 500
+_NEAREST_MM = 500
 
 Complex = NDArray[np.complex128]
-Numbers = NDArray[np.float64]
 
 
 class Weather(Config):
@@ -38,9 +38,9 @@ class Points:
     on_ground  whether a point is also seen by way of the ground; NaN ranges (behind the antenna) are left out
     """
 
-    range_mm: Numbers
-    sine: Numbers
-    section_m2: Numbers
+    range_mm: Floats
+    sine: Floats
+    section_m2: Floats
     on_ground: NDArray[np.bool_]
 
     def together(self, other: Points) -> Points:
@@ -57,7 +57,7 @@ class Points:
         return self.range_mm, self.sine, self.section_m2, self.on_ground
 
 
-def points(range_mm: Numbers, sine: Numbers, section_m2: Numbers | float, *, on_ground: bool = False) -> Points:
+def points(range_mm: Floats, sine: Floats, section_m2: Floats | float, *, on_ground: bool = False) -> Points:
     """Return points of one kind."""
     return Points(range_mm, sine, np.broadcast_to(section_m2, range_mm.shape), np.full(range_mm.shape, on_ground))
 
@@ -90,7 +90,7 @@ def image(
     bias: Bias | None = None,
     interference: Interference | None = None,
     noise_db: float = 0.0,
-) -> Numbers:
+) -> Floats:
     """Return the power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine.
 
     `noise_db`: more noise than the receiver's own, from everywhere.
@@ -108,7 +108,7 @@ def image(
 def _in_view(seen: Points, config: RadarConfig) -> Points:
     """Ahead, beyond the antenna's cover, and not filtered out before the converter for being beyond the last range cell."""
     last = float(config.sensor.cell_mm) * (config.sensor.samples - 1)
-    return seen.only((seen.range_mm > NEAREST_MM) & (seen.range_mm < last))
+    return seen.only((seen.range_mm > _NEAREST_MM) & (seen.range_mm < last))
 
 
 def _biased(seen: Points, config: RadarConfig, bias: Bias) -> Points:
@@ -160,7 +160,7 @@ def _tones(seen: Points, amplitude: Complex, speed_mm_s: float, config: RadarCon
     return tones
 
 
-def _hann(samples: int) -> Numbers:
+def _hann(samples: int) -> Floats:
     return np.asarray(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples), dtype=np.float64)
 
 
@@ -196,7 +196,7 @@ def _converted(signal: Complex, config: RadarConfig) -> Complex:
     return cut
 
 
-def _transformed(signal: Complex, config: RadarConfig) -> Numbers:
+def _transformed(signal: Complex, config: RadarConfig) -> Floats:
     sensor = config.sensor
     rows, columns = _hann(sensor.samples), _hann(sensor.antennas)
     spectrum = np.fft.fft2(signal * rows[:, None] * columns[None, :])

@@ -29,11 +29,11 @@ KINDS = Kinds(
     ),
 )  # fmt: skip
 """Of the only radar, in frames."""
-FRONT_SECTION_M2 = 10.0
-PLATE_SECTION_M2 = 10_000.0
-JAMMER_DB = 20.0
-BEAM_STERADIAN = 0.2
-DROPS = 200
+_FRONT_SECTION_M2 = 10.0
+_PLATE_SECTION_M2 = 10_000.0
+_JAMMER_DB = 20.0
+_BEAM_STERADIAN = 0.2
+_DROPS = 200
 
 
 class Clutter(Config):
@@ -128,7 +128,7 @@ def _bounced(corner: Points) -> Points:
     ahead = np.isfinite(corner.range_mm)
     metres, sine, section = corner.range_mm[ahead] / 1_000, corner.sine[ahead], corner.section_m2[ahead]
     range_m = metres[:, None] + metres[None, :]
-    pairs = section[:, None] * section[None, :] * FRONT_SECTION_M2
+    pairs = section[:, None] * section[None, :] * _FRONT_SECTION_M2
     power = pairs * range_m**4 / (4 * np.pi * metres[:, None] ** 2 * metres[None, :] ** 2) ** 2
     sines = np.broadcast_to(sine[None, :], range_m.shape)
     return points(range_m.ravel() * 1_000, sines.ravel(), power.ravel())
@@ -136,9 +136,9 @@ def _bounced(corner: Points) -> Points:
 
 def rain(mm_h: float, rng: np.random.Generator, reach_mm: float) -> Points:
     """Drops as points between 1 m and the reach; eta = 1e-5 m2/m3 x mm/h [M, unsure], a beam of 0.2 sr."""
-    range_mm = rng.uniform(1_000, reach_mm, DROPS)
-    shell_m3 = (range_mm / 1_000) ** 2 * BEAM_STERADIAN * reach_mm / 1_000 / DROPS
-    return points(range_mm, rng.uniform(-0.5, 0.5, DROPS), 1e-5 * mm_h * shell_m3 * rng.exponential(1.0, DROPS))
+    range_mm = rng.uniform(1_000, reach_mm, _DROPS)
+    shell_m3 = (range_mm / 1_000) ** 2 * _BEAM_STERADIAN * reach_mm / 1_000 / _DROPS
+    return points(range_mm, rng.uniform(-0.5, 0.5, _DROPS), 1e-5 * mm_h * shell_m3 * rng.exponential(1.0, _DROPS))
 
 
 def slant_mm(scene: World, reflector: Reflector, along_mm: float) -> float:
@@ -187,11 +187,11 @@ def _power(
     if weather.rain_mm_h:
         found = found.together(rain(weather.rain_mm_h, rng, float(scene.config.sensor.cell_mm) * 1_000))
     if "overload" in kinds:
-        found = found.together(points(np.array([4_000.0]), np.array([0.0]), PLATE_SECTION_M2))
+        found = found.together(points(np.array([4_000.0]), np.array([0.0]), _PLATE_SECTION_M2))
     strange = Interference(sine=float(rng.uniform(-0.5, 0.5))) if "interference" in kinds else None
     return image(
         found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, interference=strange,
-        noise_db=JAMMER_DB if "jamming" in kinds else 0.0,
+        noise_db=_JAMMER_DB if "jamming" in kinds else 0.0,
     )  # fmt: skip
 
 

@@ -72,7 +72,7 @@ class Reflector:
     lost: tuple[int, ...] = ()
 
 
-CORNER_HEIGHTS_MM = (0.0, 200.0, 400.0)
+_CORNER_HEIGHTS_MM = (0.0, 200.0, 400.0)
 
 
 def corners(reflector: Reflector, figures: Reflectors) -> NDArray[np.float64]:
@@ -84,7 +84,7 @@ def corners(reflector: Reflector, figures: Reflectors) -> NDArray[np.float64]:
         if index in reflector.lost:
             continue
         where = pose(reflector.track, reflector.along_mm + mark * figures.unit_mm)
-        made.append((*where.aside(reflector.left_mm), CORNER_HEIGHTS_MM[index]))
+        made.append((*where.aside(reflector.left_mm), _CORNER_HEIGHTS_MM[index]))
     return np.array(made, dtype=np.float64).reshape(-1, 3)
 
 

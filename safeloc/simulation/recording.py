@@ -8,7 +8,7 @@ from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, R
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import Distances, Reading
 
-ENDS: tuple[End, End] = ("front", "rear")
+_ENDS: tuple[End, End] = ("front", "rear")
 
 
 def records(motion: Motion, units: Sequence[Distances], readings: Sequence[Reading]) -> list[Record]:
@@ -34,10 +34,10 @@ def _distance(unit: Distances, cycle: int, time_ms: int) -> DistanceRecord:
 
 def _marker(reading: Reading, time_ms: int) -> MarkerRecord:
     if reading.place_mm is None:
-        return MarkerRecord(time_ms=time_ms, end=ENDS[reading.end], marker=reading.marker)
+        return MarkerRecord(time_ms=time_ms, end=_ENDS[reading.end], marker=reading.marker)
     return MarkerRecord(
         time_ms=time_ms,
-        end=ENDS[reading.end],
+        end=_ENDS[reading.end],
         marker=reading.marker,
         position_mm=reading.place_mm,
         accuracy_mm=reading.accuracy_mm,

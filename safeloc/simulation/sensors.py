@@ -37,18 +37,22 @@ class ErrorFigures(Protocol):
     @property
     def constant_mm(self) -> int:
         """One-off part of the error: it does not add up."""
+        ...
 
     @property
     def rate_ppm(self) -> int:
         """Part of the error in proportion to the distance above the knee."""
+        ...
 
     @property
     def floor_mm_s(self) -> int:
         """Part of the error that grows with time."""
+        ...
 
     @property
     def knee_mm_s(self) -> int:
         """Speed up to which the rate adds nothing."""
+        ...
 
 
 @dataclass(frozen=True)

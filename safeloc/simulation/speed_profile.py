@@ -11,15 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
 from safeloc.language.units import NM_PER_MM
+from safeloc.sensing.array_types import Floats
 from safeloc.simulation.motion import Motion, VehicleConfig, adhesion_mm_s2
 
-PIECE_MM = 500.0
-MOST_PIECES = 40_000
-Floats = NDArray[np.float64]
+_PIECE_MM = 500.0
+_MOST_PIECES = 40_000
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ def _leg(
 ) -> tuple[Floats, Floats]:
     """Places (mm) and speeds (mm/s) at the end of every cycle that is spent moving."""
     distance, sign = abs(halt.at_mm - start_mm), (1 if halt.at_mm > start_mm else -1)
-    nodes = np.linspace(0.0, distance, min(MOST_PIECES, max(2, math.ceil(distance / PIECE_MM))) + 1)
+    nodes = np.linspace(0.0, distance, min(_MOST_PIECES, max(2, math.ceil(distance / _PIECE_MM))) + 1)
     caps = _caps(vehicle, start_mm + sign * nodes, min(halt.top_mm_s, vehicle.max_speed_mm_s), limits)
     if caps.min() <= 0:
         raise InputError(f"{halt}: a speed of 0 is permitted on the way to it, so it is never reached.")

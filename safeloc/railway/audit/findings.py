@@ -28,12 +28,12 @@ class Finding:
     def as_text(self) -> str:
         """Return one line for people."""
         kilometre = f", km {self.kilometre}" if self.kilometre else ""
-        figures = f": {shown(self.figures)}" if self.figures else ""
+        figures = f": {_shown(self.figures)}" if self.figures else ""
         where = f"{self.place.edge} at {self.place.position_mm} mm{kilometre}"
         return f"{self.severity:9} {self.rule} [{' '.join(self.requirements)}] {self.subject}, on {where}{figures}"
 
 
-def shown(figures: Figures) -> str:
+def _shown(figures: Figures) -> str:
     """Return figures as people read them: `distance 502.000 m, must be <= 465.250 m`."""
     actual, required = _amount(figures.actual, figures.unit), _amount(figures.required, figures.unit)
     return f"{figures.what} {actual}, must be {figures.relation} {required}".lstrip()

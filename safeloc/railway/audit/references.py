@@ -11,7 +11,7 @@ from safeloc.railway.map.elements import BaliseGroup, Reflector
 from safeloc.railway.map.topology import Run
 from safeloc.railway.map.walk import Reference, Seen, Walk, carried
 
-SLACK_MM = 1_000_000
+_SLACK_MM = 1_000_000
 """How much farther than stated a reflector is looked for, so that its true distance can be told."""
 
 
@@ -56,7 +56,7 @@ class References:
     def _telegrams(self, seen: Seen, group: BaliseGroup) -> None:
         for told in group.telegram_reflectors:
             if told.direction == seen.run.direction:
-                reach = told.distance_mm + SLACK_MM
+                reach = told.distance_mm + _SLACK_MM
                 ahead = self.walk.ahead(seen.run, seen.offset_mm, reach)
                 found = next(
                     (one for one in ahead if one.element.id == told.reflector and is_reflector(one.element)), None

@@ -25,14 +25,14 @@ from safeloc.railway.map.walk import Reference, Walk
 MOST_ROUTES = 24
 MOST_WORK = 2_000_000
 """Comparisons of two sightings that all pairs of routes may take; beyond, ways are compared behind choices."""
-WAYS_ON = 32
-HORIZON_STRETCHES = 3
-LONGEST_COMPARED_MM = 10_000_000
-KEPT_PAIRS = 100
+_WAYS_ON = 32
+_HORIZON_STRETCHES = 3
+_LONGEST_COMPARED_MM = 10_000_000
+_KEPT_PAIRS = 100
 
 
 @dataclass(frozen=True)
-class Way:
+class _Way:
     """A way along the line, with what is seen on it, in order."""
 
     name: str
@@ -57,7 +57,7 @@ def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, 
     if few:
         return count, tuple(pairs)
     close = sorted((pair for pair in pairs if pair.by_all.least is not None), key=_faults)
-    return None, tuple(close[:KEPT_PAIRS])
+    return None, tuple(close[:_KEPT_PAIRS])
 
 
 def _references(walk: Walk) -> int:
@@ -95,17 +95,17 @@ def _whole(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
         yield _pair(first, second, rules, same_start, place)
 
 
-def _way(walk: Walk, route: Route) -> Way:
+def _way(walk: Walk, route: Route) -> _Way:
     return _seen_along(walk, route.name, route.runs)
 
 
-def _seen_along(walk: Walk, name: str, runs: Sequence[Run]) -> Way:
+def _seen_along(walk: Walk, name: str, runs: Sequence[Run]) -> _Way:
     seen: list[Sighting] = []
     start = 0
     for run in runs:
         seen += [_sighting(element, run, start + offset) for offset, element in walk.references[run]]
         start += walk.topology.length_mm(run)
-    return Way(name, tuple(runs), tuple(seen), start)
+    return _Way(name, tuple(runs), tuple(seen), start)
 
 
 def _sighting(element: Reference, run: Run, position_mm: int) -> Sighting:
@@ -121,7 +121,7 @@ def _parting(first: Sequence[Run], second: Sequence[Run]) -> Run:
     return next(differing, first[-1])
 
 
-def _pair(first: Way, second: Way, rules: Rules, same_start: bool, place: Place) -> RoutePair:
+def _pair(first: _Way, second: _Way, rules: Rules, same_start: bool, place: Place) -> RoutePair:
     one, other = ([seen for seen in way.seen if not seen.certain] for way in (first, second))
     alone = _likeness(one, other, None, same_start)
     every = _likeness(first.seen, second.seen, _gate_mm(rules), same_start)
@@ -138,16 +138,16 @@ def _likeness(first: Sequence[Sighting], second: Sequence[Sighting], gate_mm: in
 
 
 def _behind_choices(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RoutePair]:
-    horizon = HORIZON_STRETCHES * min(longest(0, rules.layout), LONGEST_COMPARED_MM)
+    horizon = _HORIZON_STRETCHES * min(longest(0, rules.layout), _LONGEST_COMPARED_MM)
     for run in walk.runs:
         place = walk.place(run, walk.topology.length_mm(run))
         ways = [_ways_on(walk, branch, horizon) for branch in _branches(walk, run)]
-        if any(len(one) > WAYS_ON for one in ways):
-            ledger.add(rules.all_ways, place, f"more than {WAYS_ON} ways lead on from {walk.topology.end(run)}")
+        if any(len(one) > _WAYS_ON for one in ways):
+            ledger.add(rules.all_ways, place, f"more than {_WAYS_ON} ways lead on from {walk.topology.end(run)}")
         for one, other in combinations(ways, 2):
             pairs = [
                 _pair(*_until_they_meet(walk, left, right, rules), rules, True, place)
-                for left, right in product(one[:WAYS_ON], other[:WAYS_ON])
+                for left, right in product(one[:_WAYS_ON], other[:_WAYS_ON])
             ]
             yield min(pairs, key=_faults)
 
@@ -161,7 +161,7 @@ def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
     """The ways on from the start of a run, as far as the horizon; one more than are compared, if there are so many."""
     found: list[tuple[Run, ...]] = []
     open_ways: list[tuple[tuple[Run, ...], int]] = [((run,), walk.topology.length_mm(run))]
-    while open_ways and len(found) <= WAYS_ON:
+    while open_ways and len(found) <= _WAYS_ON:
         runs, length = open_ways.pop()
         after = [] if length >= horizon_mm else [one for one in walk.topology.after(runs[-1]) if one not in runs]
         open_ways += [((*runs, one), length + walk.topology.length_mm(one)) for one in reversed(after)]
@@ -170,7 +170,7 @@ def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
     return found
 
 
-def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[Way, Way]:
+def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[_Way, _Way]:
     """Both ways up to where they meet and on to the next reference, which comes later on the longer way."""
     met = next((run for run in left if run in right), None)
     if met is None:
@@ -183,7 +183,7 @@ def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rule
     return _named(walk, (*_before(left, met), *tail)), _named(walk, (*_before(right, met), *tail))
 
 
-def _named(walk: Walk, runs: Sequence[Run]) -> Way:
+def _named(walk: Walk, runs: Sequence[Run]) -> _Way:
     return _seen_along(walk, " > ".join(run.edge for run in runs), runs)
 
 
@@ -191,7 +191,7 @@ def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:
     return runs[: runs.index(met)]
 
 
-def _shortened(way: Way, length_mm: int) -> Way:
+def _shortened(way: _Way, length_mm: int) -> _Way:
     """Cut the way at this length, because the other way was followed no further."""
     kept = tuple(one for one in way.seen if one.position_mm <= length_mm)
-    return Way(way.name, way.runs, kept, length_mm)
+    return _Way(way.name, way.runs, kept, length_mm)

@@ -14,8 +14,8 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models import layout_rules as terms
 from safeloc.models.layout_rules import LayoutConfig
 
-TURNED = {"<=": ">=", "<": ">", "==": "=="}
-REACH_MM = 10**12
+_TURNED = {"<=": ">=", "<": ">", "==": "=="}
+_REACH_MM = 10**12
 UNBOUNDED = 10**12
 """Stands for `no bound at all`: a loop without references, a reflector without any balise before it."""
 
@@ -61,7 +61,7 @@ class Rule:
         left, right = evaluate([failed.left, failed.right], bound)
         unit = failed.left.unit.name
         if isinstance(failed.right, NumVar) and not isinstance(failed.left, NumVar):
-            return Figures(_words(failed.right), right, TURNED[failed.op], left, unit)
+            return Figures(_words(failed.right), right, _TURNED[failed.op], left, unit)
         return Figures(_words(failed.left), left, failed.op, right, unit)
 
     def _bound(self, values: Mapping[str, Value]) -> dict[Var, Value]:
@@ -103,7 +103,7 @@ class Rules:
     @cached_property
     def after_balise(self) -> Rule:
         """Reflectors follow balises."""
-        count = number("reflectors_since_balise", COUNT, 0, REACH_MM)
+        count = number("reflectors_since_balise", COUNT, 0, _REACH_MM)
         return Rule("reflector after its balise", ("RFL-7",), terms.reflector_follows_balise(count, self.layout))
 
     @cached_property
@@ -162,7 +162,7 @@ class Rules:
     @cached_property
     def routes(self) -> Rule:
         """Routes are distinguishable."""
-        faults = number("faults_to_confuse", COUNT, 0, REACH_MM)
+        faults = number("faults_to_confuse", COUNT, 0, _REACH_MM)
         return Rule("routes told apart", ("RFL-D6",), terms.routes_told_apart(faults, self.layout))
 
     @cached_property
@@ -197,4 +197,4 @@ class Rules:
 
 
 def _mm(name: str) -> NumVar:
-    return number(name, MM, -REACH_MM, REACH_MM)
+    return number(name, MM, -_REACH_MM, _REACH_MM)

@@ -17,7 +17,7 @@ from safeloc.railway.map.walk import Reference, Walk, carried
 
 
 @dataclass(frozen=True)
-class Since:
+class _Since:
     """The distance since the last reference, the position error that it left, and its name."""
 
     distance_mm: int
@@ -44,7 +44,7 @@ class Stretches:
         for run, since in arriving.items():
             self._along(run, since)
 
-    def _along(self, run: Run, since: Since) -> None:
+    def _along(self, run: Run, since: _Since) -> None:
         for offset, element in self.walk.references[run]:
             self._check(since, run, offset, begins_mm(element, offset, self.layout), name(element))
             since = self._after(element, offset)
@@ -52,7 +52,7 @@ class Stretches:
             length = self.walk.topology.length_mm(run)
             self._check(since, run, length, length, "the end of the map")
 
-    def _check(self, since: Since, run: Run, at_mm: int, begins: int, goal: str) -> None:
+    def _check(self, since: _Since, run: Run, at_mm: int, begins: int, goal: str) -> None:
         distance = max(since.distance_mm + begins, 0)
         self.ledger.check(
             self.rules.stretch,
@@ -62,23 +62,23 @@ class Stretches:
             fix_error_mm=since.fix_error_mm,
         )
 
-    def _entering(self, run: Run) -> Since:
-        return Since(0, 0, f"the edge of the map at {self.walk.topology.start(run)}")
+    def _entering(self, run: Run) -> _Since:
+        return _Since(0, 0, f"the edge of the map at {self.walk.topology.start(run)}")
 
-    def _leaving(self, run: Run) -> Since | None:
+    def _leaving(self, run: Run) -> _Since | None:
         there = self.walk.references[run]
         if not there:
             return None
         after = self._after(there[-1][1], there[-1][0])
         return self._through(run, after)
 
-    def _after(self, element: Reference, offset_mm: int) -> Since:
-        return Since(-ends_mm(element, offset_mm, self.layout), fix_error_mm(element, self.layout), name(element))
+    def _after(self, element: Reference, offset_mm: int) -> _Since:
+        return _Since(-ends_mm(element, offset_mm, self.layout), fix_error_mm(element, self.layout), name(element))
 
-    def _through(self, run: Run, since: Since) -> Since:
-        return Since(since.distance_mm + self.walk.topology.length_mm(run), since.fix_error_mm, since.origin)
+    def _through(self, run: Run, since: _Since) -> _Since:
+        return _Since(since.distance_mm + self.walk.topology.length_mm(run), since.fix_error_mm, since.origin)
 
-    def _worst(self, several: Iterable[Since]) -> Since:
+    def _worst(self, several: Iterable[_Since]) -> _Since:
         return max(several, key=lambda since: since.distance_mm - self._longest_mm(since.fix_error_mm))
 
     def _longest_mm(self, fix_error: int) -> int:

@@ -12,7 +12,7 @@ from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.map.toml_place import line_of
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "vehicles"
-TABLE = "localization"
+_TABLE = "localization"
 
 
 def find_layout(name: str) -> LayoutConfig:
@@ -32,12 +32,12 @@ def find_layout(name: str) -> LayoutConfig:
 
 
 def _layout(path: Path, text: str, data: dict[str, object]) -> LayoutConfig:
-    if TABLE not in data:
-        raise InputError(f"{path}: has no table [{TABLE}] with the figures for the audit (docs/line.md lists them).")
+    if _TABLE not in data:
+        raise InputError(f"{path}: has no table [{_TABLE}] with the figures for the audit (docs/line.md lists them).")
     try:
-        return LayoutConfig.model_validate(data[TABLE])
+        return LayoutConfig.model_validate(data[_TABLE])
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        where = line_of(text, (TABLE, *first["loc"]))
-        key = ".".join(str(part) for part in (TABLE, *first["loc"]))
+        where = line_of(text, (_TABLE, *first["loc"]))
+        key = ".".join(str(part) for part in (_TABLE, *first["loc"]))
         raise InputError(f"{path}:{where}: {key}: {first['msg'].removeprefix('Value error, ')}") from error

@@ -12,7 +12,7 @@ from collections import deque
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.tracks import Tracks
 
-LONGEST = 3
+_LONGEST = 3
 """A course is told from no more than so many times `course_base_mm`: over more, tracks bend both ways."""
 
 
@@ -45,7 +45,7 @@ class Courses:
         for _, east, north in reversed(self._fixes):
             far = math.hypot(x - east, y - north)
             if far >= base:
-                return (east, north) if far <= LONGEST * base else None
+                return (east, north) if far <= _LONGEST * base else None
         return None
 
     def _angle(self, begin: tuple[float, float], end: tuple[float, float]) -> int | None:

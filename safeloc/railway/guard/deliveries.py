@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-KNOT_MM_S = 1852 * 1000 / 3600
-SPEED_UNITS = {"m/s": 1000.0, "km/h": 1000 / 3.6, "mm/s": 1.0, "knots": KNOT_MM_S}
+_KNOT_MM_S = 1852 * 1000 / 3600
+SPEED_UNITS = {"m/s": 1000.0, "km/h": 1000 / 3.6, "mm/s": 1.0, "knots": _KNOT_MM_S}
 """mm/s in one of each."""
 
 

@@ -14,7 +14,7 @@ from safeloc.railway.audit.vehicle import SHIPPED
 from safeloc.simulation.motion import VehicleConfig
 from safeloc.simulation.vehicles import load_vehicle
 
-STRONGEST_BRAKE_MM_S2 = GuardConfig.model_fields["brake_mm_s2"].default
+_STRONGEST_BRAKE_MM_S2 = GuardConfig.model_fields["brake_mm_s2"].default
 """Vehicle files tell the service brake; a guard has to allow for the emergency brake."""
 
 
@@ -46,5 +46,5 @@ def _of(vehicle: VehicleConfig) -> dict[str, int]:
     return {
         "max_speed_mm_s": vehicle.max_speed_mm_s,
         "acceleration_mm_s2": vehicle.acceleration_mm_s2,
-        "brake_mm_s2": max(vehicle.brake_mm_s2, STRONGEST_BRAKE_MM_S2),
+        "brake_mm_s2": max(vehicle.brake_mm_s2, _STRONGEST_BRAKE_MM_S2),
     }

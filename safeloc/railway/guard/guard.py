@@ -25,10 +25,10 @@ from safeloc.railway.map.places import Place
 from safeloc.runtime.border import Deliveries, Raw, Reason
 
 MODES = ("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
-BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}
+_BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}
 """Transitions after which a fix is all that is known of the way: those before it may have been false."""
-GOES_ON = {"fix passed on", "receiver believed again"}
-FAULT_NUMBER = {fault.label: number for number, fault in enumerate(FAULT)}
+_GOES_ON = {"fix passed on", "receiver believed again"}
+_FAULT_NUMBER = {fault.label: number for number, fault in enumerate(FAULT)}
 
 
 @dataclass(frozen=True)
@@ -184,9 +184,9 @@ class Guard:
 
     def _remember(self, match: Match, fired: str) -> None:
         """Update the known way from an accepted fix."""
-        if fired in BEGINS:
+        if fired in _BEGINS:
             self.tracks.began(match)
-        elif fired in GOES_ON:
+        elif fired in _GOES_ON:
             self.tracks.took(match, self._held_window())
         else:
             return
@@ -197,7 +197,7 @@ class Guard:
 
     def _step(self, delivery: Delivery, fault: str, detail: str) -> Judgement:
         """A delivery without a position to judge."""
-        self._state, _ = self._code.step(self._state, self._code.read(self._inputs(fault=FAULT_NUMBER[fault])))
+        self._state, _ = self._code.step(self._state, self._code.read(self._inputs(fault=_FAULT_NUMBER[fault])))
         return self._judgement(delivery, None, detail)
 
     def _located(self, delivery: Delivery, match: Match, age_ms: int) -> Judgement:

@@ -15,10 +15,10 @@ from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import milliseconds_of, speed_mm_s
 from safeloc.runtime.outside import shortened
 
-SENTENCES = ("RMC", "GGA", "GNS", "GLL")
-LONGEST_SENTENCE = 1_000
+_SENTENCES = ("RMC", "GGA", "GNS", "GLL")
+_LONGEST_SENTENCE = 1_000
 """Characters; NMEA 0183 allows 82."""
-HALF_A_DAY = timedelta(hours=12)
+_HALF_A_DAY = timedelta(hours=12)
 
 
 def nmea_deliveries(lines: Iterable[str], sentence: str = "RMC") -> Iterator[Delivery]:
@@ -27,8 +27,8 @@ def nmea_deliveries(lines: Iterable[str], sentence: str = "RMC") -> Iterator[Del
 
     Raises InputError for a kind that tells no position, EngineError without the extra.
     """
-    if sentence not in SENTENCES:
-        raise InputError(f"sentence {sentence!r}: choose one of {', '.join(SENTENCES)}.")
+    if sentence not in _SENTENCES:
+        raise InputError(f"sentence {sentence!r}: choose one of {', '.join(_SENTENCES)}.")
     parse = _parser()
     clock = _Clock()
     for number, line in enumerate(lines, 1):
@@ -46,7 +46,7 @@ def _delivery(number: int, text: str, parse: Callable[[str], Any], clock: _Clock
     try:
         if not text.isascii():
             raise InputError("not ASCII, as NMEA is")
-        said = parse(text[:LONGEST_SENTENCE])
+        said = parse(text[:_LONGEST_SENTENCE])
         if said is None:
             raise InputError("no sentence")
         return _of(number, said, clock)
@@ -81,7 +81,7 @@ class _Clock:
         dated = isinstance(told, date)
         day = told if isinstance(told, date) else (self._last or datetime(1970, 1, 1)).date()
         found = datetime.combine(day, when.replace(tzinfo=None), UTC)
-        if not dated and self._last is not None and self._last - found > HALF_A_DAY:
+        if not dated and self._last is not None and self._last - found > _HALF_A_DAY:
             found += timedelta(days=1)
         self._last = found
         return found

@@ -11,7 +11,7 @@ from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns, delivery
 from safeloc.runtime.outside import shortened
 
-LONGEST_LINE = 100_000
+_LONGEST_LINE = 100_000
 
 
 def csv_deliveries(lines: Iterable[str], columns: Columns, name: str) -> Iterator[Delivery]:
@@ -62,4 +62,4 @@ def _of_object(number: int, line: str, columns: Columns) -> Delivery:
 def _checked(lines: Iterable[str]) -> Iterator[str]:
     """Lines without NUL and of readable length; others are cut to what the reader refuses by itself."""
     for line in lines:
-        yield line.replace("\0", "\N{REPLACEMENT CHARACTER}")[:LONGEST_LINE]
+        yield line.replace("\0", "\N{REPLACEMENT CHARACTER}")[:_LONGEST_LINE]

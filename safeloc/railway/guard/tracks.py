@@ -20,7 +20,7 @@ from safeloc.railway.map.projection import WGS84, Projected, Projector
 from safeloc.railway.map.routes import Route
 from safeloc.railway.map.topology import Run, Topology
 
-ONE_WAY_MM = 1_000
+_ONE_WAY_MM = 1_000
 """Ways to one run that differ in length by no more are one: a vehicle that goes there and back on both would otherwise
 be at ever more positions. It is part of what a fix is charged."""
 
@@ -34,7 +34,7 @@ class Laid:
 
     def is_like(self, other: Laid) -> bool:
         """Return whether it is the same run at the same position, except for ways that differ in length by less than a metre."""
-        return self.run == other.run and abs(self.start_mm - other.start_mm) <= ONE_WAY_MM
+        return self.run == other.run and abs(self.start_mm - other.start_mm) <= _ONE_WAY_MM
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class Tracks:
         """`both_directions`: the vehicle may also run back on the route, for instance to set back or with a change of cabs."""
         self.topology = Topology(line)
         self.crs, self.clear_mm, self.reach_mm = crs, clear_mm, reach_mm
-        self.route = None if route is None else tuple(laid_along(route))
+        self.route = None if route is None else tuple(_laid_along(route))
         self.one_way = route is not None and not both_directions
         edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
         _with_course(line, edges)
@@ -227,7 +227,7 @@ class Tracks:
     def _joined(self, one: Laid, other: Laid) -> bool:
         """Return whether one legal way leads over both."""
         first, last = sorted((one, other))
-        ahead = Window(first.start_mm, last.start_mm + ONE_WAY_MM, backwards=False)
+        ahead = Window(first.start_mm, last.start_mm + _ONE_WAY_MM, backwards=False)
         return any(here.is_like(last) for here in self._reached((first,), ahead))
 
     # -------------------------------------------------------------- where no way is known
@@ -271,7 +271,7 @@ def _with_course(line: Line, edges: Iterable[str]) -> None:
         )
 
 
-def laid_along(route: Route) -> Iterator[Laid]:
+def _laid_along(route: Route) -> Iterator[Laid]:
     """Return the runs of a route with the positions along it at which they begin."""
     start = -route.start_mm
     for run in route.runs:

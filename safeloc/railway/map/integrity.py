@@ -20,7 +20,7 @@ class _Named(Protocol):
 
 def contradictions(line: Line) -> Iterator[str]:
     """Return everything that is wrong, in words."""
-    for check in CHECKS:
+    for check in _CHECKS:
         yield from check(line)
 
 
@@ -79,7 +79,7 @@ def _kilometre_points(line: Line) -> Iterator[str]:
             yield f"edge {edge.id!r}: a kilometre point lies beyond its length {edge.length_mm} mm"
 
 
-def ends_at(line: Line) -> dict[str, frozenset[str]]:
+def _ends_at(line: Line) -> dict[str, frozenset[str]]:
     """Node -> the edges that end there."""
     found: dict[str, set[str]] = {node.id: set() for node in line.nodes}
     for edge in line.edges:
@@ -89,7 +89,7 @@ def ends_at(line: Line) -> dict[str, frozenset[str]]:
 
 
 def _switches(line: Line) -> Iterator[str]:
-    there = ends_at(line)
+    there = _ends_at(line)
     for switch in line.switches:
         used = (switch.stem, switch.left, switch.right)
         if len(set(used)) != 3:
@@ -100,7 +100,7 @@ def _switches(line: Line) -> Iterator[str]:
 
 
 def _crossings(line: Line) -> Iterator[str]:
-    there = ends_at(line)
+    there = _ends_at(line)
     for crossing in line.crossings:
         used = {edge for pair in crossing.movements for edge in pair}
         if used != there.get(crossing.node, frozenset()):
@@ -111,7 +111,7 @@ def _crossings(line: Line) -> Iterator[str]:
 
 
 def _nodes(line: Line) -> Iterator[str]:
-    there = ends_at(line)
+    there = _ends_at(line)
     owners = Counter([*(one.node for one in line.switches), *(one.node for one in line.crossings)])
     for node in line.nodes:
         count, owned = len(there[node.id]), owners[node.id]
@@ -256,7 +256,7 @@ def _covers(stretch: Stretch, edge: str, position_mm: int) -> bool:
     return stretch.edge == edge and low <= position_mm <= high
 
 
-CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (
+_CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (
     _identities,
     _telegram_identities,
     _edge_nodes,

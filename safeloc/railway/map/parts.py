@@ -16,10 +16,10 @@ from safeloc.railway.map.elements import Node, TrackEdge
 from safeloc.railway.map.model import Line, content_checksum, sealed
 from safeloc.railway.map.places import kilometre_mm
 
-BY_EDGE = ("balise_groups", "reflectors", "stop_points", "signals", "axle_counters")
-BY_STRETCH = ("speed_limits", "gradients", "curves")
-SECTIONS = ("detection_sections", "virtual_sections", "tunnels")
-BY_NODE = ("switches", "crossings")
+_BY_EDGE = ("balise_groups", "reflectors", "stop_points", "signals", "axle_counters")
+_BY_STRETCH = ("speed_limits", "gradients", "curves")
+_SECTIONS = ("detection_sections", "virtual_sections", "tunnels")
+_BY_NODE = ("switches", "crossings")
 
 
 class LinePart(Line):
@@ -43,7 +43,7 @@ class PartialMap:
     def __post_init__(self) -> None:
         if not self.parts:
             raise InputError("a map needs at least one part.")
-        for check in CHECKS:
+        for check in _CHECKS:
             for wrong in check(self.parts):
                 raise InputError(f"{wrong}; the part is refused.")
         _ = self.line
@@ -119,18 +119,18 @@ def _leads_to(edge: TrackEdge, node: str) -> bool:
     return (edge.to_node == node) == (edge.travel == "increasing")
 
 
-CHECKS: tuple[Callable[[tuple[LinePart, ...]], Iterator[str]], ...] = (_checksums, _one_map, _names, _seams)
+_CHECKS: tuple[Callable[[tuple[LinePart, ...]], Iterator[str]], ...] = (_checksums, _one_map, _names, _seams)
 
 
 # ------------------------------------------------------------------ putting together
 
 
 def _assembled(parts: tuple[LinePart, ...]) -> Line:
-    joined = ("edges", "fibres", "localization_sections", *BY_NODE, *BY_EDGE, *BY_STRETCH)
+    joined = ("edges", "fibres", "localization_sections", *_BY_NODE, *_BY_EDGE, *_BY_STRETCH)
     merged: dict[str, Any] = {
         kind: tuple(element for part in parts for element in getattr(part, kind)) for kind in joined
     }
-    merged |= {kind: _sections(parts, kind) for kind in SECTIONS}
+    merged |= {kind: _sections(parts, kind) for kind in _SECTIONS}
     nodes = _nodes(parts)
     open_seams = any(node.kind == "seam" for node in nodes)
     name = "+".join(part.part for part in parts) if open_seams else ""
@@ -211,9 +211,9 @@ def _piece(line: Line, edges: frozenset[str], seams: frozenset[str], name: str) 
         "edges": kept,
         "nodes": tuple(_as_seam(node, seams) for node in line.nodes if node.id in nodes),
     }
-    held |= {kind: tuple(one for one in getattr(line, kind) if one.node in nodes) for kind in BY_NODE}
-    held |= {kind: tuple(one for one in getattr(line, kind) if one.edge in edges) for kind in (*BY_EDGE, *BY_STRETCH)}
-    held |= {kind: _within(getattr(line, kind), edges) for kind in SECTIONS}
+    held |= {kind: tuple(one for one in getattr(line, kind) if one.node in nodes) for kind in _BY_NODE}
+    held |= {kind: tuple(one for one in getattr(line, kind) if one.edge in edges) for kind in (*_BY_EDGE, *_BY_STRETCH)}
+    held |= {kind: _within(getattr(line, kind), edges) for kind in _SECTIONS}
     fibres = tuple(fibre for fibre in line.fibres if fibre.path[0].edge in edges)
     carried = {fibre.id for fibre in fibres}
     held |= {

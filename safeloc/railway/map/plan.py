@@ -18,7 +18,7 @@ from safeloc.railway.map.routes import Inventory, Route
 from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.pictures import PlanMark, PlanTrack, TrackPlan
 
-RAMP_MM = 40_000
+_RAMP_MM = 40_000
 Chain = tuple[Run, ...]
 
 
@@ -120,7 +120,7 @@ class _Layout:
         """One run; leaving or reaching its lane over a ramp."""
         (begin, first), (end, last) = self._end(self.topology.start(run)), self._end(self.topology.end(run))
         lane = next((lane for chain, lane in self.lanes[0].items() if run in chain), None)
-        ramp = min(RAMP_MM, abs(end - begin) // 3)
+        ramp = min(_RAMP_MM, abs(end - begin) // 3)
         points = [(begin, float(first))]
         if lane is not None and lane != first:
             points.append((begin + ramp, float(lane)))

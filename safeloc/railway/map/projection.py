@@ -19,10 +19,10 @@ from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import Place
 
 WGS84 = "EPSG:4326"
-HALF_CHORD_M = 5.0
+_HALF_CHORD_M = 5.0
 """The direction of a track is that of 10 m of it, so that a corner of its course on the map is no turn."""
 LAMBERT72 = "EPSG:31370"
-PURPOSE = "projecting positions to the track"
+_PURPOSE = "projecting positions to the track"
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ class _Course:
 
     def heading(self, distance: float) -> float:
         """The direction of increasing positions around this distance along the course, in radians from east to north."""
-        begin = self.line.interpolate(max(distance - HALF_CHORD_M, 0.0))
-        end = self.line.interpolate(min(distance + HALF_CHORD_M, self.reached[-1]))
+        begin = self.line.interpolate(max(distance - _HALF_CHORD_M, 0.0))
+        end = self.line.interpolate(min(distance + _HALF_CHORD_M, self.reached[-1]))
         return math.atan2(end.y - begin.y, end.x - begin.x)
 
     def side(self, distance: float, x: float, y: float) -> int:
@@ -186,7 +186,7 @@ def _shapely() -> Any:
         import shapely
         import shapely.ops
     except ImportError as error:
-        raise missing("shapely", PURPOSE) from error
+        raise missing("shapely", _PURPOSE) from error
     return shapely
 
 
@@ -194,7 +194,7 @@ def _pyproj() -> Any:
     try:
         import pyproj
     except ImportError as error:
-        raise missing("pyproj", PURPOSE) from error
+        raise missing("pyproj", _PURPOSE) from error
     return pyproj
 
 

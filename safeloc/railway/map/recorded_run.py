@@ -27,7 +27,7 @@ from safeloc.runtime.outside import quoted
 from safeloc.runtime.streams.files import bounded, csv_rows, streaming
 from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record, TruthRecord
 
-ENDS: tuple[End, End] = ("front", "rear")
+_ENDS: tuple[End, End] = ("front", "rear")
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ def odometer_records(fixes: Sequence[OnRoute], along: str, straight: str) -> Ite
         assert after.straight_mm is not None
         step = after.position_mm - before.position_mm
         forward = after.straight_mm if step >= 0 else -after.straight_mm
-        for end in ENDS:
+        for end in _ENDS:
             yield DistanceRecord(time_ms=after.time_ms, end=end, unit=straight, step_mm=forward)
             yield DistanceRecord(time_ms=after.time_ms, end=end, unit=along, step_mm=step)
 
@@ -190,7 +190,7 @@ def balise_records(
     for before, after in pairwise(fixes):
         if before.time_ms not in trusted or after.time_ms not in trusted:
             continue
-        for end, behind in zip(ENDS, (0, how.length_mm), strict=True):
+        for end, behind in zip(_ENDS, (0, how.length_mm), strict=True):
             for place, group in groups:
                 if before.position_mm < place + behind <= after.position_mm:
                     own = group.location_accuracy_mm

@@ -18,8 +18,8 @@ from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, s
 
 LARGEST_TEXT = 50_000_000
 """Bytes of a line as TOML or JSON: a hundred thousand edges."""
-MOST_DOTS = 2_000
-SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
+_MOST_DOTS = 2_000
+_SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
 
 
 def from_toml(text: str, name: str) -> Line:
@@ -69,12 +69,12 @@ def load_line(path: Path) -> Line:
 def _refuse_long_keys(text: str, name: str) -> None:
     """Keys of many parts take time that grows with the square of them, one key a line or many in one."""
     for number, line in enumerate(text.splitlines(), 1):
-        refuse_beyond(f"{name}:{number}", line.count("."), MOST_DOTS, "points in one line")
+        refuse_beyond(f"{name}:{number}", line.count("."), _MOST_DOTS, "points in one line")
 
 
 def shipped_lines() -> dict[str, Path]:
     """Return the worked examples by name."""
-    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    return {path.stem: path for path in sorted(_SHIPPED.glob("*.toml"))}
 
 
 def find_line(name: str) -> Line:

@@ -16,8 +16,8 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats, Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
 try:
@@ -27,16 +27,14 @@ except ModuleNotFoundError as error:
 
     raise EngineError("fibre signals are read with scipy: pip install 'safeloc[signals]'.") from error
 
-Numbers = NDArray[np.float64]
-Single = NDArray[np.float32]
-BEYOND_MM = 40_000
-SMOOTH_MM = 2_000
-LEAST_HEIGHT = 0.2
-FAINTEST = 0.03
-SLOWEST_MM_S = 3_000
-TURNED_MM = 30_000
-DEGREE = 2
-TINY = float(np.finfo(np.float64).tiny)
+_BEYOND_MM = 40_000
+_SMOOTH_MM = 2_000
+_LEAST_HEIGHT = 0.2
+_FAINTEST = 0.03
+_SLOWEST_MM_S = 3_000
+_TURNED_MM = 30_000
+_DEGREE = 2
+_TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ class _Moment:
     time_ms: float
     run_mm: float
     middle_mm: float
-    energy: Single
+    energy: Singles
 
 
 class Counter:
@@ -75,22 +73,22 @@ class Counter:
     def __init__(self, config: FibreConfig) -> None:
         self._config = config
         self._moments: deque[_Moment] = deque()
-        self._profile: Numbers | None = None
+        self._profile: Floats | None = None
         self._gathered = 0
         self._next: int | None = None
         self._counts: deque[_Profiled] = deque(maxlen=config.counting.agree)
         self._run_mm, self._began_mm, self._time_ms = 0.0, 0.0, math.nan
 
-    def follow(self, time_ms: float, middle_mm: float, length_mm: float, speed_mm_s: float, energy: Single) -> None:
+    def follow(self, time_ms: float, middle_mm: float, length_mm: float, speed_mm_s: float, energy: Singles) -> None:
         """Process one window: place of the middle, length between the outermost axles, speed (signed), all as measured."""
         self.runs(time_ms, speed_mm_s)
-        if abs(speed_mm_s) < SLOWEST_MM_S or (self._moments and self._turned(middle_mm, speed_mm_s)):
+        if abs(speed_mm_s) < _SLOWEST_MM_S or (self._moments and self._turned(middle_mm, speed_mm_s)):
             self._start_again()
-        if abs(speed_mm_s) < SLOWEST_MM_S:
+        if abs(speed_mm_s) < _SLOWEST_MM_S:
             return
         self._moments.append(_Moment(time_ms, self._run_mm, middle_mm, energy))
         ahead = 1 if speed_mm_s > 0 else -1
-        reach = ahead * (length_mm / 2 + BEYOND_MM)
+        reach = ahead * (length_mm / 2 + _BEYOND_MM)
         passed = self._channel(middle_mm - reach, ahead)
         if self._next is None:
             self._next = self._channel(middle_mm + reach, ahead) + ahead
@@ -117,7 +115,7 @@ class Counter:
         self._time_ms = time_ms
 
     def _turned(self, middle_mm: float, speed_mm_s: float) -> bool:
-        return (middle_mm - self._moments[0].middle_mm) * speed_mm_s < -TURNED_MM * abs(speed_mm_s)
+        return (middle_mm - self._moments[0].middle_mm) * speed_mm_s < -_TURNED_MM * abs(speed_mm_s)
 
     def _start_again(self) -> None:
         self._moments.clear()
@@ -134,17 +132,17 @@ class Counter:
         assert self._next is not None
         inter = self._config.interrogator
         place = self._next * inter.channel_mm + inter.span_mm / 2
-        reach = length_mm / 2 + 2 * BEYOND_MM
+        reach = length_mm / 2 + 2 * _BEYOND_MM
         while len(self._moments) > 1 and (place - self._moments[1].middle_mm) * ahead > reach:
             self._moments.popleft()
 
-    def _middles(self) -> Numbers:
+    def _middles(self) -> Floats:
         """Return the middle at every stored moment, smoothed over the errors of single windows."""
         time = np.array([one.time_ms - self._moments[-1].time_ms for one in self._moments]) / 1_000
         middle = np.array([one.middle_mm for one in self._moments])
-        if len(time) <= DEGREE:
+        if len(time) <= _DEGREE:
             return middle
-        return np.asarray(np.polyval(np.polyfit(time, middle, DEGREE), time), dtype=np.float64)
+        return np.asarray(np.polyval(np.polyfit(time, middle, _DEGREE), time), dtype=np.float64)
 
     def _gather(self, channel: int, length_mm: float, ahead: int) -> None:
         """One channel's course, laid over the distance behind the middle: a smooth run, fitted over all that is kept."""
@@ -155,7 +153,7 @@ class Counter:
         course = np.array([one.energy[channel] for one in self._moments], dtype=np.float64)
         if np.any(np.diff(behind) <= 0):
             return
-        half = length_mm / 2 + BEYOND_MM
+        half = length_mm / 2 + _BEYOND_MM
         bins = np.arange(-half, half, counting.bin_mm)
         course = np.interp(bins, behind, course)
         if self._profile is None:
@@ -171,21 +169,21 @@ class Counter:
             self._profile, self._gathered = None, 0
 
 
-def _added(profile: Numbers, course: Numbers) -> Numbers:
+def _added(profile: Floats, course: Floats) -> Floats:
     """Both about their middle; as long as the shorter."""
     shorter = min(len(profile), len(course))
     first, second = (len(profile) - shorter) // 2, (len(course) - shorter) // 2
     return profile[first : first + shorter] + course[second : second + shorter]
 
 
-def clusters(profile: Numbers, config: FibreConfig) -> int:
+def clusters(profile: Floats, config: FibreConfig) -> int:
     """Return clusters of axles in a profile over distance: tops with a dip beside them, in proportion to their own height.
 
     A locomotive is louder than its coaches: what counts is a top's own dip, and that it is no mere ripple beside most tops.
     """
-    smooth = ndimage.gaussian_filter1d(profile, SMOOTH_MM / config.counting.bin_mm)
+    smooth = ndimage.gaussian_filter1d(profile, _SMOOTH_MM / config.counting.bin_mm)
     above = smooth - np.percentile(smooth, 5)
-    _, found = signal.find_peaks(above, height=FAINTEST * above.max(), prominence=0)
+    _, found = signal.find_peaks(above, height=_FAINTEST * above.max(), prominence=0)
     heights, dips = found.get("peak_heights", np.empty(0)), found["prominences"]
     clear = heights[dips >= config.counting.dip_percent / 100 * heights]
-    return int((clear >= LEAST_HEIGHT * np.median(clear)).sum()) if len(clear) else 0
+    return int((clear >= _LEAST_HEIGHT * np.median(clear)).sum()) if len(clear) else 0

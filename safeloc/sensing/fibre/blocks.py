@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.language.units import MS_PER_S
 from safeloc.runtime.border import Deliveries, Raw, Reason
+from safeloc.sensing.array_types import Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
-Single = NDArray[np.float32]
-TIME_SLACK_MS = 2
+_TIME_SLACK_MS = 2
 
 
 class Refusal(Enum):
@@ -61,8 +60,8 @@ class NoFibre:
 class Content:
     """An admitted block's arrays."""
 
-    phase_rate: Single
-    intensity: Single | None
+    phase_rate: Singles
+    intensity: Singles | None
 
 
 def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
@@ -80,7 +79,7 @@ def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
         return Content(rate.astype(np.float32, copy=False), intensity)
 
 
-def _intensity(given: object, channels: int) -> Single | NoFibre | None:
+def _intensity(given: object, channels: int) -> Singles | NoFibre | None:
     if given is None:
         return None
     if not isinstance(given, np.ndarray) or given.dtype not in (np.float32, np.float64):
@@ -92,7 +91,7 @@ def _intensity(given: object, channels: int) -> Single | NoFibre | None:
     return given.astype(np.float32, copy=False)
 
 
-def unusable(config: FibreConfig, energy: Single) -> NoFibre | None:
+def unusable(config: FibreConfig, energy: Singles) -> NoFibre | None:
     """Detect frames that are not finite, or a silent interrogator, from the energies [windows, channels].
 
     Every frame has a weight in every energy, and NaN and infinity stay NaN or infinite in sums.
@@ -126,7 +125,7 @@ class Order:
         if before is None:
             return None
         late_ms = block.time_ms - before[1] - self._duration_ms
-        if block.sequence == before[0] + 1 and abs(late_ms) <= TIME_SLACK_MS:
+        if block.sequence == before[0] + 1 and abs(late_ms) <= _TIME_SLACK_MS:
             return None
         return NoFibre(Refusal.GAP, f"number {before[0]} to {block.sequence}, {late_ms:+.0f} ms")
 
@@ -134,7 +133,7 @@ class Order:
         """Mark a break: the next block does not continue an earlier one."""
         self._joins = None
 
-    def changes(self, energy: Single) -> NoFibre | None:
+    def changes(self, energy: Singles) -> NoFibre | None:
         """None when the block's energies are not those of the one before."""
         before, self._digest = self._digest, hashlib.blake2b(energy.tobytes()).digest()
         return NoFibre(Refusal.FROZEN) if before == self._digest else None

@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.figures import SILENT_BITS, FibreConfig
-
-Single = NDArray[np.float32]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -41,13 +39,13 @@ class Listener:
         self._config, self._rules = config, config.emission
         self._bits = len(self._rules.emitters[0].bits) if self._rules.emitters else 0
         windows = (self._bits + 2 * SILENT_BITS) * self._rules.bit_windows
-        self._tones: deque[Single] = deque(maxlen=windows)
+        self._tones: deque[Singles] = deque(maxlen=windows)
 
     def reset(self) -> None:
         """After missing frames: a pattern with a hole is none."""
         self._tones.clear()
 
-    def listen(self, tone: Single, time_ms: float) -> list[Heard]:
+    def listen(self, tone: Singles, time_ms: float) -> list[Heard]:
         """One window's energy at the tone over its quiet, [channels]; patterns that ended, and the silence after them."""
         self._tones.append(tone)
         if len(self._tones) < (self._tones.maxlen or 0):
@@ -60,7 +58,7 @@ class Listener:
             return []
         return self._heard(np.stack([tone[channels] for tone in self._tones]), channels, time_ms)
 
-    def _heard(self, level: Single, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
+    def _heard(self, level: Singles, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
         """Of channels in which a bit began after silence; neighbours hear one emitter."""
         loud, threshold = level.max(axis=0), 10 ** (self._rules.contrast_cdb / 1_000)
         picture = level > np.maximum(threshold, loud * 10 ** (-self._rules.fall_cdb / 1_000))
@@ -73,7 +71,7 @@ class Listener:
                 made.append(self._named(bits, int(channels[loudest]), time_ms))
         return made
 
-    def _read(self, on: Mask) -> str | None:
+    def _read(self, on: Flags) -> str | None:
         """Bits between silences; None where a bit is not clear or there is no silence."""
         per = self._rules.bit_windows
         bits = on.reshape(-1, per)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from safeloc.errors import EngineError
 from safeloc.language.units import MS_PER_S
+from safeloc.sensing.array_types import Singles
 from safeloc.sensing.fibre.figures import FibreConfig, tones_hz
 
 try:
@@ -20,16 +21,15 @@ try:
 except ModuleNotFoundError as error:
     raise EngineError("fibre signals are read with scipy: pip install 'safeloc[signals]'.") from error
 
-Single = NDArray[np.float32]
-LEARNING_PARTS = 5
+_LEARNING_PARTS = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Energies:
     """Mean energy in the band, and at the emitters' tone (None without emitters). Shapes [windows, channels]."""
 
-    band: Single
-    tone: Single | None
+    band: Singles
+    tone: Singles | None
 
 
 class Analyser:
@@ -43,13 +43,13 @@ class Analyser:
             rows.append(_rows(config, config.emission.tone_hz))
         self._rows = np.concatenate(rows).astype(np.float32)
 
-    def energies(self, phase_rate: Single) -> Energies:
+    def energies(self, phase_rate: Singles) -> Energies:
         """Of frames [frames, channels], a whole block."""
         parts = phase_rate.reshape(self._windows, self._frames, phase_rate.shape[1])
         with np.errstate(over="ignore", invalid="ignore"):
             projected = np.matmul(self._rows, parts)
             np.multiply(projected, projected, out=projected)
-            band: Single = projected[:, : self._band_rows].mean(axis=1)
+            band: Singles = projected[:, : self._band_rows].mean(axis=1)
             if len(self._rows) == self._band_rows:
                 return Energies(band, None)
             return Energies(band, projected[:, self._band_rows :].mean(axis=1))
@@ -69,13 +69,13 @@ class Smoother:
 
     def __init__(self, windows_averaged: int) -> None:
         self._count = windows_averaged
-        self._before: Single | None = None
+        self._before: Singles | None = None
 
     def reset(self) -> None:
         """Start the next window from zero."""
         self._before = None
 
-    def smooth(self, energy: Single) -> Single:
+    def smooth(self, energy: Singles) -> Singles:
         """Of every window [windows, channels] with those before it."""
         if self._count == 1:
             return energy
@@ -93,25 +93,25 @@ class Quiet:
     """Each channel's energy without trains: the quietest part of its first seconds, then a slow mean of its quiet ones."""
 
     def __init__(self, config: FibreConfig) -> None:
-        self._needed = max(LEARNING_PARTS, round(config.detection.floor_s * MS_PER_S / config.window_ms))
+        self._needed = max(_LEARNING_PARTS, round(config.detection.floor_s * MS_PER_S / config.window_ms))
         self._share = np.float32(1 / self._needed)
-        self._first: list[Single] = []
-        self._level: Single | None = None
+        self._first: list[Singles] = []
+        self._level: Singles | None = None
 
     @property
-    def level(self) -> Single | None:
+    def level(self) -> Singles | None:
         """Mean energy of each channel, [channels]; None until it is learnt."""
         return self._level
 
-    def learn(self, energy: Single) -> None:
+    def learn(self, energy: Singles) -> None:
         """From energies [windows, channels] of the first seconds; no more once it is learnt."""
         self._first.extend(energy)
         if len(self._first) >= self._needed:
-            parts = np.array_split(np.stack(self._first), LEARNING_PARTS)
+            parts = np.array_split(np.stack(self._first), _LEARNING_PARTS)
             self._level = np.min([part.mean(axis=0) for part in parts], axis=0).astype(np.float32)
             self._first = []
 
-    def follow(self, energy: Single, shaken: NDArray[np.bool_]) -> None:
+    def follow(self, energy: Singles, shaken: NDArray[np.bool_]) -> None:
         """Only where nothing shakes the fibre: [windows, channels] both."""
         assert self._level is not None
         quiet = ~shaken

@@ -18,9 +18,9 @@ from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.time_of_flight import most_pulses_hz, speed_mm_s
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION
 
-HALVES_OF_NS_PER_S = 2 * 10**9
+_HALVES_OF_NS_PER_S = 2 * 10**9
 SILENT_BITS = 4
-KM = 1_000_000
+_KM = 1_000_000
 
 
 class Interrogator(Config):
@@ -67,7 +67,7 @@ class Interrogator(Config):
     @property
     def pulse_mm(self) -> int:
         """Fibre that one pulse lights at a time: V times duration, halved for there and back; rounded up."""
-        return -(-LIGHT_MM_S * MILLION * self.pulse_ns // (self.index_ppm * HALVES_OF_NS_PER_S))
+        return -(-LIGHT_MM_S * MILLION * self.pulse_ns // (self.index_ppm * _HALVES_OF_NS_PER_S))
 
     @property
     def channels(self) -> int:

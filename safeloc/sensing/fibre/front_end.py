@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from safeloc.runtime.border import Reason
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.axles import Counter
-from safeloc.sensing.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, Single, admitted, unusable
+from safeloc.sensing.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, admitted, unusable
 from safeloc.sensing.fibre.emitters import Heard, Listener
 from safeloc.sensing.fibre.energy import Analyser, Energies, Quiet, Smoother
 from safeloc.sensing.fibre.features import End, FibreFrame, TrainSeen, Trouble
@@ -23,12 +24,12 @@ from safeloc.sensing.fibre.fibre_map import FibreMap, one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.measures import at_last_frame, end, length, speed
 from safeloc.sensing.fibre.reflections import Reflections, reflections
-from safeloc.sensing.fibre.runs import Mask, runs
+from safeloc.sensing.fibre.runs import runs
 from safeloc.sensing.fibre.signals import Signaller
 from safeloc.sensing.fibre.tracks import Fit, Follower, Track
 
 Outcome = FibreFrame | NoFibre
-TINY = np.float32(np.finfo(np.float32).tiny)
+_TINY = np.float32(np.finfo(np.float32).tiny)
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ class _Window:
     """One window: its energies as they are and averaged, [channels], and the block's light."""
 
     time_ms: float
-    energy: Single
-    smooth: Single
+    energy: Singles
+    smooth: Singles
     light: Reflections | None
 
 
@@ -118,7 +119,7 @@ class FrontEnd:
         if energies.tone is not None:
             self._tone_quiet.learn(energies.tone)
 
-    def _disturbed(self, shaken: Mask, time_ms: int) -> NoFibre | None:
+    def _disturbed(self, shaken: Flags, time_ms: int) -> NoFibre | None:
         """Too much of the fibre at once, now or lately."""
         percent = 100 * float(shaken.mean(axis=1).max())
         if percent > self._config.detection.disturbed_percent:
@@ -128,10 +129,10 @@ class FrontEnd:
         return None
 
     def _followed(
-        self, block: FibreBlock, energies: Energies, smooth: Single, shaken: Mask, light: Reflections | None
+        self, block: FibreBlock, energies: Energies, smooth: Singles, shaken: Flags, light: Reflections | None
     ) -> FibreFrame:
         assert self._quiet.level is not None
-        ratio = np.divide(smooth, np.maximum(self._quiet.level, TINY), dtype=np.float32)
+        ratio = np.divide(smooth, np.maximum(self._quiet.level, _TINY), dtype=np.float32)
         before = {track.number for track in self._follower.tracks if track.confirmed}
         heard: list[Heard] = []
         for window in range(len(ratio)):
@@ -172,7 +173,7 @@ class FrontEnd:
         level = self._tone_quiet.level
         if energies.tone is None or level is None:
             return []
-        tone = energies.tone[window] / np.maximum(level, TINY)
+        tone = energies.tone[window] / np.maximum(level, _TINY)
         return self._listener.listen(tone, time_ms)
 
     def _trains(self, light: Reflections | None) -> tuple[TrainSeen, ...]:

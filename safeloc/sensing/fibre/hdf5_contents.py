@@ -23,7 +23,7 @@ from safeloc.errors import EngineError, SafelocError, StreamError
 from safeloc.runtime.outside import refuse_beyond, shortened, shown
 from safeloc.runtime.streams.files import streaming
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 MOST_OBJECTS = 10_000
 """Groups and arrays; a recording has some tens."""
@@ -31,25 +31,25 @@ MOST_OBJECTS = 10_000
 MOST_ATTRIBUTES = 1_000
 """Of one object; a recording's largest has about a hundred."""
 
-LARGEST_TEXT = 10_000_000
+_LARGEST_TEXT = 10_000_000
 """Bytes of all attributes and texts together."""
 
-MOST_TEXTS = 16
+_MOST_TEXTS = 16
 """Texts of any length in one place; many may point to the same bytes, which are read again for each."""
 
-MOST_PACKED = 100
+_MOST_PACKED = 100
 """How many times larger than the file its arrays may be. Measured light packs to a half or a fifth."""
 
-SMALL = 100_000_000
+_SMALL = 100_000_000
 """Bytes of arrays for which that is not asked."""
 
-NUMBERS = {
+_NUMBERS = {
     ("numpy", "dtype"), ("numpy._core.multiarray", "scalar"), ("numpy.core.multiarray", "scalar"),
     ("_codecs", "encode"),
 }  # fmt: skip
 """What a pickle may name: dascore writes the range of a time axis so. None of these runs anything."""
 
-NAMING = {"INST", "STACK_GLOBAL", "EXT1", "EXT2", "EXT4", "PERSID", "BINPERSID"}
+_NAMING = {"INST", "STACK_GLOBAL", "EXT1", "EXT2", "EXT4", "PERSID", "BINPERSID"}
 """Ways of a pickle to name something, beside GLOBAL; PyTables writes none of them."""
 
 
@@ -64,7 +64,7 @@ def require_harmless(path: Path, largest: int) -> None:
         raise EngineError(f"{path} is HDF5, read with h5py: pip install 'safeloc[das]'.") from error
     with streaming(path):
         with path.open("rb") as begin:
-            if begin.read(len(SIGNATURE)) != SIGNATURE:
+            if begin.read(len(_SIGNATURE)) != _SIGNATURE:
                 raise StreamError(f"{path}: no HDF5 file; store other recordings as HDF5, or as .npy or .npz.")
         try:
             with h5py.File(path, "r") as file:
@@ -118,16 +118,16 @@ class _Looked:
         where = f"{self.path}: {shown(name)}"
         refuse_beyond(where, self.array_bytes, self.largest, "bytes in arrays up to here")
         stored = self.path.stat().st_size
-        if self.array_bytes > max(SMALL, MOST_PACKED * stored):
+        if self.array_bytes > max(_SMALL, _MOST_PACKED * stored):
             self._refuse(
                 name,
-                f"makes {self.array_bytes} bytes of a file of {stored}; no measurement packs to less than 1 in {MOST_PACKED}",
+                f"makes {self.array_bytes} bytes of a file of {stored}; no measurement packs to less than 1 in {_MOST_PACKED}",
             )
 
     def _texts(self, name: str, array: Any) -> None:
         if self.library.check_string_dtype(array.dtype) is None:
             self._refuse(name, "holds lists or objects, not numbers; a recording has none")
-        refuse_beyond(f"{self.path}: {shown(name)}", array.size, MOST_TEXTS, "texts")
+        refuse_beyond(f"{self.path}: {shown(name)}", array.size, _MOST_TEXTS, "texts")
         self._count_text(name, array[()])
 
     def _attributes(self, name: str, found: Any) -> None:
@@ -138,9 +138,9 @@ class _Looked:
             if told.shape is None:
                 continue
             if told.dtype.hasobject:
-                refuse_beyond(f"{where}: {shown(key)}", prod(told.shape), MOST_TEXTS, "texts")
+                refuse_beyond(f"{where}: {shown(key)}", prod(told.shape), _MOST_TEXTS, "texts")
             else:
-                refuse_beyond(f"{where}: {shown(key)}", prod(told.shape) * told.dtype.itemsize, LARGEST_TEXT, "bytes")
+                refuse_beyond(f"{where}: {shown(key)}", prod(told.shape) * told.dtype.itemsize, _LARGEST_TEXT, "bytes")
             value = found.attrs[key]
             self._count_text(name, value)
             for text in _bytes_in(value):
@@ -148,7 +148,7 @@ class _Looked:
 
     def _count_text(self, name: str, value: object) -> None:
         self.text_bytes += sum(map(len, _bytes_in(value)))
-        refuse_beyond(f"{self.path}: {shown(name)}", self.text_bytes, LARGEST_TEXT, "bytes of text up to here")
+        refuse_beyond(f"{self.path}: {shown(name)}", self.text_bytes, _LARGEST_TEXT, "bytes of text up to here")
 
     def _require_no_code(self, name: str, text: bytes) -> None:
         for named in _names_of_pickle(text):
@@ -174,9 +174,9 @@ def _names_of_pickle(text: bytes) -> Iterator[str]:
     far."""
     try:
         for code, argument, _ in pickletools.genops(text):
-            if code.name == "GLOBAL" and tuple(str(argument).split(" ", 1)) not in NUMBERS:
+            if code.name == "GLOBAL" and tuple(str(argument).split(" ", 1)) not in _NUMBERS:
                 yield str(argument)
-            elif code.name in NAMING:
+            elif code.name in _NAMING:
                 yield code.name
     except Exception:  # whatever is wrong with it: here it ends, for who would run it too
         return

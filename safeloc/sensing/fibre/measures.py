@@ -14,7 +14,7 @@ from safeloc.sensing.fibre.tracks import Fit
 from safeloc.sensing.figures import MILLION
 from safeloc.sensing.rounding import ExactBounds, exactly
 
-HALF = Fraction(1, 2)
+_HALF = Fraction(1, 2)
 
 
 def at_last_frame(fit: Fit, config: FibreConfig) -> Fit:
@@ -48,7 +48,7 @@ def end(
 def _measured(place_mm: float, off_mm: float, outward: int, config: FibreConfig) -> ExactBounds:
     """Bounds of the end as measured, never before the coupler: error, scatter beyond half of it, overhang."""
     detection = config.detection
-    scatter = max(Fraction(0), exactly(off_mm) - detection.end_error_mm * HALF)
+    scatter = max(Fraction(0), exactly(off_mm) - detection.end_error_mm * _HALF)
     axle = ExactBounds(exactly(place_mm), exactly(place_mm)).widened(detection.end_error_mm + scatter)
     low = axle.low - (detection.overhang_mm if outward < 0 else 0)
     high = axle.high + (detection.overhang_mm if outward > 0 else 0)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import EngineError
+from safeloc.sensing.array_types import Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
 try:
@@ -19,9 +20,8 @@ try:
 except ModuleNotFoundError as error:
     raise EngineError("fibre signals are read with scipy: pip install 'safeloc[signals]'.") from error
 
-Single = NDArray[np.float32]
-END_CHANNELS = 3
-DARK = 1 / 1_000
+_END_CHANNELS = 3
+_DARK = 1 / 1_000
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Reflections:
     faded: NDArray[np.bool_]
 
 
-def reflections(intensity: Single, config: FibreConfig) -> Reflections:
+def reflections(intensity: Singles, config: FibreConfig) -> Reflections:
     """Of one block's intensity [light channels]."""
     inter, rules = config.interrogator, config.reflections
     size = 2 * max(1, rules.window_mm // (2 * inter.channel_mm)) + 1
@@ -52,14 +52,14 @@ def reflections(intensity: Single, config: FibreConfig) -> Reflections:
     places: NDArray[np.float64] = tops * np.float64(inter.channel_mm) + np.float64(inter.pulse_mm / 2)
     found = {one.id: _only(places, one.fibre_mm, config) for one in config.point_places}
     seen = {name: place for name, place in found.items() if place is not None}
-    dark = float((ndimage.maximum_filter1d(intensity, 3) <= DARK * np.median(intensity)).mean())
+    dark = float((ndimage.maximum_filter1d(intensity, 3) <= _DARK * np.median(intensity)).mean())
     missing = tuple(name for name, place in found.items() if place is None)
     return Reflections(
         seen, missing, _end_reflects(tops, places, seen, len(intensity)), 100 * dark, _faded(intensity, around, config)
     )
 
 
-def _faded(intensity: Single, around: Single, config: FibreConfig) -> NDArray[np.bool_]:
+def _faded(intensity: Singles, around: Singles, config: FibreConfig) -> NDArray[np.bool_]:
     """Backscatter adds up to nothing at either end of the gauge."""
     near = intensity < around * 10 ** (-config.detection.fade_cdb / 1_000)
     channels, gauge = config.interrogator.channels, config.interrogator.gauge_channels
@@ -74,7 +74,7 @@ def _only(places: NDArray[np.float64], expected_mm: int, config: FibreConfig) ->
 
 
 def _end_reflects(tops: NDArray[np.intp], places: NDArray[np.float64], seen: dict[str, float], channels: int) -> bool:
-    last = tops >= channels - END_CHANNELS
+    last = tops >= channels - _END_CHANNELS
     return any(place not in seen.values() for place in places[last])
 
 

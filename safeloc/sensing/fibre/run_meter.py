@@ -12,7 +12,7 @@ from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.features import Bounds, TrainSeen
 from safeloc.sensing.fibre.figures import FibreConfig
 
-DRAWN_PERCENT = 5
+_DRAWN_PERCENT = 5
 """Share of the difference between run and place that one block takes away [D]: the least error over simulated trains."""
 
 
@@ -44,7 +44,7 @@ class RunMeter:
             self._last = _Reckoned(train.track, time_ms, middle)
             return None
         reckoned = last.middle_mm + _middle(train.speed_mm_s) * self._block_ms / MS_PER_S
-        reckoned += (middle - reckoned) * DRAWN_PERCENT / 100
+        reckoned += (middle - reckoned) * _DRAWN_PERCENT / 100
         settled = time_ms - last.since_ms >= self._settling_ms
         self._last = _Reckoned(train.track, last.since_ms, reckoned)
         return round(reckoned) - round(last.middle_mm) if settled else None

@@ -14,15 +14,13 @@ from enum import Enum
 from statistics import median
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
-Single = NDArray[np.float32]
-Mask = NDArray[np.bool_]
-MEDIAN_WINDOWS = 9
-SAMPLE_MM = 1_000
-CDB_PER_DECADE = 1_000
+_MEDIAN_WINDOWS = 9
+_SAMPLE_MM = 1_000
+_CDB_PER_DECADE = 1_000
 
 
 class Effect(Enum):
@@ -62,7 +60,7 @@ class Watcher:
     def __init__(self, config: FibreConfig) -> None:
         self._rules = config.sections
         self._normal: deque[tuple[float, float]] = deque()
-        self._recent: deque[float] = deque(maxlen=MEDIAN_WINDOWS)
+        self._recent: deque[float] = deque(maxlen=_MEDIAN_WINDOWS)
         self._inside: Effect | None = None
         self._told = False
         self.change_cdb: float | None = None
@@ -87,7 +85,7 @@ class Watcher:
 
     def _learn(self, place_mm: float, level: float) -> None:
         """One sample a metre: a train that stands teaches nothing."""
-        if self._normal and abs(place_mm - self._normal[-1][0]) < SAMPLE_MM:
+        if self._normal and abs(place_mm - self._normal[-1][0]) < _SAMPLE_MM:
             return
         self._normal.append((place_mm, level))
         while abs(place_mm - self._normal[0][0]) > self._rules.baseline_mm:
@@ -140,7 +138,7 @@ class Watcher:
 
 
 def amplitude(
-    energy: Single, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Mask | None
+    energy: Singles, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Flags | None
 ) -> float | None:
     """Mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
 
@@ -158,4 +156,4 @@ def amplitude(
     if faded is not None:
         part = part[~faded[first : last + 1]]
     part = part[part > 0]
-    return CDB_PER_DECADE * float(np.log10(part).mean()) if len(part) else None
+    return _CDB_PER_DECADE * float(np.log10(part).mean()) if len(part) else None

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from safeloc.sensing.fibre.blocks import Single
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.features import Bounds, SectionSignal
 from safeloc.sensing.fibre.fibre_map import one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.measures import by_index, end
-from safeloc.sensing.fibre.runs import Mask, Run
+from safeloc.sensing.fibre.runs import Run
 from safeloc.sensing.fibre.sections import Change, Effect, Watcher, amplitude
 from safeloc.sensing.fibre.tracks import Fit
 from safeloc.sensing.rounding import ExactBounds, exactly
@@ -22,7 +22,7 @@ class Signaller:
         self._ends = {-1: Watcher(config), 1: Watcher(config)}
         self._made: list[SectionSignal] = []
 
-    def follow(self, run: Run, fit: Fit, energy: Single, time_ms: float, faded: Mask | None) -> None:
+    def follow(self, run: Run, fit: Fit, energy: Singles, time_ms: float, faded: Flags | None) -> None:
         """Process one window: the train's run and course, every channel's energy, and the channels without meaning."""
         for side, place, off, cut in (
             (-1, fit.low_mm, fit.off_low_mm, run.cut_low),

@@ -14,7 +14,7 @@ from safeloc.errors import InputError
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION
 from safeloc.sensing.rounding import Exact, ExactBounds
 
-PS_PER_S = 10**12
+_PS_PER_S = 10**12
 
 
 def speed_mm_s(index_ppm: int) -> Fraction:
@@ -28,12 +28,12 @@ def distance_mm(time_ps: Exact, index_ppm: int) -> Fraction:
     """Return the length of fibre to the place that a pattern came from, `time_ps` after its pulse was sent."""
     if time_ps < 0:
         raise InputError(f"a pattern cannot come {-time_ps} ps before its pulse.")
-    return Fraction(time_ps) * speed_mm_s(index_ppm) / (2 * PS_PER_S)
+    return Fraction(time_ps) * speed_mm_s(index_ppm) / (2 * _PS_PER_S)
 
 
 def time_ps(distance: Exact, index_ppm: int) -> Fraction:
     """Return the delay between a pulse and its pattern from `distance` mm of fibre away."""
-    return Fraction(distance) * 2 * PS_PER_S / speed_mm_s(index_ppm)
+    return Fraction(distance) * 2 * _PS_PER_S / speed_mm_s(index_ppm)
 
 
 def bounds_mm(time: ExactBounds, index_ppm: int, index_error_ppm: int) -> ExactBounds:

@@ -13,17 +13,16 @@ from dataclasses import dataclass, field
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.language.units import MS_PER_S
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.runs import Run
 
-LEAST_POINTS = 8
-HALF = 2
-TRIM = 2.5
-USUAL_SHARE = 0.8
-Numbers = NDArray[np.float64]
+_LEAST_POINTS = 8
+_HALF = 2
+_TRIM = 2.5
+_USUAL_SHARE = 0.8
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ class Track:
     def add(self, time_ms: float, run: Run) -> None:
         """Continue the track with this run."""
         if not self.seen:
-            self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / HALF
+            self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / _HALF
         self.seen.append(Seen(time_ms, run))
         while len(self.seen) > self.keep:
             self.seen.popleft()
@@ -79,7 +78,7 @@ class Track:
 
     def fit(self) -> Fit | None:
         """Return the course over what is kept; None before there is enough."""
-        if len(self.seen) < LEAST_POINTS:
+        if len(self.seen) < _LEAST_POINTS:
             return None
         time = np.array([one.time_ms - self.seen[-1].time_ms for one in self.seen]) / MS_PER_S
         low, low_speed, off_low = _line(time, [one.run.low_mm for one in self.seen])
@@ -92,7 +91,7 @@ class Track:
 
     def judge(self, fit: Fit, config: FibreConfig) -> None:
         """It is a train once it lasted, moved, and went steadily all the while; no train any more if it cannot be one."""
-        detection, middle = config.detection, (fit.low_mm + fit.high_mm) / HALF
+        detection, middle = config.detection, (fit.low_mm + fit.high_mm) / _HALF
         if _impossible(fit, config):
             self.confirmed = False
         if _impossible(fit, config) or (not self.confirmed and _unsteady(fit, config)):
@@ -115,21 +114,21 @@ def _unsteady(fit: Fit, config: FibreConfig) -> bool:
     return jumps or fit.apart_mm_s > detection.apart_mm_s or fit.high_mm - fit.low_mm < detection.least_length_mm
 
 
-def _line(seconds: Numbers, places: Sequence[float]) -> tuple[float, float, Numbers]:
+def _line(seconds: Floats, places: Sequence[float]) -> tuple[float, float, Floats]:
     """Place at second 0 and speed, from windows not far off a first line; and the distance of all."""
     place = np.array(places)
     at_zero, speed = _least_squares(seconds, place)
     off = np.abs(place - at_zero - speed * seconds)
-    near = off <= TRIM * np.median(off)
+    near = off <= _TRIM * np.median(off)
     at_zero, speed = _least_squares(seconds[near], place[near])
     return at_zero, speed, np.abs(place - at_zero - speed * seconds)
 
 
-def _usual(off: Numbers) -> float:
-    return float(np.sort(off)[int(USUAL_SHARE * len(off))])
+def _usual(off: Floats) -> float:
+    return float(np.sort(off)[int(_USUAL_SHARE * len(off))])
 
 
-def _least_squares(seconds: Numbers, place: Numbers) -> tuple[float, float]:
+def _least_squares(seconds: Floats, place: Floats) -> tuple[float, float]:
     spread = seconds - seconds.mean()
     speed = float(spread @ place / (spread @ spread))
     return float(place.mean() - speed * seconds.mean()), speed
@@ -139,7 +138,7 @@ def _one_speed(low: float, high: float, run: Run) -> float:
     """Both ends go at one speed; an end that is not on the fibre says nothing."""
     if run.cut_low:
         return high
-    return low if run.cut_high else (low + high) / HALF
+    return low if run.cut_high else (low + high) / _HALF
 
 
 class Follower:
@@ -150,7 +149,7 @@ class Follower:
         self._fastest_mm_s = config.detection.most_speed_mm_s
         self._hold_ms = config.detection.hold_ms
         self._channel_mm = config.interrogator.channel_mm
-        self._keep = max(LEAST_POINTS, round(config.detection.fit_ms / config.window_ms))
+        self._keep = max(_LEAST_POINTS, round(config.detection.fit_ms / config.window_ms))
         self.tracks: list[Track] = []
         self._unseen: list[Track] = []
 

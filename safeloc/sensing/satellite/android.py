@@ -22,8 +22,8 @@ _TIME_OF_WEEK, _CODE_LOCK, _GALILEO_CODE_LOCK = 8, 1, 1024
 _SYSTEMS = {"1": ("G", 0, _CODE_LOCK), "4": ("J", 192, _CODE_LOCK), "6": ("E", 0, _GALILEO_CODE_LOCK)}
 """ConstellationType -> letter, what Svid begins after, the bit of State that says code lock."""
 _BAND_HZ = 1e6
-NO_NUMBER = "not ASCII"
-Row = dict[str, str]
+_NO_NUMBER = "not ASCII"
+_Row = dict[str, str]
 
 
 def read_android(path: Path) -> list[Epoch]:
@@ -46,15 +46,15 @@ def _epochs(lines: list[str], path: Path) -> list[Epoch]:
         raise StreamError(f"{path.name}: {error}; mend or drop the row.") from error
 
 
-def _row(names: list[str], number: int, line: str, path: Path) -> Row:
+def _row(names: list[str], number: int, line: str, path: Path) -> _Row:
     """A row by the names of its columns. Numbers have ASCII digits; a text column of another script is not read."""
-    cells = [cell if cell.isascii() else NO_NUMBER for cell in line.split(",")]
+    cells = [cell if cell.isascii() else _NO_NUMBER for cell in line.split(",")]
     if len(cells) > len(names):
         raise StreamError(f"{path.name}:{number}: {len(cells)} cells under {len(names)} columns; mend or drop the row.")
     return dict(zip(names, cells, strict=False))
 
 
-def _epoch(rows: list[Row], path: Path) -> Epoch:
+def _epoch(rows: list[_Row], path: Path) -> Epoch:
     found: dict[str, Measured] = {}
     for row in rows:
         name = _tracked(row)
@@ -65,7 +65,7 @@ def _epoch(rows: list[Row], path: Path) -> Epoch:
     return Epoch(_receiver_nanos(rows[0]) / _NANOS, found)
 
 
-def _tracked(row: Row) -> str | None:
+def _tracked(row: _Row) -> str | None:
     """The satellite of a row that can be used; None for others."""
     letter, before, lock = _SYSTEMS.get(row["ConstellationType"], ("", 0, 0))
     state = whole(row["State"])
@@ -79,11 +79,11 @@ def _is_l1(frequency_hz: str) -> bool:
     return not frequency_hz.strip() or abs(decimal(frequency_hz) - L1_HZ) < _BAND_HZ
 
 
-def _receiver_nanos(row: Row) -> int:
+def _receiver_nanos(row: _Row) -> int:
     return whole(row["TimeNanos"]) - whole(row["FullBiasNanos"])
 
 
-def _pseudorange_m(row: Row) -> float:
+def _pseudorange_m(row: _Row) -> float:
     week = WEEK_S * _NANOS
     travelled = (_receiver_nanos(row) - whole(row["ReceivedSvTimeNanos"]) + week // 2) % week - week // 2
     return (travelled + decimal(row["TimeOffsetNanos"]) - decimal(row["BiasNanos"])) / _NANOS * LIGHT_M_PER_S

@@ -16,9 +16,9 @@ from safeloc.sensing.rounding import exactly
 from safeloc.sensing.satellite.residuals import Residuals
 from safeloc.sensing.satellite.windows import Window
 
-CONSTELLATIONS = "GRECJIS"
+_CONSTELLATIONS = "GRECJIS"
 """In RINEX order: GPS, GLONASS, Galileo, BeiDou, QZSS, NavIC, SBAS; each has a hundred identities."""
-FARTHEST_MM, FASTEST_MM_S, WIDEST = 10**9, 10**8, 10**15
+FARTHEST_MM, _FASTEST_MM_S, _WIDEST = 10**9, 10**8, 10**15
 ChannelValues = dict[str, int | bool]
 
 
@@ -26,20 +26,22 @@ def identity(satellite: str) -> int:
     """Return a whole number for a satellite named as in RINEX: G05 is 5, E05 is 205. InputError for another name."""
     number = satellite[1:]
     if (
-        satellite[:1] not in tuple(CONSTELLATIONS)
+        satellite[:1] not in tuple(_CONSTELLATIONS)
         or not (number.isascii() and number.isdecimal())
         or not 0 < int(number) < 100
     ):
-        raise InputError(f"{satellite!r} is no satellite; name it by constellation ({CONSTELLATIONS}) and number, G05.")
-    return CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
+        raise InputError(
+            f"{satellite!r} is no satellite; name it by constellation ({_CONSTELLATIONS}) and number, G05."
+        )
+    return _CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
 
 
 def satellite_name(number: int) -> str:
     """Return the name of an identity: 205 is E05. InputError for a number that is no identity."""
     constellation, own = divmod(number, 100)
-    if number < 1 or own == 0 or constellation >= len(CONSTELLATIONS):
+    if number < 1 or own == 0 or constellation >= len(_CONSTELLATIONS):
         raise InputError(f"{number} is no identity of a satellite.")
-    return f"{CONSTELLATIONS[constellation]}{own:02d}"
+    return f"{_CONSTELLATIONS[constellation]}{own:02d}"
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class Channels:
         unheard = self._seat(visible)
         faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in unheard]
         codes = [_whole(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
-        rates = [_whole(look.rate_m_per_s, FASTEST_MM_S, faults) for look in looks]
+        rates = [_whole(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
         inputs: ChannelValues = {}
         channels: dict[str, int] = {}
         for number, name in enumerate(self._held, 1):
@@ -132,4 +134,4 @@ def _worst(looks: Sequence[Mapping[str, int]], name: str) -> int | None:
 
 def _narrow(covariance: int | None) -> int | None:
     """No covariance where it is wider than is told: such a satellite is not usable either way."""
-    return None if covariance is None or covariance > WIDEST else covariance
+    return None if covariance is None or covariance > _WIDEST else covariance

@@ -21,7 +21,7 @@ from safeloc.railway.map.topology import Run
 from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.track_prediction import Portion
 
-DEGREES, DEGREES_AND_HEIGHT, EARTH_FIXED = "EPSG:4326", "EPSG:4979", "EPSG:4978"
+_DEGREES, _DEGREES_AND_HEIGHT, _EARTH_FIXED = "EPSG:4326", "EPSG:4979", "EPSG:4978"
 
 
 class LineTrack:
@@ -72,7 +72,7 @@ class _Course:
         for one in gradients:
             self._gradients.setdefault(one.edge, []).append(one)
         self._geod = pyproj.Geod(ellps="WGS84")
-        self._space = pyproj.Transformer.from_crs(DEGREES_AND_HEIGHT, EARTH_FIXED, always_xy=True)
+        self._space = pyproj.Transformer.from_crs(_DEGREES_AND_HEIGHT, _EARTH_FIXED, always_xy=True)
 
     def portion(self, route: Route, height_m: float) -> Portion:
         """The whole of a route; what lies on its first edge before its beginning belongs to it."""
@@ -119,10 +119,10 @@ class _Course:
     def _degrees(self, edge: TrackEdge) -> tuple[tuple[float, float], ...]:
         if not isinstance(edge.geometry, Geometry):
             raise InputError(f"edge {edge.id!r} has no geometry; satellites cannot be predicted along it.")
-        if edge.geometry.crs == DEGREES:
+        if edge.geometry.crs == _DEGREES:
             return edge.geometry.points
         try:
-            transformer = self._pyproj.Transformer.from_crs(edge.geometry.crs, DEGREES, always_xy=True)
+            transformer = self._pyproj.Transformer.from_crs(edge.geometry.crs, _DEGREES, always_xy=True)
         except self._pyproj.exceptions.CRSError as error:
             raise InputError(f"edge {edge.id!r}: {edge.geometry.crs!r} is no coordinate system: {error}.") from error
         return tuple(transformer.transform(*point) for point in edge.geometry.points)

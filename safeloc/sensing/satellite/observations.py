@@ -15,7 +15,7 @@ from safeloc.sensing.satellite.log_lines import decimal, log_lines, whole
 from safeloc.sensing.satellite.predicted import rate_of_doppler
 from safeloc.sensing.satellite.times import gps_seconds
 
-Columns = dict[str, tuple[int, int]]
+_Columns = dict[str, tuple[int, int]]
 _SIGNALS = {"G": ("1C",), "J": ("1C",), "E": ("1C", "1X", "1B")}
 
 
@@ -41,7 +41,7 @@ def _refuse_others(lines: list[str], path: Path) -> None:
         raise StreamError(f"{path.name}:1: not a RINEX 3 observation file; convert it.")
 
 
-def _columns(header: list[str], path: Path) -> Columns:
+def _columns(header: list[str], path: Path) -> _Columns:
     names: dict[str, list[str]] = {}
     system = ""
     for line in header:
@@ -60,7 +60,7 @@ def _pair(system: str, names: list[str]) -> tuple[int, int] | None:
     return None if signal is None else (names.index(f"C{signal}"), names.index(f"D{signal}"))
 
 
-def _epochs(lines: list[str], at: int, columns: Columns, path: Path) -> Iterator[Epoch]:
+def _epochs(lines: list[str], at: int, columns: _Columns, path: Path) -> Iterator[Epoch]:
     while at < len(lines):
         head, count = _head(lines, at, path)
         body = lines[at + 1 : at + 1 + count]
@@ -86,7 +86,7 @@ def _time(head: str, where: str) -> float:
         raise StreamError(f"{where}: {head[1:29]!r} is no time ({error}); mend or drop the epoch.") from error
 
 
-def _satellites(body: list[str], first: int, columns: Columns, path: Path) -> dict[str, Measured]:
+def _satellites(body: list[str], first: int, columns: _Columns, path: Path) -> dict[str, Measured]:
     found: dict[str, Measured] = {}
     for number, line in enumerate(body, first):
         if line[:1] not in columns:

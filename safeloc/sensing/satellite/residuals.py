@@ -14,9 +14,9 @@ from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place, Vector
 from safeloc.sensing.satellite.predicted import Predicted, predicted
 
-MASK_RAD = math.radians(10)
+_MASK_RAD = math.radians(10)
 """Below this elevation the simple troposphere is wrong by metres: no prediction is made there."""
-LINEAR_S = 0.01
+_LINEAR_S = 0.01
 """A clock this wrong is undone by the rate alone: accelerations of 1 m/s2 leave 0.05 mm."""
 
 
@@ -47,7 +47,7 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
     codes = heard.codes(_above_mask(every), clock_s)
     if codes:
         clock_s = common_part(of_constellation(codes, _largest(codes))) / LIGHT_M_PER_S
-        if abs(clock_s) > LINEAR_S:
+        if abs(clock_s) > _LINEAR_S:
             every = heard.expected(clock_s)
             codes = heard.codes(_above_mask(every), 0.0)
         else:
@@ -59,7 +59,7 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
 
 
 def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
-    return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
+    return {name: one for name, one in every.items() if one.elevation_rad >= _MASK_RAD}
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,9 +22,9 @@ from safeloc.sensing.satellite.predicted import Predicted
 from safeloc.sensing.satellite.track_fit import Sight, TrackFit, fit, slope_ppm
 from safeloc.sensing.satellite.track_prediction import OnTrack, Portion
 
-ROUNDING = 2
+_ROUNDING = 2
 """mm or mm/s: a difference is told up to 1 more than it is, slopes in millionths cost half of that up to 1 km away, floats less."""
-SLOPE, SLOPES_FREE_M = Fraction(1, 2_000_000), 1_000
+_SLOPE, _SLOPES_FREE_M = Fraction(1, 2_000_000), 1_000
 """Half a millionth of the correction, of which 1 km is in the rounding."""
 NEAREST_M, FASTEST_M_PER_S = 19_000_000, 5_000
 """No navigation satellite is nearer, or faster against the Earth."""
@@ -60,12 +60,12 @@ class Bounds:
 
 def _slopes(correction: Fraction) -> Fraction:
     """What slopes in whole millionths cost beyond what is in the rounding."""
-    return max(Fraction(0), correction - SLOPES_FREE_M) * SLOPE
+    return max(Fraction(0), correction - _SLOPES_FREE_M) * _SLOPE
 
 
 def _more(bound: int | None, metres: Fraction) -> int | None:
     """A bound in mm (or mm/s) and that much more, rounded up."""
-    return None if bound is None else bound + math.ceil(metres * MM_PER_M) + ROUNDING
+    return None if bound is None else bound + math.ceil(metres * MM_PER_M) + _ROUNDING
 
 
 @dataclass(frozen=True, slots=True)

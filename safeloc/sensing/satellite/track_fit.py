@@ -18,7 +18,7 @@ from operator import mul
 from safeloc.errors import InputError
 from safeloc.language.units import PPM_PER_ONE
 
-SOLVE, DETECT, EXCLUDE = 2, 3, 4
+_SOLVE, _DETECT, _EXCLUDE = 2, 3, 4
 
 
 class NoSolution(InputError):
@@ -82,9 +82,9 @@ def fit(sights: Mapping[str, Sight]) -> TrackFit:
     NoSolution below two satellites or the number of unknowns, or when all slopes are alike; InputError for a weight that
     is not positive.
     """
-    if len(sights) < SOLVE:
+    if len(sights) < _SOLVE:
         raise NoSolution(
-            "FEW_LEFT", f"{len(sights)} usable satellites; {SOLVE} are needed to solve along the track: no fix."
+            "FEW_LEFT", f"{len(sights)} usable satellites; {_SOLVE} are needed to solve along the track: no fix."
         )
     if any(one.weight <= 0 for one in sights.values()):
         raise InputError("a weight must be positive; leave the satellite out instead.")

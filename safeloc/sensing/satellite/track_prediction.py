@@ -12,7 +12,7 @@ from itertools import accumulate, pairwise
 from safeloc.errors import InputError
 from safeloc.sensing.satellite.places import Vector
 
-FLOAT = 1e-13
+_FLOAT = 1e-13
 """Terms of up to 6 / length that may cancel are off by fewer than a hundred last digits of a float."""
 
 
@@ -104,7 +104,7 @@ class _Piece:
         ends = tuple(zip(self.start, self.end, self.start_along, self.end_along, strict=True))
         first = (6 * (q - p) / h**2 - (4 * u + 2 * v) / h for p, q, u, v in ends)
         last = (6 * (p - q) / h**2 + (2 * u + 4 * v) / h for p, q, u, v in ends)
-        return max(math.hypot(*first), math.hypot(*last)) * (1 + FLOAT) + FLOAT / h
+        return max(math.hypot(*first), math.hypot(*last)) * (1 + _FLOAT) + _FLOAT / h
 
 
 def _directions(distances: Sequence[float], points: Sequence[Vector]) -> list[Vector]:

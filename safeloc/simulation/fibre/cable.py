@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.figures import Interrogator
 
-Numbers = NDArray[np.float64]
 Complex = NDArray[np.complex64]
 
 
@@ -54,14 +54,14 @@ class Cable:
     """
 
     cell_m: float
-    track_m: Numbers
-    coupling: Numbers
-    material: Numbers
+    track_m: Floats
+    coupling: Floats
+    material: Floats
     scatterers: Complex
     ghost: float
 
     @property
-    def places_m(self) -> Numbers:
+    def places_m(self) -> Floats:
         """Middle of each cell along the fibre."""
         return np.asarray((np.arange(len(self.track_m)) + 0.5) * self.cell_m, dtype=np.float64)
 
@@ -79,7 +79,7 @@ def cable(
     """Return a cable laid by `map_points` (fibre m, track m), one to one without any; reflecting points at m of fibre."""
     figures = figures or CableFigures()
     cell = figures.cell_mm / 1_000
-    places: Numbers = (np.arange(interrogator.fibre_mm // figures.cell_mm) + np.float64(0.5)) * np.float64(cell)
+    places: Floats = (np.arange(interrogator.fibre_mm // figures.cell_mm) + np.float64(0.5)) * np.float64(cell)
     scatter = (rng.standard_normal(len(places)) + 1j * rng.standard_normal(len(places))) / np.sqrt(2)
     for point in points_m:
         scatter[_cell(point, places, cell)] += figures.point_amplitude
@@ -95,14 +95,14 @@ def cable(
     )
 
 
-def _cell(place: float, places: Numbers, cell: float) -> int:
+def _cell(place: float, places: Floats, cell: float) -> int:
     number = int(place // cell)
     if not 0 <= number < len(places):
         raise InputError(f"a reflecting point at {place} m is not on a fibre of {len(places) * cell} m.")
     return number
 
 
-def _laid(places: Numbers, map_points: Sequence[tuple[float, float]]) -> Numbers:
+def _laid(places: Floats, map_points: Sequence[tuple[float, float]]) -> Floats:
     if not map_points:
         return places
     points = np.array(map_points, dtype=np.float64)
@@ -111,7 +111,7 @@ def _laid(places: Numbers, map_points: Sequence[tuple[float, float]]) -> Numbers
     return np.interp(places, points[:, 0], points[:, 1])
 
 
-def _coupling(cells: int, figures: CableFigures, rng: np.random.Generator) -> Numbers:
+def _coupling(cells: int, figures: CableFigures, rng: np.random.Generator) -> Floats:
     """Lognormal; alike over `coupling_mm`: white numbers smoothed by a Gaussian."""
     width = figures.coupling_mm / figures.cell_mm
     reach = np.arange(-int(3 * width), int(3 * width) + 1)
@@ -120,12 +120,12 @@ def _coupling(cells: int, figures: CableFigures, rng: np.random.Generator) -> Nu
     smooth = np.fft.irfft(
         np.fft.rfft(white, 2 * len(white)) * np.fft.rfft(weights / np.sqrt((weights**2).sum()), 2 * len(white))
     )[len(reach) - 1 : len(reach) - 1 + cells]
-    gain: Numbers = 10 ** (smooth * figures.coupling_cdb / 2_000)
+    gain: Floats = 10 ** (smooth * figures.coupling_cdb / 2_000)
     return gain
 
 
-def _factor(places: Numbers, sections: Sequence[Section], by: str) -> Numbers:
-    factor: Numbers = np.ones(len(places))
+def _factor(places: Floats, sections: Sequence[Section], by: str) -> Floats:
+    factor: Floats = np.ones(len(places))
     for section in sections:
         if section.by == by:
             factor[(places >= section.from_m) & (places < section.to_m)] *= section.factor

@@ -6,13 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.simulation.fibre.cable import Cable
-
-Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -31,8 +29,8 @@ class Sounding:
 
 
 def emitted(
-    config: FibreConfig, soundings: Sequence[Sounding], seconds: Numbers, cable: Cable
-) -> Iterator[tuple[slice, Numbers]]:
+    config: FibreConfig, soundings: Sequence[Sounding], seconds: Floats, cable: Cable
+) -> Iterator[tuple[slice, Floats]]:
     """Return pieces (cells, strain [frames, those cells]) of all that sounds at these times."""
     bit_s = config.emission.bit_windows * config.window_ms / 1_000
     for one in soundings:

@@ -10,13 +10,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.sensing.array_types import Floats
 from safeloc.simulation.fibre.trains import Train
 
-Numbers = NDArray[np.float64]
-REFERENCE_M_S = 30.0
+_REFERENCE_M_S = 30.0
 
 
 class GroundFigures(Config):
@@ -50,7 +49,7 @@ class Noise:
         self._rng = rng
         self._tail = rng.standard_normal((width - 1, sources))
 
-    def next(self, frames: int) -> Numbers:
+    def next(self, frames: int) -> Floats:
         """Return the next frames."""
         fresh = self._rng.standard_normal((frames, self._tail.shape[1]))
         white = np.concatenate([self._tail, fresh])
@@ -77,7 +76,7 @@ class Sources:
         self._uneven = [one.loudness() * rng.uniform(0.7, 1.4, len(one.axles_m())) for one in trains]
         self._road = Noise(len(self._cars), figures.road_corner_hz, frame_hz, rng)
 
-    def strain(self, seconds: Numbers, cells_m: Numbers) -> Iterator[tuple[slice, Numbers]]:
+    def strain(self, seconds: Floats, cells_m: Floats) -> Iterator[tuple[slice, Floats]]:
         """Return pieces (cells, strain [frames, those cells]) to be added up; `cells_m` does not fall."""
         for train, rolling, uneven in zip(self._trains, self._rolling, self._uneven, strict=True):
             noise = rolling.next(len(seconds)) * uneven * self._level(train, seconds)[:, None]
@@ -89,11 +88,11 @@ class Sources:
             place = car.start_m + car.speed_m_s * seconds
             yield from self._spread(place, road[:, number] * car.strain, cells_m, self._figures.road_near_mm / 1_000)
 
-    def _level(self, train: Train, seconds: Numbers) -> Numbers:
-        moving = np.abs(train.course.speed_m_s(seconds)) / REFERENCE_M_S
+    def _level(self, train: Train, seconds: Floats) -> Floats:
+        moving = np.abs(train.course.speed_m_s(seconds)) / _REFERENCE_M_S
         return np.asarray(train.strain * np.maximum(moving, train.standing))
 
-    def _axle(self, place: Numbers, noise: Numbers, cells_m: Numbers) -> Iterator[tuple[slice, Numbers]]:
+    def _axle(self, place: Floats, noise: Floats, cells_m: Floats) -> Iterator[tuple[slice, Floats]]:
         yield from self._spread(place, noise, cells_m, self._figures.near_mm / 1_000)
         width = self._figures.bend_mm / 1_000
         near = _near(place, cells_m, 4 * width)
@@ -101,15 +100,13 @@ class Sources:
             square = ((cells_m[near][None, :] - place[:, None]) / width) ** 2
             yield near, self._figures.bend * (1 - square) * np.exp(-square / 2)
 
-    def _spread(
-        self, place: Numbers, noise: Numbers, cells_m: Numbers, near_m: float
-    ) -> Iterator[tuple[slice, Numbers]]:
+    def _spread(self, place: Floats, noise: Floats, cells_m: Floats, near_m: float) -> Iterator[tuple[slice, Floats]]:
         near = _near(place, cells_m, self._figures.cut * near_m)
         if near.stop > near.start:
             away = (cells_m[near][None, :] - place[:, None]) / near_m
             yield near, noise[:, None] / (1 + away * away)
 
 
-def _near(place: Numbers, cells_m: Numbers, reach_m: float) -> slice:
+def _near(place: Floats, cells_m: Floats, reach_m: float) -> slice:
     first, last = np.searchsorted(cells_m, [place.min() - reach_m, place.max() + reach_m])
     return slice(int(first), int(last))

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 from safeloc.language.units import NM_PER_M
+from safeloc.sensing.array_types import Floats, Singles
 from safeloc.sensing.fibre.figures import Interrogator
 from safeloc.sensing.fibre.time_of_flight import speed_mm_s
 from safeloc.sensing.figures import MILLION
 from safeloc.simulation.fibre.cable import Cable
 
-Numbers = NDArray[np.float64]
 Complex = NDArray[np.complex64]
-Single = NDArray[np.float32]
 
 
 class OpticsFigures(Config):
@@ -52,8 +51,8 @@ class Drift:
 class Backscatter:
     """One block: phase rate [frames, channels] in rad a frame, and intensity [light channels] over that of the near end."""
 
-    phase_rate: Single
-    intensity: Single
+    phase_rate: Singles
+    intensity: Singles
 
 
 class Receiver:
@@ -75,7 +74,7 @@ class Receiver:
         turns = 2 * self._interrogator.index_ppm / MILLION * self._cable.cell_m / (figures.wave_nm / NM_PER_M)
         return float(2 * np.pi * turns * figures.photoelastic_percent / 100 / NM_PER_M)
 
-    def receive(self, strain: Numbers, drift: Drift | None = None) -> Backscatter:
+    def receive(self, strain: Floats, drift: Drift | None = None) -> Backscatter:
         """Return the block's frames from strain [frames, cells] in 1e-9, as felt by the fibre's material."""
         field, inter = self._fields(strain, drift or Drift()), self._interrogator
         near = field[:, : inter.channels]
@@ -87,10 +86,10 @@ class Receiver:
         intensity = (np.abs(field) ** 2).mean(axis=0)
         return Backscatter(self._disturbed(rate), intensity.astype(np.float32))
 
-    def _fields(self, strain: Numbers, drift: Drift) -> Complex:
+    def _fields(self, strain: Floats, drift: Drift) -> Complex:
         """Complex scatter [frames, light channels] at the channels' times."""
         sensitive = (self.rad_per_strain * self._cable.material).astype(np.float32)
-        phase: Single = np.cumsum(strain.astype(np.float32) * sensitive, axis=1, dtype=np.float32)
+        phase: Singles = np.cumsum(strain.astype(np.float32) * sensitive, axis=1, dtype=np.float32)
         seconds = (self._frames + np.arange(len(strain))) / self._interrogator.frame_hz
         phase += (seconds[:, None] * self._thermal).astype(np.float32)
         cells = np.empty(phase.shape, dtype=np.complex64)
@@ -138,7 +137,7 @@ class Receiver:
         made.imag += noise * self._rng.standard_normal(shape, dtype=np.float32)
         return made
 
-    def _disturbed(self, rate: Single) -> Single:
+    def _disturbed(self, rate: Singles) -> Singles:
         """Wind with the coupling of each channel, the laser in all channels alike."""
         figures, frames = self._figures, len(rate)
         starts = self._starts(Drift())[: rate.shape[1]]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.blocks import FibreBlock
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.simulation.faults import Fault, Kinds, plain
@@ -17,7 +17,6 @@ from safeloc.simulation.fibre.ground import Car, GroundFigures, Sources
 from safeloc.simulation.fibre.optics import Drift, OpticsFigures, Receiver
 from safeloc.simulation.fibre.trains import Train
 
-Numbers = NDArray[np.float64]
 KINDS = Kinds(
     "a fibre",
     plain(
@@ -26,7 +25,7 @@ KINDS = Kinds(
     ),
 )  # fmt: skip
 """Of the only fibre, in blocks."""
-NO_DRIFT = Drift()
+_NO_DRIFT = Drift()
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +39,7 @@ class World:
     soundings: tuple[Sounding, ...] = ()
     ground: GroundFigures = GroundFigures()
     optics: OpticsFigures = OpticsFigures()
-    drift: Callable[[float], Drift] = lambda _: NO_DRIFT
+    drift: Callable[[float], Drift] = lambda _: _NO_DRIFT
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ def shots(
         before = block
 
 
-def _felt(world: World, sources: Sources, seconds: Numbers, shaken: bool, rng: np.random.Generator) -> Numbers:
+def _felt(world: World, sources: Sources, seconds: Floats, shaken: bool, rng: np.random.Generator) -> Floats:
     """Strain in the fibre, [frames, cells], 1e-9."""
     cable = world.cable
     strain = np.zeros((len(seconds), len(cable.track_m)))

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
-
-Numbers = NDArray[np.float64]
+from safeloc.sensing.array_types import Floats
 
 
 @dataclass(frozen=True)
@@ -55,12 +53,12 @@ class Course:
         if not seconds or any(late <= early for early, late in pairwise(seconds)):
             raise InputError("a course has at least one (second, speed), in growing order of seconds.")
 
-    def speed_m_s(self, seconds: Numbers) -> Numbers:
+    def speed_m_s(self, seconds: Floats) -> Floats:
         """Return the speed at these times."""
         points = np.array(self.speeds, dtype=np.float64)
         return np.interp(seconds, points[:, 0], points[:, 1])
 
-    def place_m(self, seconds: Numbers) -> Numbers:
+    def place_m(self, seconds: Floats) -> Floats:
         """Place of end A: the exact integral of the speed from 0 to these times >= 0."""
         knots = np.array([0.0, *(second for second, _ in self.speeds if second > 0)])
         speeds = self.speed_m_s(knots)
@@ -89,16 +87,16 @@ class Train:
         """Over buffers."""
         return sum(vehicle.length_m for vehicle in self.vehicles)
 
-    def axles_m(self) -> Numbers:
+    def axles_m(self) -> Floats:
         """Return places of all axles behind end A."""
         ends = np.concatenate([[0.0], np.cumsum([vehicle.length_m for vehicle in self.vehicles])])
         return np.array([end + axle for end, one in zip(ends, self.vehicles, strict=False) for axle in one.axles_m()])
 
-    def loudness(self) -> Numbers:
+    def loudness(self) -> Floats:
         """Of each axle."""
         return np.array([one.loudness for one in self.vehicles for _ in one.axles_m()])
 
-    def axle_places_m(self, seconds: Numbers) -> Numbers:
+    def axle_places_m(self, seconds: Floats) -> Floats:
         """Along the track: [time, axle]."""
         sign = 1.0 if self.ahead else -1.0
         return self.course.place_m(seconds)[:, None] - sign * self.axles_m()[None, :]

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.figures import (
     EARTH_GRAVITY_M3_PER_S2,
@@ -22,8 +22,7 @@ from safeloc.sensing.satellite.figures import (
     WEEK_S,
 )
 
-Floats = NDArray[np.float64]
-FIELDS = (
+_FIELDS = (
     "af0_s", "af1", "af2_per_s", "crs_m", "delta_n", "m0", "cuc", "eccentricity", "cus", "sqrt_a", "cic", "omega0",
     "cis", "i0", "crc_m", "omega", "omega_dot", "idot", "group_delay_s",
 )  # fmt: skip
@@ -42,7 +41,7 @@ class Orbits:
 def orbits(ephemerides: Sequence[Ephemeris]) -> Orbits:
     """ValueError unless all refer to one time, orbit and clock alike."""
     (start_s,) = {time for one in ephemerides for time in (one.orbit_time_s, one.clock_time_s)}
-    figures = {name: np.array([getattr(one, name) for one in ephemerides], dtype=np.float64) for name in FIELDS}
+    figures = {name: np.array([getattr(one, name) for one in ephemerides], dtype=np.float64) for name in _FIELDS}
     figures["root_of_gravity"] = np.sqrt([_gravity(one.satellite) for one in ephemerides])
     return Orbits(start_s, tuple(one.satellite for one in ephemerides), figures)
 

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.satellite.atmosphere import troposphere_m
 from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
-
-Floats = NDArray[np.float64]
 
 
 class ReceiverConfig(Config):

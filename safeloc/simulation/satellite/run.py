@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
 from safeloc.language.units import MS_PER_S, NM_PER_M
+from safeloc.sensing.array_types import Flags, Floats
 from safeloc.sensing.satellite.epochs import Epoch, Measured
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
@@ -30,9 +30,7 @@ from safeloc.simulation.satellite.receiver import (
 )
 from safeloc.simulation.satellite.scenery import Rays, Received, Scene, received
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-LOWEST_RAD = math.radians(5)
+_LOWEST_RAD = math.radians(5)
 """A receiver tracks nothing lower."""
 
 
@@ -107,7 +105,7 @@ def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
     error, error_rate = got.error_m + false_m, got.error_m_per_s + false_rate
     codes = code_of(true.way_m + systems_m + sights.air_m + usual.code_m + error, one)
     rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
-    heard = got.heard & (sights.elevation > LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
+    heard = got.heard & (sights.elevation > _LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
     told = _Told(sky.names, heard, codes, rates, error, error_rate, usual, got)
     epochs = tuple(told.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
     truth = tuple(
@@ -189,7 +187,7 @@ def _struck(fault: Fault, times: Floats, names: Sequence[str]) -> Flags:
     """Return where the fault acts, [epoch, satellite]."""
     end_s = math.inf if fault.end is None else fault.end / MS_PER_S
     active = (fault.begin / MS_PER_S <= times) & (times < end_s)
-    return active[:, None] & np.array([fault.strikes(name) for name in names])
+    return np.asarray(active[:, None] & np.array([fault.strikes(name) for name in names]), np.bool_)
 
 
 def _silent(faults: Sequence[Fault], times: Floats, names: Sequence[str]) -> Flags:

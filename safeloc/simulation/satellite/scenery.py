@@ -15,15 +15,13 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.sensing.array_types import Flags, Floats
 from safeloc.sensing.satellite.figures import L1_WAVELENGTH_M
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 SceneKind = Literal["open sky", "urban canyon", "cutting", "tunnel", "station roof"]
-BLOCK_M = 30.0
+_BLOCK_M = 30.0
 """Houses are this long: each has a height of its own."""
 
 
@@ -165,7 +163,7 @@ class _Walls:
 
     def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
         self.scene = scene
-        self.blocks = math.ceil((scene.to_m - scene.from_m) / BLOCK_M)
+        self.blocks = math.ceil((scene.to_m - scene.from_m) / _BLOCK_M)
         heights = scene.height_m * (1 + scene.uneven * rng.uniform(-1, 1, (2, self.blocks)))
         self.heights = np.where(rng.integers(0, 100, (2, self.blocks)) < scene.gap_percent, 0.0, heights)
         self.facing = rng.integers(0, 100, self.blocks) < scene.facing_percent
@@ -175,11 +173,11 @@ class _Walls:
         right = np.sin(rays.beside) * towards > 0
         run = self.scene.wall_m * np.cos(rays.beside) / np.maximum(np.abs(np.sin(rays.beside)), 0.05)
         within = rays.place_m[:, None] + run - self.scene.from_m
-        block = np.clip((within // BLOCK_M).astype(np.int64), 0, self.blocks - 1)
+        block = np.clip((within // _BLOCK_M).astype(np.int64), 0, self.blocks - 1)
         return np.asarray(self.heights[np.where(right, 1, 0), block])
 
     def front(self, rays: Rays) -> tuple[Floats, Flags]:
         """Distance to the end of the block that the train is beside, where a house may face it."""
         within = rays.place_m - self.scene.from_m
-        block = np.clip((within // BLOCK_M).astype(np.int64), 0, self.blocks - 1)
-        return (block + 1) * BLOCK_M - within + BLOCK_M, self.facing[block]
+        block = np.clip((within // _BLOCK_M).astype(np.int64), 0, self.blocks - 1)
+        return (block + 1) * _BLOCK_M - within + _BLOCK_M, self.facing[block]

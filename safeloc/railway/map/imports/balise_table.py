@@ -22,10 +22,10 @@ from safeloc.railway.map.model import Line
 from safeloc.runtime.outside import quoted
 
 COLUMNS = ("NID_C", "NID_BG", "Lint", "Km", "Or BG", "Or Lint", "Spoornr")
-MARGIN_MM = 1_000
+_MARGIN_MM = 1_000
 """How far a track reaches beyond its first and last group."""
 
-NOMINAL: Mapping[tuple[str, str], Direction] = {
+_NOMINAL: Mapping[tuple[str, str], Direction] = {
     ("Z", "Utrecht"): "increasing",
     ("Z", "Amsterdam"): "decreasing",
     ("N", "Utrecht"): "decreasing",
@@ -111,7 +111,7 @@ def _column(heading: Sequence[str], column: str, where: str) -> int:
 
 def _row(place: str, found: Mapping[str, Any]) -> Row:
     rising, town = _text(found, "Or Lint", place), _text(found, "Or BG", place)
-    if (rising, town) not in NOMINAL:
+    if (rising, town) not in _NOMINAL:
         raise InputError(
             f"{place}: 'Or Lint' {rising!r} with 'Or BG' {town!r} is not known; use Z or N, Utrecht or Amsterdam."
         )
@@ -124,7 +124,7 @@ def _row(place: str, found: Mapping[str, Any]) -> Row:
         _whole(found, "NID_BG", place),
         _text(found, "Lint", place),
         kilometre_mm,
-        NOMINAL[rising, town],
+        _NOMINAL[rising, town],
         _text(found, "Spoornr", place),
     )
 
@@ -192,14 +192,14 @@ def _spans(rows: Sequence[Row]) -> dict[str, tuple[Row, Row]]:
 
 
 def _edge(edge: str, lowest: Row, highest: Row) -> TrackEdge:
-    start = made(KilometrePoint, lowest.place, kilometre_mm=lowest.kilometre_mm - MARGIN_MM, line=lowest.line)
+    start = made(KilometrePoint, lowest.place, kilometre_mm=lowest.kilometre_mm - _MARGIN_MM, line=lowest.line)
     return made(
         TrackEdge,
         lowest.place,
         id=edge,
         from_node=f"{edge} low end",
         to_node=f"{edge} high end",
-        length_mm=highest.kilometre_mm - lowest.kilometre_mm + 2 * MARGIN_MM,
+        length_mm=highest.kilometre_mm - lowest.kilometre_mm + 2 * _MARGIN_MM,
         track=lowest.track,
         kilometres=(start,),
     )
@@ -213,6 +213,6 @@ def _group(row: Row, lowest_mm: int) -> BaliseGroup:
         edge=row.edge,
         identity=row.identity,
         country=row.country,
-        balises=(made(Balise, row.place, position_mm=row.kilometre_mm - lowest_mm + MARGIN_MM),),
+        balises=(made(Balise, row.place, position_mm=row.kilometre_mm - lowest_mm + _MARGIN_MM),),
         nominal_direction=row.nominal,
     )

@@ -24,11 +24,11 @@ from safeloc.railway.map.imports.topology import End, Joined, Naming, Relation, 
 from safeloc.railway.map.model import Line
 
 Point = tuple[float, float]
-PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
-RELATION = ("id", "type", "netelementA", "netelementB", "positionOnA", "positionOnB", "navigability")
-MEETING_LIMIT_M = 1.0
+_PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
+_RELATION = ("id", "type", "netelementA", "netelementB", "positionOnA", "positionOnB", "navigability")
+_MEETING_LIMIT_M = 1.0
 """Ends that meet lie no farther apart than this; beyond, the file contradicts itself."""
-BRANCH_M = 30.0
+_BRANCH_M = 30.0
 """How far along its branches a switch is looked at to tell left from right."""
 
 
@@ -114,7 +114,7 @@ def _feature(place: str, found: object) -> Feature:
     return Feature(place, properties, str(geometry.get("type")), geometry.get("coordinates") or [])
 
 
-def point(found: object, place: str) -> Point:
+def _point(found: object, place: str) -> Point:
     """Return a position as (longitude, latitude) in degrees. InputError for what is none."""
     numbers = sequence(found, f"{place}: position")
     if len(numbers) < 2:
@@ -148,7 +148,7 @@ def _track(feature: Feature, notes: list[Note]) -> Track:
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
     if any(isinstance(position, list) and len(position) > 2 for position in positions):
         notes.append(Note("not carried over", feature.place, "heights; lengths are those on the ellipsoid"))
-    points = tuple(point(position, feature.place) for position in positions)
+    points = tuple(_point(position, feature.place) for position in positions)
     if len(set(points)) < 2:
         raise InputError(f"{feature.place}: a track has at least two points.")
     return Track(identity, feature.place, points)
@@ -164,16 +164,16 @@ def _relations(features: Sequence[Feature], tracks: Mapping[str, Track], notes: 
 
 
 def _relation(feature: Feature, tracks: Mapping[str, Track], notes: list[Note]) -> Relation:
-    for name in others(feature.properties, RELATION):
+    for name in others(feature.properties, _RELATION):
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
     identity = text(required(feature.properties, "id", feature.place), f"{feature.place}: id")
     told = text(required(feature.properties, "navigability", feature.place), f"{feature.place}: navigability").lower()
-    if told not in PASSABLE:
+    if told not in _PASSABLE:
         raise InputError(f"{feature.place}: navigability must be both, none, AB or BA, not {told!r}.")
     if told in ("ab", "ba"):
         notes.append(Note("not carried over", feature.place, "one way only; the map allows both ways"))
     one, other = (_end(feature, side, tracks) for side in "AB")
-    return Relation(identity, one, other, PASSABLE[told], feature.place)
+    return Relation(identity, one, other, _PASSABLE[told], feature.place)
 
 
 def _end(feature: Feature, side: str, tracks: Mapping[str, Track]) -> End:
@@ -192,7 +192,7 @@ def _relations_apart(relations: Sequence[Relation], tracks: Mapping[str, Track],
     for relation in relations:
         one, other = _coordinates(tracks, relation.one), _coordinates(tracks, relation.other)
         apart_m = geod.inv(*one, *other)[2]
-        if apart_m > MEETING_LIMIT_M:
+        if apart_m > _MEETING_LIMIT_M:
             told = f"ends that meet lie {apart_m:.1f} m apart; taken as meeting"
             notes.append(Note("doubtful", relation.place, told))
 
@@ -255,7 +255,7 @@ def _coordinates(tracks: Mapping[str, Track], end: End) -> Point:
 def _sides(tracks: Mapping[str, Track], stem: End, one: End, other: End) -> tuple[End, End] | None:
     """Left and right, from the course of the branches: None where both go the same way."""
     centre = _coordinates(tracks, stem)
-    reach = min(BRANCH_M, *(_length_m(_from_end(tracks, end)) for end in (one, other)))
+    reach = min(_BRANCH_M, *(_length_m(_from_end(tracks, end)) for end in (one, other)))
     ax, ay = _plane(centre, _after(_from_end(tracks, one), reach))
     bx, by = _plane(centre, _after(_from_end(tracks, other), reach))
     turned = ax * by - ay * bx

@@ -21,8 +21,8 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.routes import Route
 from safeloc.railway.map.topology import Run, Topology
 
-KNOWN = ("netelement_id", "start_intrinsic", "end_intrinsic", "gnss_start_index", "gnss_end_index", "probability")
-BOTH: tuple[Direction, Direction] = ("increasing", "decreasing")
+_KNOWN = ("netelement_id", "start_intrinsic", "end_intrinsic", "gnss_start_index", "gnss_end_index", "probability")
+_BOTH: tuple[Direction, Direction] = ("increasing", "decreasing")
 
 
 class ImportedPath(NamedTuple):
@@ -51,7 +51,7 @@ def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | N
     for edge in edges:
         if edge not in topology.edges:
             raise InputError(f"the network has no element {edge!r}.")
-    starts: Sequence[Direction] = BOTH if first is None else (first,)
+    starts: Sequence[Direction] = _BOTH if first is None else (first,)
     layers = list(_layers(edges, starts, topology))
     if not layers[-1]:
         end = len(layers)
@@ -96,9 +96,9 @@ def _back(layers: Sequence[Mapping[Run, _Way]]) -> tuple[Run, ...]:
 
 
 def _edge(feature: Feature, topology: Topology, notes: list[Note]) -> str:
-    for name in others(feature.properties, KNOWN):
+    for name in others(feature.properties, _KNOWN):
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
-    if any(share in feature.properties for share in KNOWN[1:5]):
+    if any(share in feature.properties for share in _KNOWN[1:5]):
         notes.append(
             Note(
                 "not carried over",

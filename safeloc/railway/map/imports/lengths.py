@@ -8,7 +8,7 @@ from safeloc.errors import InputError
 from safeloc.language.units import MM_PER_M
 from safeloc.runtime.outside import MOST_DIGITS, quoted
 
-BEYOND_ALL = Decimal(10) ** 15
+_BEYOND_ALL = Decimal(10) ** 15
 """No length, place, speed or identity of a map is that large; 1e999999999 would be a number of a billion digits."""
 
 
@@ -23,7 +23,7 @@ def decimal(text: object, place: str) -> Decimal:
         raise InputError(f"{place}: expected a number, got {quoted(text)}.") from error
     if not value.is_finite():
         raise InputError(f"{place}: expected a finite number, got {quoted(text)}.")
-    if not -BEYOND_ALL < value < BEYOND_ALL:
+    if not -_BEYOND_ALL < value < _BEYOND_ALL:
         raise InputError(f"{place}: expected a number below 10^15, got {quoted(text)}.")
     return value
 

@@ -32,8 +32,8 @@ from safeloc.railway.map.imports.railml_xml import Element, read_xml, unused
 from safeloc.railway.map.imports.topology import Joined, join
 from safeloc.railway.map.model import Line
 
-NAMESPACE = re.compile(r"https://www\.railml\.org/schemas/3\.[1-3]")
-NO_PLACE = frozenset({
+_NAMESPACE = re.compile(r"https://www\.railml\.org/schemas/3\.[1-3]")
+_NO_PLACE = frozenset({
     "metadata", "name", "designator", "isValid", "typeDesignator", "external", "elementState", "gmlLocations",
     "gmlLocation", "networkLocation", "areaLocation", "geometricCoordinate", "geometricPositioningSystems",
     "screenPositioningSystems", "organizationalUnits", "speedProfiles", "electrificationSystems", "positioning",
@@ -49,7 +49,7 @@ NO_PLACE = frozenset({
 """Elements of railML that the map has no place for; anything else that is not carried over is not understood."""
 
 
-NO_PLACE_ATTRIBUTES = frozenset({
+_NO_PLACE_ATTRIBUTES = frozenset({
     "type", "continueCourse", "branchCourse", "language", "description", "basedOnTemplate", "belongsToParent", "radius",
     "mainDirection", "infrastructureManagerRef", "isSwitchable", "detectorMedium", "detectedObject", "layout", "length",
     "linkReactionNominal", "linkReactionReverse", "coverage", "isSignalized", "isTemporary", "endPointValidity",
@@ -70,7 +70,7 @@ def read_railml(path: Path, *, name: str | None = None, version: str | None = No
 
 
 def _checked(root: Element) -> Element:
-    if root.tag != "railML" or not NAMESPACE.fullmatch(root.namespace):
+    if root.tag != "railML" or not _NAMESPACE.fullmatch(root.namespace):
         raise InputError(f"expected a railML 3.1 to 3.3 document, got <{root.tag}> of {root.namespace!r}.")
     root.get("version")
     return root
@@ -135,9 +135,9 @@ def _left(root: Element) -> Iterator[Note]:
     """List notes on elements and attributes that the importer did not read."""
     for element, attribute in unused(root):
         if attribute is not None:
-            known = attribute in NO_PLACE_ATTRIBUTES
+            known = attribute in _NO_PLACE_ATTRIBUTES
             yield Note("not carried over" if known else "not understood", element.place, f"attribute {attribute!r}")
-        elif element.tag in NO_PLACE and element.namespace == root.namespace:
+        elif element.tag in _NO_PLACE and element.namespace == root.namespace:
             for one in _members(element):
                 yield Note("not carried over", one.place, f"{one.tag}: the map has no place for it")
         else:

@@ -15,9 +15,9 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_places import Places, Spot
 from safeloc.railway.map.imports.railml_xml import Element
 
-BELONGS = ("belongsToBaliseGroup", "baliseGroupRef", "belongsToParent")
-NUMBER = ("positionInGroup", "numberInGroup")
-PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor")
+_BELONGS = ("belongsToBaliseGroup", "baliseGroupRef", "belongsToParent")
+_NUMBER = ("positionInGroup", "numberInGroup")
+_PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor")
 
 
 @dataclass(frozen=True)
@@ -46,18 +46,18 @@ def balise_groups(functional: Element, places: Places, edges: Mapping[str, Track
 
 
 def _owner(balise: Element) -> str | None:
-    for name in BELONGS:
+    for name in _BELONGS:
         told = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
         if told is not None:
             return told
-    raise InputError(f"{balise.place}: belongs to no balise group; give {BELONGS[0]!r}.")
+    raise InputError(f"{balise.place}: belongs to no balise group; give {_BELONGS[0]!r}.")
 
 
 def _single(balise: Element, places: Places) -> Single:
     told = balise.one("isEurobalise")
-    numbers = [one.get(name) for one in (balise, *([told] if told else [])) for name in NUMBER]
+    numbers = [one.get(name) for one in (balise, *([told] if told else [])) for name in _NUMBER]
     number = next((one for one in numbers if one is not None), None)
-    distance = next((one for name in PREDECESSOR if (one := balise.get(name)) is not None), None)
+    distance = next((one for name in _PREDECESSOR if (one := balise.get(name)) is not None), None)
     spot = places.spot(balise) if distance is None or balise.all("spotLocation") else None
     return Single(
         balise,

@@ -15,8 +15,8 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_xml import Element
 from safeloc.railway.map.imports.topology import End, Relation
 
-METRES_PER_UNIT = {"m": Decimal(1), "km": Decimal(1000)}
-PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
+_METRES_PER_UNIT = {"m": Decimal(1), "km": Decimal(1000)}
+_PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
 
 
 @dataclass(frozen=True)
@@ -106,9 +106,9 @@ def linear_units(root: Element) -> dict[str, Decimal]:
     found = {}
     for system in root.all("common", "positioning", "linearPositioningSystems", "linearPositioningSystem"):
         unit = (system.get("units") or "m").lower()
-        if unit not in METRES_PER_UNIT:
+        if unit not in _METRES_PER_UNIT:
             raise InputError(f"{system.place}: units {unit!r} are not known; use m or km.")
-        found[system.need("id")] = METRES_PER_UNIT[unit]
+        found[system.need("id")] = _METRES_PER_UNIT[unit]
     return found
 
 
@@ -269,8 +269,8 @@ def _end(relation: Element, name: str, attribute: str) -> End:
 
 def _passable(relation: Element, notes: list[Note]) -> bool:
     told = relation.need("navigability").lower()
-    if told not in PASSABLE:
+    if told not in _PASSABLE:
         raise InputError(f"{relation.place}: navigability must be Both, None, AB or BA, not {told!r}.")
     if told in ("ab", "ba"):
         notes.append(Note("not carried over", relation.place, "one way only; the map allows both ways"))
-    return PASSABLE[told]
+    return _PASSABLE[told]

@@ -16,8 +16,8 @@ from safeloc.railway.map.imports.railml_places import Places
 from safeloc.railway.map.imports.railml_xml import Element
 from safeloc.railway.map.imports.topology import End, Naming, Relation
 
-MM_S_PER_KM_H = Decimal(1_000_000) / Decimal(3_600)
-SIGNAL_KINDS = {
+_MM_S_PER_KM_H = Decimal(1_000_000) / Decimal(3_600)
+_SIGNAL_KINDS = {
     "isTrainMovementSignal": "main",
     "isAnnouncementSignal": "announcement",
     "isDangerSignal": "danger",
@@ -33,7 +33,7 @@ SIGNAL_KINDS = {
 def signals(functional: Element, places: Places) -> Iterator[Signal]:
     """Return signals, for the direction of travel they apply to; one for both directions becomes two."""
     for element in functional.all("signalsIS", "signalIS"):
-        kind = "+".join(name for tag, name in SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
+        kind = "+".join(name for tag, name in _SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
         spot = places.spot(element)
         if spot is None:
             continue
@@ -92,7 +92,7 @@ def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
         stretches, directions = places.stretches(element)
         only: Direction | None = directions[0] if len(directions) == 1 else None
         for stretch in stretches:
-            limit = int(speed * MM_S_PER_KM_H)
+            limit = int(speed * _MM_S_PER_KM_H)
             yield made(SpeedLimit, element.place, **stretch.model_dump(), max_speed_mm_s=limit, direction=only)
 
 

@@ -15,7 +15,7 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_network import NetElement, Network, intrinsic, measure
 from safeloc.railway.map.imports.railml_xml import Element
 
-DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
+_DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
     "normal": ("increasing",),
     "reverse": ("decreasing",),
     "both": ("increasing", "decreasing"),
@@ -141,6 +141,6 @@ def _directions(location: Element) -> tuple[Direction, ...]:
     told = location.get("applicationDirection")
     if told is None:
         return ()
-    if told not in DIRECTIONS:
+    if told not in _DIRECTIONS:
         raise InputError(f"{location.place}: applicationDirection must be normal, reverse or both, not {told!r}.")
-    return DIRECTIONS[told]
+    return _DIRECTIONS[told]

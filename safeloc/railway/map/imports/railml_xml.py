@@ -20,8 +20,8 @@ MOST_ELEMENTS = 2_000_000
 MOST_ATTRIBUTES = 10_000_000
 """Elements of four bytes and attributes of six take a hundred times that in memory. What is counted is never less than
 what is there: signs of beginning and equality, also in text and comments."""
-XSI = "http://www.w3.org/2001/XMLSchema-instance"
-XML = "http://www.w3.org/XML/1998/namespace"
+_XSI = "http://www.w3.org/2001/XMLSchema-instance"
+_XML = "http://www.w3.org/XML/1998/namespace"
 
 
 @dataclass(eq=False, slots=True)
@@ -129,7 +129,7 @@ def _element(node: Any) -> Element:
     attributes = {}
     for name, value in node.attrib.items():
         space, local = _split(name)
-        if space not in (XSI, XML):
+        if space not in (_XSI, _XML):
             attributes[local if not space else name] = value
     return Element(
         tag, namespace, node.sourceline or 0, (node.text or "").strip(), attributes, [_element(child) for child in node]

@@ -17,8 +17,8 @@ from safeloc.railway.map.imports.building import content, missing
 from safeloc.railway.map.imports.workbook_parts import refuse_unsafe
 from safeloc.runtime.outside import refuse_beyond, shortened
 
-MOST_COLUMNS = 200
-LAST_ROW = 1_048_576
+_MOST_COLUMNS = 200
+_LAST_ROW = 1_048_576
 """Of any sheet; a row further down is none, and the empty ones before it would never end."""
 
 
@@ -71,7 +71,7 @@ _BROKEN = (
 def _sheet(book: Any) -> Sheet:
     first, *others = book.worksheets
     heading = _heading(next(first.iter_rows(max_row=1, values_only=True), ()))
-    listed = first.iter_rows(min_row=2, max_row=LAST_ROW, max_col=max(1, len(heading)), values_only=True)
+    listed = first.iter_rows(min_row=2, max_row=_LAST_ROW, max_col=max(1, len(heading)), values_only=True)
     rows = [(number, tuple(row)) for number, row in enumerate(listed, 2) if any(cell is not None for cell in row)]
     return Sheet(first.title, heading, tuple(rows), tuple(other.title for other in others))
 
@@ -79,7 +79,7 @@ def _sheet(book: Any) -> Sheet:
 def _heading(row: Sequence[Any]) -> tuple[Any, ...]:
     """The first row up to its last filled cell."""
     last = max((number for number, cell in enumerate(row, 1) if cell is not None), default=0)
-    refuse_beyond("row 1", last, MOST_COLUMNS, "columns")
+    refuse_beyond("row 1", last, _MOST_COLUMNS, "columns")
     return tuple(row[:last])
 
 

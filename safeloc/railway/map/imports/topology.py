@@ -12,7 +12,7 @@ from safeloc.railway.map.elements import Crossing, Node, Switch
 from safeloc.railway.map.imports.building import made
 from safeloc.railway.map.imports.notes import Note
 
-MOST_ENDS = 100
+_MOST_ENDS = 100
 """Of edges at one node; each pair of them may be a way."""
 
 End = tuple[str, int]
@@ -74,8 +74,8 @@ def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) ->
     found: list[Switch | Crossing] = []
     nodes: list[Node] = []
     for ends, own in zip(groups, inside, strict=True):
-        if len(ends) > MOST_ENDS:
-            raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {MOST_ENDS} can.")
+        if len(ends) > _MOST_ENDS:
+            raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {_MOST_ENDS} can.")
         place = own[0].place if own else f"edge {min(ends)[0]!r}"
         node = _node(sorted(ends), own, naming, place)
         nodes.append(node)

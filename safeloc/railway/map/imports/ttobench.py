@@ -21,12 +21,12 @@ from safeloc.railway.map.imports.lengths import decimal, millimetres
 from safeloc.railway.map.imports.notes import Imported, Note
 from safeloc.railway.map.model import Line
 
-KNOWN = ("metadata", "altitude", "stops", "speed limits", "gradients", "curvatures", "tunnels", "ETCS braking data")
+_KNOWN = ("metadata", "altitude", "stops", "speed limits", "gradients", "curvatures", "tunnels", "ETCS braking data")
 EDGE = "track"
 
 
 @dataclass(frozen=True)
-class Profile:
+class _Profile:
     """The content of the file, the length of its track, and the notes so far."""
 
     data: Mapping[str, Any]
@@ -81,7 +81,7 @@ def read_ttobench(path: Path, *, name: str | None = None, version: str | None = 
 
 def _imported(data: Mapping[str, Any], name: str | None, version: str, source: str) -> Imported:
     metadata = mapping(required(data, "metadata", "file"), "'metadata'")
-    profile = Profile(data, _length_mm(data), [])
+    profile = _Profile(data, _length_mm(data), [])
     line = made(
         Line,
         "file",
@@ -117,14 +117,14 @@ def _length_mm(data: Mapping[str, Any]) -> int:
     return whole
 
 
-def _speed_limits(profile: Profile) -> Iterator[SpeedLimit]:
+def _speed_limits(profile: _Profile) -> Iterator[SpeedLimit]:
     """Rounded down to whole mm/s."""
     for place, stretch, (speed,) in profile.pieces("speed limits", {"position": "m", "velocity": "km/h"}):
         limit = int(decimal(speed, f"{place}: velocity") * 1_000_000 / 3_600)
         yield made(SpeedLimit, place, **stretch.model_dump(), max_speed_mm_s=limit)
 
 
-def _gradients(profile: Profile) -> Iterator[Gradient]:
+def _gradients(profile: _Profile) -> Iterator[Gradient]:
     for place, stretch, (slope,) in profile.pieces("gradients", {"position": "m", "slope": "permil"}):
         ppm = decimal(slope, f"{place}: slope") * 1_000
         whole = ppm.to_integral_value()
@@ -133,14 +133,14 @@ def _gradients(profile: Profile) -> Iterator[Gradient]:
         yield made(Gradient, place, **stretch.model_dump(), rise_ppm=int(whole))
 
 
-def _curves(profile: Profile) -> Iterator[Curve]:
+def _curves(profile: _Profile) -> Iterator[Curve]:
     units = {"position": "m", "radius at start": "m", "radius at end": "m"}
     for place, stretch, radii in profile.pieces("curvatures", units):
         one, other = (_radius_mm(profile, radius, place) for radius in radii)
         yield made(Curve, place, **stretch.model_dump(), from_radius_mm=one, to_radius_mm=other)
 
 
-def _radius_mm(profile: Profile, value: object, place: str) -> int | None:
+def _radius_mm(profile: _Profile, value: object, place: str) -> int | None:
     if value == "infinity":
         return None
     radius: Decimal = decimal(value, f"{place}: radius")
@@ -152,7 +152,7 @@ def _radius_mm(profile: Profile, value: object, place: str) -> int | None:
     return whole
 
 
-def _tunnels(profile: Profile) -> Iterator[Tunnel]:
+def _tunnels(profile: _Profile) -> Iterator[Tunnel]:
     rows = profile.rows("tunnels", {"position": "m", "length": "m", "cross section": "m^2"})
     for number, (place, (position, length, section)) in enumerate(rows, 1):
         start = profile.position_mm(position, place)
@@ -172,5 +172,5 @@ def _left(data: Mapping[str, Any]) -> Iterator[Note]:
     for name in ("altitude", "ETCS braking data"):
         if name in data:
             yield Note("not carried over", repr(name), "the map has no place for it")
-    for name in others(data, KNOWN):
+    for name in others(data, _KNOWN):
         yield Note("not understood", repr(name), "unknown member")

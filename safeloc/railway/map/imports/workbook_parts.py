@@ -18,12 +18,12 @@ from safeloc.runtime.outside import number, quoted, refuse_beyond
 
 LARGEST_PART = 100_000_000
 """Bytes of one part, and of all of them, unpacked."""
-MOST_PARTS = 1_000
+_MOST_PARTS = 1_000
 MOST_ELEMENTS = 3_000_000
 """Elements of all parts; a cell is two. Reading takes some ten microseconds for each."""
 MOST_ROWS = 100_000
 MOST_CELLS = 1_000_000
-DEEPEST = 64
+_DEEPEST = 64
 """Elements within each other; a sheet has seven."""
 _CHUNK = 1 << 16
 
@@ -32,7 +32,7 @@ def refuse_unsafe(path: Path) -> None:
     """InputError, with part and line, for a document type, for numbers that are none, and beyond the limits above."""
     with ZipFile(path) as archive:
         parts = archive.infolist()
-        refuse_beyond("the workbook", len(parts), MOST_PARTS, "parts")
+        refuse_beyond("the workbook", len(parts), _MOST_PARTS, "parts")
         refuse_beyond("the workbook", sum(part.file_size for part in parts), LARGEST_PART, "bytes in its parts")
         elements = 0
         for part in parts:
@@ -79,8 +79,8 @@ class _Look:
         self._elements += 1
         self._depth += 1
         refuse_beyond(self._here(), self._before + self._elements, MOST_ELEMENTS, "elements")
-        if self._depth > DEEPEST:
-            raise InputError(f"{self._here()}: elements are nested deeper than {DEEPEST}; no workbook is.")
+        if self._depth > _DEEPEST:
+            raise InputError(f"{self._here()}: elements are nested deeper than {_DEEPEST}; no workbook is.")
         match name.rpartition(" ")[2]:
             case "row":
                 self._rows += 1
