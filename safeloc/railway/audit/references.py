@@ -12,7 +12,7 @@ from safeloc.railway.map.topology import Run
 from safeloc.railway.map.walk import Reference, Seen, Walk, carried
 
 _SLACK_MM = 1_000_000
-"""How much farther than stated a reflector is looked for, so that its true distance can be told."""
+"""The search for a reflector goes this much farther than its stated distance, so that the report can give the true one."""
 
 
 class References:
@@ -24,7 +24,7 @@ class References:
         self._reach = longest(0, rules.layout)
 
     def check(self) -> None:
-        """Function tests first, since a reflector counts from the last balise where one is possible."""
+        """Check all references; function tests first, since reflectors are counted from the last balise with a function test."""
         for seen in self.walk.everywhere():
             if isinstance(seen.element, BaliseGroup):
                 self._function_test(seen, seen.element)
@@ -69,7 +69,7 @@ class References:
         place = self.walk.place(seen.run, seen.offset_mm)
         subject = f"{name(group)}, {seen.run.direction}, to reflector {reflector}"
         if found is None and self.walk.line.part and reflector not in {one.id for one in self.walk.line.reflectors}:
-            return  # on another part of the map, that was not loaded
+            return  # on a part of the map that is not loaded
         if found is None:
             self.ledger.add(self.rules.reference_distance, place, f"{subject}: it is not ahead on any route")
             return
@@ -91,7 +91,7 @@ class References:
             )
 
     def _direction(self, seen: Seen, group: BaliseGroup) -> None:
-        """A balise without orientation, between reflectors: the models before and after it tell the direction."""
+        """Check that the reflector models before and after a balise without orientation differ: they determine the direction."""
         if group.orientation is not None:
             return
         behind = [one for one in self.walk.behind(seen.run, seen.offset_mm, self._reach) if is_reflector(one.element)]
@@ -137,7 +137,7 @@ class References:
                 count = 0
 
     def _entering(self, run: Run) -> int:
-        """Behind a seam the last balise may lie on another part of the map."""
+        """Return the reflectors since a balise at the edge of the map; 0 at a seam, since the balise may lie on the part before."""
         return 0 if self.walk.topology.comes_over_seam(run) else UNBOUNDED
 
     def _leaving(self, run: Run) -> int | None:
@@ -155,5 +155,5 @@ def _greatest(counts: Iterable[int]) -> int:
 
 
 def is_reflector(element: Reference) -> bool:
-    """Return whether it is a reflector, not a balise group."""
+    """Return whether the element is a reflector rather than a balise group."""
     return isinstance(element, Reflector)

@@ -1,7 +1,7 @@
-"""Routes told apart by what is seen on them (RFL-D6).
+"""Checks that routes differ in the reflectors and balises seen on them (RFL-D6).
 
-Where a line has few routes, every pair of them is compared from end to end. Where it has many, the ways on from every
-place with a choice are compared until they meet again or leave the horizon: the work grows with the line.
+On a line with few routes every pair is compared from end to end. On a line with many, the ways behind every facing switch
+are compared until they meet again or leave the horizon; so the work grows in proportion to the line.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from safeloc.railway.map.walk import Reference, Walk
 
 MOST_ROUTES = 24
 MOST_WORK = 2_000_000
-"""Comparisons of two sightings that all pairs of routes may take; beyond, ways are compared behind choices."""
+"""Greatest number of compared sightings for all pairs of routes; beyond it, only the ways behind switches are compared."""
 _WAYS_ON = 32
 _HORIZON_STRETCHES = 3
 _LONGEST_COMPARED_MM = 10_000_000
@@ -33,7 +33,7 @@ _KEPT_PAIRS = 100
 
 @dataclass(frozen=True)
 class _Way:
-    """A way along the line, with what is seen on it, in order."""
+    """A way along the line, with the sightings on it in order."""
 
     name: str
     runs: tuple[Run, ...]
@@ -47,7 +47,7 @@ class _Way:
 
 
 def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, tuple[RoutePair, ...]]:
-    """Return the number of routes, None where they are too many to compare one by one, and the pairs that were compared."""
+    """Check the routes; return their number (None if too many to compare one by one) and the pairs that were compared."""
     count = route_count(walk.topology)
     few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
     pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules, ledger))]
@@ -80,7 +80,7 @@ def route_count(topology: Topology) -> int | None:
 
 
 def _gate_mm(rules: Rules) -> int:
-    """Two places this near may be one by estimate: both errors, as in `separable_by_distance`."""
+    """Return the distance within which two estimated places may be one: both errors, as in `separable_by_distance`."""
     return 2 * (rules.layout.tolerance_mm + rules.layout.reflector_fix_mm)
 
 
@@ -116,7 +116,7 @@ def _sighting(element: Reference, run: Run, position_mm: int) -> Sighting:
 
 
 def _parting(first: Sequence[Run], second: Sequence[Run]) -> Run:
-    """The first run of one route that is not the other's."""
+    """Return the first run of one route that the other does not have."""
     differing = (one for one, other in zip(first, second, strict=False) if one != other)
     return next(differing, first[-1])
 
@@ -158,7 +158,7 @@ def _branches(walk: Walk, run: Run) -> list[Run]:
 
 
 def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
-    """The ways on from the start of a run, as far as the horizon; one more than are compared, if there are so many."""
+    """Return the ways from the start of a run up to the horizon, at most one more than are compared."""
     found: list[tuple[Run, ...]] = []
     open_ways: list[tuple[tuple[Run, ...], int]] = [((run,), walk.topology.length_mm(run))]
     while open_ways and len(found) <= _WAYS_ON:
@@ -171,7 +171,7 @@ def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
 
 
 def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[_Way, _Way]:
-    """Both ways up to where they meet and on to the next reference, which comes later on the longer way."""
+    """Return both ways up to the place where they meet and on to the next reference, which comes later on the longer way."""
     met = next((run for run in left if run in right), None)
     if met is None:
         ways = _named(walk, left), _named(walk, right)

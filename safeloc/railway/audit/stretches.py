@@ -1,4 +1,4 @@
-"""Odometry stretches: from every reference, and from every way onto the map, to the next reference (RFL-D1)."""
+"""Checks odometry stretches: from every reference, and from every entry to the map, to the next reference (RFL-D1)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from safeloc.railway.map.walk import Reference, Walk, carried
 
 @dataclass(frozen=True)
 class _Since:
-    """The distance since the last reference, the position error that it left, and its name."""
+    """The last reference: distance since it, position error at it, and its name."""
 
     distance_mm: int
     fix_error_mm: int
@@ -26,7 +26,7 @@ class _Since:
 
 
 class Stretches:
-    """The stretches of one line, for one vehicle's figures."""
+    """Checks the stretches of one line for one vehicle's figures."""
 
     def __init__(self, walk: Walk, rules: Rules, ledger: Ledger) -> None:
         self.walk, self.rules, self.ledger = walk, rules, ledger
@@ -34,7 +34,7 @@ class Stretches:
         self._longest: dict[int, int] = {}
 
     def check(self) -> None:
-        """Check every stretch, the longest of all routes where several lead to one reference."""
+        """Check every stretch; where several routes lead to one reference, the worst of them."""
         arriving, loops = carried(self.walk, self._entering, self._leaving, self._through, self._worst)
         for loop in loops:
             subject = f"a loop over {len(loop)} edges without any reference"
@@ -88,7 +88,7 @@ class Stretches:
 
 
 def longest(fix_error: int, layout: LayoutConfig) -> int:
-    """Return the longest tolerable stretch after a fix; without bound where odometry errors do not grow."""
+    """Return the longest tolerable stretch after a fix, in mm; practically unbounded if odometry errors do not grow."""
     if layout.odometry_rate_ppm == 0:
         return UNBOUNDED - fix_error
     return int(evaluate([longest_stretch_mm(as_num(fix_error, MM), layout)], {})[0])

@@ -16,7 +16,7 @@ _TABLE = "localization"
 
 
 def find_layout(name: str) -> LayoutConfig:
-    """Return the figures of a shipped vehicle by name, or of a file. InputError with line and key for what does not fit."""
+    """Return the figures of a shipped vehicle by name, or of a file. InputError with line and key for anything wrong in it."""
     shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
     if name not in shipped and not Path(name).is_file():
         raise InputError(f"{name}: no such file, and no shipped vehicle; shipped are {', '.join(shipped)}.")

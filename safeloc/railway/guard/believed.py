@@ -1,4 +1,4 @@
-"""Which fixes of a recording the guard passes on: whoever takes a recorded place for the truth asks it first."""
+"""Selects the fixes of a recording that the guard passes on. Only these may serve as true positions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from safeloc.railway.map.routes import Route
 def believed_times(fixes: Iterable[Fix], route: Route, *, max_speed_mm_s: int, crs: str = WGS84) -> frozenset[int]:
     """Return the times of the fixes that the guard passes on, on this route in its own direction.
 
-    Raises InputError for a speed that no guard is made for, and for a route of which edges have no course.
+    Raises InputError for a speed outside the guard's range, and for a route with edges that have no course.
     """
     config = guard_config(None, {"max_speed_mm_s": max_speed_mm_s})
     clear, reach = config.track_clearance_mm, config.tolerance_mm

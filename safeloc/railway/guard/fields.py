@@ -1,4 +1,4 @@
-"""Fields of a position stream, as numbers: whatever a line says, it becomes a delivery, or says why it is none."""
+"""Fields of a position stream as numbers. Every line becomes a delivery; one that is not a position carries the reason."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NAMES = ("time", "x", "y", "speed", "flag", "received")
 class Columns:
     """The names of the fields of a line; an empty name: the stream has no such field.
 
-    time, received  ISO 8601 (UTC where no zone is told) or a number of `time_unit`
+    time, received  ISO 8601 (UTC without a time zone) or a number of `time_unit`
     x, y            longitude and latitude, or easting and northing of the coordinate system
     speed           over ground, in `speed_unit`
     flag            the receiver's own quality flag; lines with one of `no_fix` have no position
@@ -47,12 +47,12 @@ class Columns:
 
     @property
     def named(self) -> list[str]:
-        """The names that a stream must have."""
+        """The names of all fields that the stream has to have."""
         return [name for name in (self.time, self.x, self.y, self.speed, self.flag, self.received) if name]
 
 
 def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix: Collection[str]) -> Columns:
-    """Return columns from `what=name`, such as `x=lambert72_x`; InputError for what is none."""
+    """Return columns from `what=name`, such as `x=lambert72_x`; InputError for any other form."""
     chosen: dict[str, str] = {}
     for one in told:
         what, _, name = one.partition("=")
@@ -65,7 +65,7 @@ def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix
 
 
 def delivery(number: int, fields: Mapping[str, object], columns: Columns) -> Delivery:
-    """Return a line's fields as a delivery; what cannot be understood is told in `wrong`."""
+    """Return a line's fields as a delivery; `wrong` describes what cannot be read."""
     try:
         return _delivery(number, fields, columns)
     except Exception as error:  # the rule of every border (safeloc.runtime.outside)
@@ -96,7 +96,7 @@ def _empty(value: object) -> bool:
 
 
 def _decimal(name: str, value: object) -> float:
-    """Return a number as it was told, NaN and infinities included; InputError for what is none."""
+    """Return a number as it was written, NaN and infinities included; InputError if it is not a number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise InputError(f"{name!r}: {quoted(value)} is no number.")
     if isinstance(value, str) and not (value.isascii() and "_" not in value):
@@ -108,7 +108,7 @@ def _decimal(name: str, value: object) -> float:
 
 
 def speed_mm_s(name: str, value: object, unit: str) -> int:
-    """Return a speed over ground in mm/s, to the nearest; InputError for what no vehicle has."""
+    """Return a speed over ground in mm/s, to the nearest; InputError for a speed that no vehicle reaches."""
     speed = _decimal(name, value) * SPEED_UNITS[unit]
     if not 0 <= speed <= _FASTEST_MM_S:
         raise InputError(f"{name!r}: {quoted(value)} {unit} is no speed over ground.")
@@ -116,7 +116,7 @@ def speed_mm_s(name: str, value: object, unit: str) -> int:
 
 
 def milliseconds(name: str, value: object, unit: str) -> int:
-    """Return a time in ms since 1970, or since wherever the receiver counts from; rounded down."""
+    """Return a time in ms since 1970, or since the start of the receiver's own count; rounded down."""
     if isinstance(value, str) and ("-" in value.strip()[1:] and ":" in value):
         return _since_epoch(name, value)
     told = _decimal(name, value)
@@ -135,6 +135,6 @@ def _since_epoch(name: str, text: str) -> int:
 
 
 def milliseconds_of(when: datetime) -> int:
-    """ms since 1970; a time without a zone is UTC."""
+    """Return ms since 1970; a time without a zone is UTC."""
     aware = when if when.tzinfo is not None else when.replace(tzinfo=UTC)
     return (aware - _EPOCH) // timedelta(milliseconds=1)

@@ -1,7 +1,7 @@
 """NMEA 0183 sentences as deliveries. Needs the extra `nmea` (pynmeagps).
 
-One kind of sentence makes the stream: RMC tells position, speed, date and whether there is a fix; GGA, GNS and GLL tell
-the time of day only, and midnight is where it falls back by more than half a day. Others are passed over.
+One kind of sentence makes the stream, the others are skipped. RMC has position, speed, date and a valid flag. GGA, GNS and
+GLL have the time of day only; a fall by more than half a day counts as midnight.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ _HALF_A_DAY = timedelta(hours=12)
 
 
 def nmea_deliveries(lines: Iterable[str], sentence: str = "RMC") -> Iterator[Delivery]:
-    """Return a delivery for every sentence of that kind, and for every line that is no sentence; proprietary ones are
-    passed over.
+    """Yield a delivery for every sentence of that kind, and for every line that is not a sentence. Skip proprietary sentences.
 
-    Raises InputError for a kind that tells no position, EngineError without the extra.
+    Raises InputError for a kind without a position, EngineError without the extra.
     """
     if sentence not in _SENTENCES:
         raise InputError(f"sentence {sentence!r}: choose one of {', '.join(_SENTENCES)}.")
@@ -52,7 +51,7 @@ def _delivery(number: int, text: str, parse: Callable[[str], Any], clock: _Clock
         return _of(number, said, clock)
     except InputError as error:
         return Delivery(number, wrong=f"{error}".splitlines()[0] if f"{error}" else "no sentence")
-    except Exception as error:  # the parser is somebody else's, and fails in its own ways
+    except Exception as error:  # a third-party parser may raise anything
         return Delivery(number, wrong=shortened(error))
 
 
@@ -69,13 +68,13 @@ def _of(number: int, said: Any, clock: _Clock) -> Delivery:
 
 
 class _Clock:
-    """Days of sentences that tell the time of day only: a time that falls back by more than half a day is of the next."""
+    """Finds the day of sentences with a time of day only: a fall by more than half a day begins the next day."""
 
     def __init__(self) -> None:
         self._last: datetime | None = None
 
     def at(self, when: object, told: object) -> datetime:
-        """The time of a sentence; InputError where it tells none."""
+        """Return the time of a sentence; InputError without one."""
         if not isinstance(when, time):
             raise InputError("no time")
         dated = isinstance(told, date)
@@ -94,7 +93,7 @@ def _parser() -> Callable[[str], Any]:
     except ImportError as error:
         raise EngineError("reading NMEA sentences needs pynmeagps; install safeloc[nmea].") from error
 
-    reader: Any = NMEAReader  # its hints say bytes, it takes both
+    reader: Any = NMEAReader  # declared for bytes, but it takes both
 
     def parse(text: str) -> Any:
         try:

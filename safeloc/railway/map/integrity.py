@@ -1,4 +1,4 @@
-"""Consistency checks of a line: one small function each; all of them run, and each names the offending elements."""
+"""Consistency checks of a line, one function each. All of them run, and each names the faulty elements."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class _Named(Protocol):
 
 
 def contradictions(line: Line) -> Iterator[str]:
-    """Return everything that is wrong, in words."""
+    """Yield a sentence for every contradiction in the map."""
     for check in _CHECKS:
         yield from check(line)
 
@@ -80,7 +80,7 @@ def _kilometre_points(line: Line) -> Iterator[str]:
 
 
 def _ends_at(line: Line) -> dict[str, frozenset[str]]:
-    """Node -> the edges that end there."""
+    """Return the edges that end at each node."""
     found: dict[str, set[str]] = {node.id: set() for node in line.nodes}
     for edge in line.edges:
         found.setdefault(edge.from_node, set()).add(edge.id)
@@ -120,7 +120,7 @@ def _nodes(line: Line) -> Iterator[str]:
         if count == 0:
             yield f"node {node.id!r}: no edge ends there"
         if count > 2 and not owned:
-            yield f"node {node.id!r}: {count} edges meet and no switch or crossing says how"
+            yield f"node {node.id!r}: {count} edges meet without a switch or crossing"
         if node.kind in ("buffer_stop", "border", "seam") and count != 1:
             yield f"node {node.id!r}: is a {node.kind} and must end one edge, not {count}"
 
@@ -193,7 +193,7 @@ def _one_group(group: BaliseGroup) -> Iterator[str]:
 
 
 def _references(line: Line) -> Iterator[str]:
-    """A part may speak of what another part holds; the assembled line must not."""
+    """Check references between elements. A part may refer to elements of other parts, a complete line may not."""
     if line.part:
         return
     known = {kind: {element.id for element in elements} for kind, elements in kinds(line).items()}

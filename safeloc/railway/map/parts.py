@@ -1,4 +1,4 @@
-"""Parts of a map, loaded along the way (RFL-4): cut at seams, sealed, and put together only where everything fits."""
+"""Parts of a map that a vehicle loads along its way (RFL-4): cut at seams, with a checksum, joined only if they fit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _BY_NODE = ("switches", "crossings")
 
 
 class LinePart(Line):
-    """A part of a line: it has a name of its own and a checksum, and ends in seams where other parts follow."""
+    """A part of a line, with its own name and checksum. It ends at a seam where another part follows."""
 
     @model_validator(mode="after")
     def _is_a_part(self) -> LinePart:
@@ -36,7 +36,7 @@ class LinePart(Line):
 
 @dataclass(frozen=True)
 class PartialMap:
-    """The parts that are on board. Every change is checked; a part that does not fit is refused, and nothing changes."""
+    """The parts on board. Every change is checked: a part that does not fit is refused, and the map stays unchanged."""
 
     parts: tuple[LinePart, ...]
 
@@ -49,22 +49,22 @@ class PartialMap:
         _ = self.line
 
     def with_part(self, part: LinePart) -> PartialMap:
-        """Return the map with one more part. InputError when checksum, version or seams do not fit; this map stays as it is."""
+        """Return the map with one more part. InputError if checksum, version or seams do not match; this map stays unchanged."""
         return PartialMap((*self.parts, part))
 
     def without(self, name: str) -> PartialMap:
-        """Return the map without a part that lies behind. InputError where there is none of that name."""
+        """Return the map without a part that lies behind. InputError if no part has that name."""
         if name not in {part.part for part in self.parts}:
             raise InputError(f"there is no part {name!r}; on board are {', '.join(part.part for part in self.parts)}.")
         return PartialMap(tuple(part for part in self.parts if part.part != name))
 
     @cached_property
     def line(self) -> Line:
-        """All parts as one line. While seams are open it is a part itself; then references may point beyond them."""
+        """All parts as one line. While it has open seams it is a part itself, and may refer to elements beyond them."""
         return _assembled(self.parts)
 
 
-# ------------------------------------------------------------------ what must fit
+# ------------------------------------------------------------------ checks
 
 
 def _checksums(parts: tuple[LinePart, ...]) -> Iterator[str]:
@@ -122,7 +122,7 @@ def _leads_to(edge: TrackEdge, node: str) -> bool:
 _CHECKS: tuple[Callable[[tuple[LinePart, ...]], Iterator[str]], ...] = (_checksums, _one_map, _names, _seams)
 
 
-# ------------------------------------------------------------------ putting together
+# ------------------------------------------------------------------ joining
 
 
 def _assembled(parts: tuple[LinePart, ...]) -> Line:
@@ -150,7 +150,7 @@ def _nodes(parts: tuple[LinePart, ...]) -> tuple[Node, ...]:
 
 
 def _sections(parts: tuple[LinePart, ...], kind: str) -> tuple[Any, ...]:
-    """Sections that reach over a seam become whole again."""
+    """Return the sections of all parts, joining those that were cut at a seam."""
     found: dict[str, Any] = {}
     for section in (section for part in parts for section in getattr(part, kind)):
         known = found.get(section.id)
@@ -165,9 +165,9 @@ def _sections(parts: tuple[LinePart, ...], kind: str) -> tuple[Any, ...]:
 
 
 def cut(line: Line, names: Mapping[str, str], seams: Iterable[str]) -> tuple[LinePart, ...]:
-    """Return the line cut at plain nodes. `names` gives each part's name by one edge of it.
+    """Return the line, cut at plain nodes. `names` maps one edge of each part to the part's name.
 
-    Raises InputError for a seam that is no plain node between two edges, for a part without a name or with two, and
+    Raises InputError for a seam that is not a plain node between two edges, for a part without a name or with two, and
     for a fibre that a seam would cut.
     """
     whole = line.model_copy(update={"checksum": None})
@@ -241,4 +241,4 @@ def _fibres_whole(line: Line, pieces: list[frozenset[str]]) -> None:
     for fibre in line.fibres:
         used = {stretch.edge for stretch in fibre.path} | {point.edge for point in fibre.map_points}
         if not any(used <= edges for edges in pieces):
-            raise InputError(f"fibre {fibre.id!r} runs over a seam; cut the line where no fibre goes on.")
+            raise InputError(f"fibre {fibre.id!r} runs over a seam; cut the line where no fibre continues.")

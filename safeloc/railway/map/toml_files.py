@@ -17,15 +17,15 @@ from safeloc.railway.map.toml_place import line_of
 from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
 
 LARGEST_TEXT = 50_000_000
-"""Bytes of a line as TOML or JSON: a hundred thousand edges."""
+"""Bytes of a line as TOML or JSON; enough for a hundred thousand edges."""
 _MOST_DOTS = 2_000
 _SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
 
 
 def from_toml(text: str, name: str) -> Line:
-    """Return a line from TOML. `name` is what messages call the text.
+    """Return a line from TOML. `name` stands for the text in messages.
 
-    Raises InputError with line and key for anything that does not fit, a wrong checksum included.
+    Raises InputError with line and key for anything wrong in it, including the checksum.
     """
     _refuse_long_keys(text, name)
     try:
@@ -55,19 +55,19 @@ def from_json(text: str, name: str) -> Line:
 
 
 def to_toml(line: Line) -> str:
-    """Return the line as TOML; what has its default value is left out."""
+    """Return the line as TOML, without default values."""
     return tomli_w.dumps(line.model_dump(mode="json", exclude_defaults=True))
 
 
 def load_line(path: Path) -> Line:
-    """Return a line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
+    """Return a line from a .toml or .json file. InputError with file, line and key for anything wrong in it."""
     with reading(path):
         text = read_text(path, LARGEST_TEXT)
         return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
 
 
 def _refuse_long_keys(text: str, name: str) -> None:
-    """Keys of many parts take time that grows with the square of them, one key a line or many in one."""
+    """Refuse keys with very many parts, which take a time quadratic in their number."""
     for number, line in enumerate(text.splitlines(), 1):
         refuse_beyond(f"{name}:{number}", line.count("."), _MOST_DOTS, "points in one line")
 
@@ -78,7 +78,7 @@ def shipped_lines() -> dict[str, Path]:
 
 
 def find_line(name: str) -> Line:
-    """Return a shipped line by name, or a line from the file of that name. InputError where there is neither."""
+    """Return a shipped line by name, or a line from the file of that name. InputError if there is neither."""
     known = shipped_lines()
     if name in known:
         return load_line(known[name])
@@ -111,7 +111,7 @@ def _told(error: ValidationError, where: Any) -> str:
 
 
 def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, Any]:
-    """TOML refuses a key that is given twice; JSON would take the last one."""
+    """Refuse a key that is given twice, as TOML does; JSON alone would take the last one."""
     found = dict(pairs)
     if len(found) < len(pairs):
         counts = Counter(key for key, _ in pairs)
@@ -121,5 +121,5 @@ def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, A
 
 
 def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
-    """Return whether one key lies within the other: a list whose entry is wrong is also reported as too short."""
+    """Return whether one key lies within the other; a list with a wrong entry is also reported as too short."""
     return len(inner) > len(outer) and inner[: len(outer)] == outer
