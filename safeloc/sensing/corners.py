@@ -1,12 +1,12 @@
-"""From one corner of a reflector to its nearest one: all stand on a line parallel to the antenna's axis.
+"""Computes the place of a reflector's nearest corner from another one; all stand on a line parallel to the antenna's axis.
 
 With R the range of a corner that stands L farther along, and c the cosine of its angle from the axis, the nearest one's
 range r and sine are
 
     r^2 = R^2 + L^2 - 2 R L c        sine of the nearest = (sine of the corner) R / r
 
-r grows with R and falls with c wherever the nearest corner is ahead of the antenna, so the ends of both give the ends of r.
-Only what was read of this one corner is used: its bounds hold whatever is wrong with the others.
+r grows with R and falls with c while the nearest corner is ahead of the antenna, so the bounds of both give those of r. The
+computation uses the echo of this one corner only, so its bounds hold whatever is wrong with the others.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _BILLION = 1_000_000_000
 
 
 def nearest(range_nm: ExactBounds, sine_ppb: ExactBounds, farther_nm: int) -> tuple[ExactBounds, ExactBounds]:
-    """Return bounds of range (nm) and sine (1e-9) of the nearest corner, from those of one `farther_nm` beyond it."""
+    """Return bounds of range (nm) and sine (1e-9) of the nearest corner, from those of the corner `farther_nm` beyond it."""
     if farther_nm == 0:
         return range_nm, sine_ppb
     cosine = _cosine_ppb(sine_ppb)
@@ -35,7 +35,7 @@ def nearest(range_nm: ExactBounds, sine_ppb: ExactBounds, farther_nm: int) -> tu
 
 
 def _cosine_ppb(sine_ppb: ExactBounds) -> ExactBounds:
-    """Whole numbers, rounded outward."""
+    """Return bounds of the cosine in 1e-9, whole numbers rounded outward."""
     ends = [abs(Fraction(one)) for one in (sine_ppb.low, sine_ppb.high)]
     least = 0 if sine_ppb.low <= 0 <= sine_ppb.high else math.floor(min(ends))
     most = min(_BILLION, math.ceil(max(ends)))
@@ -45,7 +45,7 @@ def _cosine_ppb(sine_ppb: ExactBounds) -> ExactBounds:
 
 
 def _square(range_nm: int, farther_nm: int, cosine_ppb: int) -> int:
-    """r^2, rounded down: less than one below it."""
+    """Return r^2, rounded down by less than one."""
     return max(0, range_nm**2 + farther_nm**2 - _ceil_share(2 * range_nm * farther_nm, cosine_ppb))
 
 

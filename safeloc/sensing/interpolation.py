@@ -1,9 +1,9 @@
-"""Interpolation of an echo's place between cells, with bounds from the noise and the other echoes.
+"""Interpolates the place of an echo between cells, with bounds from noise and other echoes.
 
-A Hann window makes of a point the amplitudes H(x) = sin(pi x) / (pi x (1 - x^2)), x cells away. Two neighbours give its
+A Hann window spreads a point to the amplitudes H(x) = sin(pi x) / (pi x (1 - x^2)), x cells away. Two neighbours give its
 place exactly: with a the ratio of the smaller amplitude to the peak's, the point lies (2a - 1) / (1 + a) cells from
-the peak. Where either amplitude may be off by n, the ratio lies between (a1 - n) / (a0 + n) and (a1 + n) / (a0 - n), and the
-place between theirs: no approximation for weak noise is made.
+the peak. If both amplitudes may have an error of n, the ratio lies between (a1 - n) / (a0 + n) and (a1 + n) / (a0 - n), and
+the place between those of these ratios. This needs no assumption of weak noise.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Peaks between the cells: places along range and angle, and the power at the top. Shapes [peaks]."""
+    """Peaks with places interpolated in range and angle, and the power there. Shapes [peaks]."""
 
     peaks: Peaks
     range: Places
@@ -41,7 +41,7 @@ class Points:
 
 
 def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
-    """Return every peak but those that cannot be told from a stronger echo's side lobes, in order of range."""
+    """Return the peaks in order of range, without those that may be side lobes of a stronger echo."""
     top = _top(power, found)
     leaked = leakage(found, np.sqrt(top))
     kept = np.flatnonzero(np.sqrt(top) > leaked)
@@ -52,13 +52,13 @@ def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
 
 
 def hann(x: Floats) -> Floats:
-    """Return the amplitude of a point x cells away, 1 at 0 and 1/2 at 1."""
+    """Return the amplitude of a point in a cell x cells away: 1 at 0, 1/2 at 1."""
     near = np.abs(np.abs(x) - 1) < 1e-9
     return np.where(near, 0.5, np.sinc(x) / np.where(near, 1.0, 1 - x * x))
 
 
 def side_lobes(x: Floats) -> Floats:
-    """No point has more amplitude than this x >= 0 cells away; beyond the main lobe it falls with the cube."""
+    """Return an upper bound of a point's amplitude x >= 0 cells away; beyond the main lobe it falls with the cube."""
     far = np.maximum(x, 1.5)
     return np.where(x < 1.5, 1.0, 1 / (np.pi * far * (far * far - 1)))
 
@@ -84,7 +84,7 @@ def _angle(power: Power, found: Peaks, noise: Floats) -> Places:
 
 
 def _places(peak: Floats, before: Floats, after: Floats, noise: Floats, samples: int) -> Places:
-    """Two neighbours of a peak in a transform of so many samples; a window that short is a little off the formula."""
+    """Interpolate between the neighbours of a peak, for a transform of this many samples: short windows deviate from the formula."""
     short = 4.0 / samples**2 + FLOAT_CELLS
     tall, beside = np.sqrt(peak), np.sqrt(np.maximum(before, after))
     near = _offset((beside - noise) / (tall + noise)) - short
@@ -103,7 +103,7 @@ def _offset(ratio: Floats) -> Floats:
 
 
 def _top(power: Power, found: Peaks) -> Floats:
-    """Power between the cells, where the echo is."""
+    """Return the power at the interpolated place of the echo."""
     none = np.zeros(len(found))
     along, across = _range(power, found, none).best, _angle(power, found, none).best
     top: Floats = power[found.row, found.column] / (hann(along) * hann(across)) ** 2

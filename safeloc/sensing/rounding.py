@@ -1,4 +1,4 @@
-"""From exact bounds to whole numbers, outward: nothing that was inside is outside afterwards."""
+"""Exact bounds of quantities, and their outward rounding to whole numbers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Exact = int | Fraction
 
 @dataclass(frozen=True, slots=True)
 class ExactBounds:
-    """Exact bounds of a quantity. InputError when they are in the wrong order."""
+    """Exact bounds of a quantity. InputError if they are in the wrong order."""
 
     low: Exact
     high: Exact
@@ -28,28 +28,30 @@ class ExactBounds:
         return ExactBounds(min(corners), max(corners))
 
     def moved(self, by: Exact) -> ExactBounds:
-        """Return the same, farther by this."""
+        """Return the bounds, both shifted by this much."""
         return ExactBounds(self.low + by, self.high + by)
 
     def widened(self, by: Exact) -> ExactBounds:
-        """Return the same, `by` more on either side."""
+        """Return the bounds, `by` wider on either side."""
         return ExactBounds(self.low - by, self.high + by)
 
 
 def exactly(value: float) -> Fraction:
-    """Return the rational number that a float stands for. InputError when it is not finite: such a figure bounds nothing."""
+    """Return the exact rational value of a float. InputError if it is not finite, since it bounds nothing then."""
     if not math.isfinite(value):
-        raise InputError(f"a measured figure is {value}; leave out what is not finite before bounds are made of it.")
+        raise InputError(
+            f"a measured figure is {value}; remove figures that are not finite before bounds are computed."
+        )
     return Fraction(value)
 
 
 def hull(intervals: Sequence[ExactBounds]) -> ExactBounds:
-    """Return the smallest interval that holds them all: it holds the truth if any single one does."""
+    """Return the smallest bounds around all of them: they contain the true value if any single one does."""
     return ExactBounds(min(one.low for one in intervals), max(one.high for one in intervals))
 
 
 def outward(interval: ExactBounds, unit: int = 1) -> tuple[int, int]:
-    """(value, error), whole multiples of the unit with value - error <= low and high <= value + error.
+    """Return (value, error), whole multiples of the unit with value - error <= low and high <= value + error.
 
     The error is below half the width plus one and a half: both ends move to whole numbers, the middle to one of two.
     """

@@ -217,7 +217,7 @@ def test_whole_bounds_enclose(low: Fraction, width: Fraction) -> None:
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf], ids=str)
 def test_what_is_not_finite_has_no_bounds(wrong: float) -> None:
     """Places, speeds, scatter and lengths: refused, never told as a number."""
-    config, refused = FibreConfig(), rf"^a measured figure is {wrong}; leave out what is not finite"
+    config, refused = FibreConfig(), rf"^a measured figure is {wrong}; remove figures that are not finite"
     with pytest.raises(InputError, match=refused):
         end(wrong, 0.0, 1, config, MAPS[0], None)
     with pytest.raises(InputError, match=refused):

@@ -1,6 +1,6 @@
-"""Track networks as GeoJSON: lines are edges with geodesic lengths, points of type `netrelation` say which ends meet.
+"""Imports track networks as GeoJSON: lines are edges with geodesic lengths, points of type `netrelation` connect ends.
 
-A relation names two elements, the end of each (0 begins, 1 ends) and whether vehicles can go from one to the other.
+A relation names two elements, one end of each (0 begin, 1 end), and whether vehicles can run from one to the other.
 Coordinates are longitude and latitude (RFC 7946); lengths are those of the geodesics on WGS 84, without heights.
 """
 
@@ -27,14 +27,14 @@ Point = tuple[float, float]
 _PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
 _RELATION = ("id", "type", "netelementA", "netelementB", "positionOnA", "positionOnB", "navigability")
 _MEETING_LIMIT_M = 1.0
-"""Ends that meet lie no farther apart than this; beyond, the file contradicts itself."""
+"""Greatest distance between two ends that meet; if they lie farther apart, the file contradicts itself."""
 _BRANCH_M = 30.0
-"""How far along its branches a switch is looked at to tell left from right."""
+"""Length of the branches over which left and right are determined."""
 
 
 @dataclass(frozen=True)
 class Track:
-    """A line of the file."""
+    """A LineString of the file."""
 
     id: str
     place: str
@@ -55,7 +55,7 @@ def read_geojson(path: Path, *, name: str | None = None, version: str | None = N
     """Return the network in a GeoJSON file.
 
     name, version  of the line; by default the file's name, and "1"
-    Raises InputError naming the feature for what does not fit; EngineError where pyproj is missing.
+    Raises InputError with the feature for anything wrong in it; EngineError without pyproj.
     """
     notes: list[Note] = []
     with within(path):
@@ -115,7 +115,7 @@ def _feature(place: str, found: object) -> Feature:
 
 
 def _point(found: object, place: str) -> Point:
-    """Return a position as (longitude, latitude) in degrees. InputError for what is none."""
+    """Return a position as (longitude, latitude) in degrees. InputError for anything else."""
     numbers = sequence(found, f"{place}: position")
     if len(numbers) < 2:
         raise InputError(f"{place}: a position has a longitude and a latitude.")
@@ -201,7 +201,7 @@ def _relations_apart(relations: Sequence[Relation], tracks: Mapping[str, Track],
 
 
 def _lengths_mm(tracks: Mapping[str, Track]) -> dict[str, int]:
-    """Geodesic lengths, to the nearest mm."""
+    """Return geodesic lengths, to the nearest mm."""
     geod = _ellipsoid()
     return {track.id: round(geod.line_length(*zip(*track.points, strict=True)) * 1000) for track in tracks.values()}
 
@@ -253,7 +253,7 @@ def _coordinates(tracks: Mapping[str, Track], end: End) -> Point:
 
 
 def _sides(tracks: Mapping[str, Track], stem: End, one: End, other: End) -> tuple[End, End] | None:
-    """Left and right, from the course of the branches: None where both go the same way."""
+    """Return left and right branch, from their courses; None if both have the same direction."""
     centre = _coordinates(tracks, stem)
     reach = min(_BRANCH_M, *(_length_m(_from_end(tracks, end)) for end in (one, other)))
     ax, ay = _plane(centre, _after(_from_end(tracks, one), reach))
@@ -270,7 +270,7 @@ def _from_end(tracks: Mapping[str, Track], end: End) -> tuple[Point, ...]:
 
 
 def _after(points: Sequence[Point], reach_m: float) -> Point:
-    """The point this far along the course."""
+    """Return the point at this distance along the course."""
     left = reach_m
     for before, after in pairwise(points):
         step = math.hypot(*_plane(before, after))
@@ -286,7 +286,7 @@ def _length_m(points: Sequence[Point]) -> float:
 
 
 def _plane(origin: Point, to: Point) -> Point:
-    """Metres east and north; near enough over some tens of metres."""
+    """Return metres east and north; accurate enough over some tens of metres."""
     metres_per_degree = 111_320.0
     scale = math.cos(math.radians(origin[1]))
     return (to[0] - origin[0]) * metres_per_degree * scale, (to[1] - origin[1]) * metres_per_degree

@@ -1,7 +1,7 @@
-"""Recorded paths as GeoJSON: which elements a vehicle ran over, in order, as a route on the network (RFL-D6).
+"""Imports recorded paths as GeoJSON: the elements that a vehicle ran over, in order, as a route on the network (RFL-D6).
 
-Each feature names an element and how much of it was run over, as shares of its length. The direction is not told; it
-follows from the order of the elements. `gnss_start_index` and `gnss_end_index` say which rows of the log lie on it.
+Each feature names an element and the piece of it that was run over, as shares of its length. The file has no direction; it
+follows from the order of the elements. `gnss_start_index` and `gnss_end_index` are the rows of the log on the element.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class ImportedPath(NamedTuple):
 def read_path(path: Path, topology: Topology, *, first: Direction | None = None) -> ImportedPath:
     """Return the route in a path file, over the whole of its first and last element.
 
-    first  direction along the first element, where the order of the elements does not tell
-    Raises InputError for unknown elements, elements that no vehicle can go to in this order, and an untold direction.
+    first  direction along the first element, needed if the order of the elements does not determine it
+    Raises InputError for unknown elements, for an order that no vehicle can run, and for an undetermined direction.
     """
     notes: list[Note] = []
     with within(path):
@@ -47,7 +47,7 @@ def read_path(path: Path, topology: Topology, *, first: Direction | None = None)
 
 
 def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | None = None) -> Route:
-    """Return the route that runs over these edges in this order; InputError where there is none, or more than one."""
+    """Return the route that runs over these edges in this order; InputError if there is none, or more than one."""
     for edge in edges:
         if edge not in topology.edges:
             raise InputError(f"the network has no element {edge!r}.")
@@ -63,14 +63,14 @@ def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | N
 
 
 class _Way(NamedTuple):
-    """The way to a run: the run before it (None for the first), and whether there are several ways."""
+    """The way to a run: the previous run (None for the first), and whether there are several ways."""
 
     before: Run | None
     several: bool = False
 
 
 def _layers(edges: Sequence[str], starts: Sequence[Direction], topology: Topology) -> Iterator[Mapping[Run, _Way]]:
-    """The runs that can be reached over each edge, up to the first edge without any; as many steps as there are edges."""
+    """Yield the reachable runs for each edge, up to the first edge without any; the work is linear in the edges."""
     reached = {Run(edges[0], start): _Way(None) for start in starts if Run(edges[0], start) in topology.graph}
     yield reached
     for edge in edges[1:]:
@@ -85,7 +85,7 @@ def _layers(edges: Sequence[str], starts: Sequence[Direction], topology: Topolog
 
 
 def _back(layers: Sequence[Mapping[Run, _Way]]) -> tuple[Run, ...]:
-    """The only way through the layers."""
+    """Return the only way through the layers."""
     run = next(iter(layers[-1]))
     runs = [run]
     for layer in reversed(layers):

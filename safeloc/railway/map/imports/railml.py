@@ -1,8 +1,8 @@
-"""railML 3 (3.1 to 3.3): the micro topology and what stands along it, as a line of our own (RFL-4).
+"""Imports railML 3 (3.1 to 3.3): the micro topology and the objects along it (RFL-4).
 
 Carried over: net elements and relations with switches and crossings, kilometres, tracks, buffer stops and open borders,
 balise groups, signals, axle counters, tunnels, speed limits. Lengths become whole mm by exact decimal arithmetic.
-Everything else is in the notes, element by element: known things that the map has no place for, and unknown ones.
+Everything else is in the notes, element by element, known or unknown.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _NO_PLACE = frozenset({
     "trackBeds", "trackGauges", "trainProtectionElements", "trainRadios", "tunnelGatesIS", "underCrossings",
     "weightLimits", "signalConstruction",
 })  # fmt: skip
-"""Elements of railML that the map has no place for; anything else that is not carried over is not understood."""
+"""Elements of railML without a place in the map; any other element that is not carried over is noted as not understood."""
 
 
 _NO_PLACE_ATTRIBUTES = frozenset({
@@ -55,7 +55,7 @@ _NO_PLACE_ATTRIBUTES = frozenset({
     "linkReactionNominal", "linkReactionReverse", "coverage", "isSignalized", "isTemporary", "endPointValidity",
     "branchingSpeed", "joiningSpeed", "verbalConstraint", "startMeasure", "endMeasure", "linearReferencingMethod",
 })  # fmt: skip
-"""Attributes of railML that the map has no place for."""
+"""Attributes of railML without a place in the map."""
 
 
 def read_railml(path: Path, *, name: str | None = None, version: str | None = None) -> Imported:
@@ -63,7 +63,7 @@ def read_railml(path: Path, *, name: str | None = None, version: str | None = No
 
     name, version  of the line; by default the file's name, and "1"
     Raises InputError, with element, identity and line, for broken references, missing lengths, places off their net
-    element, anything that is not railML 3 and any document type; EngineError where lxml is missing.
+    element, anything that is not railML 3 and any document type; EngineError without lxml.
     """
     with within(path):
         return _imported(_checked(read_xml(path)), name or path.stem, version or "1", path.name)
@@ -123,7 +123,7 @@ def _edges(network: Network, joined: Joined, tracks: dict[str, str], notes: list
 
 
 def _ends(nodes: tuple[Node, ...], joined: Joined) -> Iterator[Note]:
-    """Nodes at which one edge ends and of which nothing is said."""
+    """Yield notes on nodes at which a single edge ends without a statement why."""
     kinds = {node.id: node.kind for node in nodes}
     count = Counter(joined.node_of.values())
     for (edge, _), node in joined.node_of.items():
@@ -132,7 +132,7 @@ def _ends(nodes: tuple[Node, ...], joined: Joined) -> Iterator[Note]:
 
 
 def _left(root: Element) -> Iterator[Note]:
-    """List notes on elements and attributes that the importer did not read."""
+    """Yield notes on elements and attributes that the importer did not read."""
     for element, attribute in unused(root):
         if attribute is not None:
             known = attribute in _NO_PLACE_ATTRIBUTES
@@ -146,6 +146,6 @@ def _left(root: Element) -> Iterator[Note]:
 
 
 def _members(element: Element) -> list[Element]:
-    """The members of a list of elements with identities, else the element itself."""
+    """Return the members of a list of elements with identities, or else the element itself."""
     listed = bool(element.children) and all("id" in child.attributes for child in element.children)
     return element.children if listed and "id" not in element.attributes else [element]

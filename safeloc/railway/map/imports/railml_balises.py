@@ -22,7 +22,7 @@ _PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor
 
 @dataclass(frozen=True)
 class Single:
-    """One balise of a group: its number where the document tells it, and its place where it does."""
+    """One balise of a group: its number and its place; None if the document does not give them."""
 
     element: Element
     number: int | None
@@ -31,7 +31,7 @@ class Single:
 
 
 def balise_groups(functional: Element, places: Places, edges: Mapping[str, TrackEdge]) -> Iterator[BaliseGroup]:
-    """Return all Eurobalise groups that have a place. InputError for balises of an unknown group."""
+    """Yield all Eurobalise groups that have a place. InputError for balises of an unknown group."""
     groups = {group.need("id"): group for group in functional.all("baliseGroups", "baliseGroup")}
     singles: dict[str, list[Single]] = {name: [] for name in groups}
     for balise in functional.all("balises", "balise"):
@@ -102,12 +102,12 @@ def _group(
 
 
 def _first_place(singles: Sequence[Single]) -> Spot | None:
-    """The place of balise number 1, if the document numbers them."""
+    """Return the place of balise number 1; None if the document does not number them."""
     return next((one.spot for one in singles if one.number == 1), None)
 
 
 def _direction(group: Element, spot: Spot, edge: TrackEdge, notes: list[Note]) -> Direction | None:
-    """The nominal direction, from the direction of the kilometres or the direction of application."""
+    """Return the nominal direction, from the direction of the kilometres or the direction of application."""
     told: dict[str, Direction] = {}
     mileage = group.get("mileageDirection")
     if mileage not in (None, "nominal", "reverse"):
@@ -128,7 +128,7 @@ def _direction(group: Element, spot: Spot, edge: TrackEdge, notes: list[Note]) -
 def _balises(
     group: Element, singles: Sequence[Single], spot: Spot, toward: Direction | None, notes: list[Note]
 ) -> tuple[Balise, ...]:
-    """The balises in the order of their numbers; the group's own place alone where the order or a place is unknown."""
+    """Return the balises in the order of their numbers; if order or a place is unknown, one at the group's own place."""
     _numbers(group, singles, notes)
     ordered = _ordered(singles, toward)
     if singles and ordered is None:
@@ -145,7 +145,7 @@ def _balises(
 
 
 def _numbers(group: Element, singles: Sequence[Single], notes: list[Note]) -> None:
-    """Numbers begin at 1 and go on one by one. InputError for a number given twice."""
+    """Check that numbers begin at 1 and rise one by one. InputError for a number given twice."""
     numbers = sorted(one.number for one in singles if one.number is not None)
     if len(set(numbers)) < len(numbers):
         raise InputError(f"{group.place}: two of its balises have the same number; numbers are {numbers}.")

@@ -1,4 +1,4 @@
-"""The micro topology of a railML document: net elements with exact lengths and kilometres, and which of their ends meet."""
+"""The micro topology of a railML document: net elements with exact lengths and kilometres, and the relations of their ends."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
 class NetElement:
     """A net element of the micro level.
 
-    length_m   as the document gives it, exact
+    length_m   length as the document gives it, exact
     measures   linear positioning system -> (intrinsic coordinate, kilometre in metres), in order
     """
 
@@ -33,12 +33,12 @@ class NetElement:
 
     @property
     def id(self) -> str:
-        """Its identity."""
+        """The identity of the net element."""
         return self.element.need("id")
 
     @property
     def length_mm(self) -> int:
-        """Its length to the nearest mm."""
+        """The length to the nearest mm."""
         return millimetres(self.length_m)[0]
 
 
@@ -52,7 +52,7 @@ class Network:
 
 
 def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> Network:
-    """Return the micro topology. InputError for missing lengths and ends, and for references to nothing."""
+    """Return the micro topology. InputError for missing lengths and ends, and for unknown references."""
     units = linear_units(root)
     everything = _by_identity(infrastructure.all("topology", "netElements", "netElement"))
     micro = _micro(infrastructure, everything, notes)
@@ -84,7 +84,7 @@ def _by_identity(found: list[Element]) -> dict[str, Element]:
 
 
 def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: list[Note]) -> set[str]:
-    """Net elements of the micro level: those a network names as such, else those that are no collection of others."""
+    """Return the net elements of the micro level: those so named by a network, else those that do not collect others."""
     named = set()
     for level in infrastructure.all("topology", "networks", "network", "level"):
         resources = [resource.need("ref") for resource in level.all("networkResource")]
@@ -102,7 +102,7 @@ def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: li
 
 
 def linear_units(root: Element) -> dict[str, Decimal]:
-    """Linear positioning system -> metres per unit of its measures."""
+    """Return the metres per unit of each linear positioning system."""
     found = {}
     for system in root.all("common", "positioning", "linearPositioningSystems", "linearPositioningSystem"):
         unit = (system.get("units") or "m").lower()
@@ -113,7 +113,7 @@ def linear_units(root: Element) -> dict[str, Decimal]:
 
 
 def _track_lengths(infrastructure: Element) -> dict[str, Element]:
-    """Net element -> the physical length of the track that runs over all of it and over nothing else."""
+    """Return for net elements the physical length of a track that covers exactly this element."""
     found: dict[str, Element] = {}
     for track in infrastructure.all("functionalInfrastructure", "tracks", "track"):
         pieces = track.all("linearLocation", "associatedNetElement")
@@ -147,7 +147,7 @@ def _length(
     of_track: Element | None,
     notes: list[Note],
 ) -> Decimal:
-    """The attribute, else the kilometres between both ends, else the length of the track that is this net element."""
+    """Return the attribute, else the kilometres between both ends, else the length of the track that is this net element."""
     told = element.get("length")
     if told is not None:
         return decimal(told, f"{element.place}: length")
@@ -158,7 +158,7 @@ def _length(
         notes.append(Note("assumed", element.place, f"its length is that of its track, line {of_track.line}"))
         return decimal(of_track.need("value"), f"{of_track.place}: value")
     raise InputError(
-        f"{element.place}: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'."
+        f"{element.place}: has no length, neither from kilometres at both ends nor from a track; give attribute 'length'."
     )
 
 
@@ -190,7 +190,7 @@ def measure(linear: Element, units: Mapping[str, Decimal]) -> Decimal:
 
 
 def kilometres(net: NetElement, notes: list[Note]) -> tuple[KilometrePoint, ...]:
-    """Return the kilometre points of the first positioning system; remarks on the others and on what does not fit the length."""
+    """Return the kilometre points of the first positioning system; note the others, and points that contradict the length."""
     for other in list(net.measures)[1:]:
         notes.append(Note("not carried over", net.element.place, f"second kilometre line {other!r}"))
     for system, points in list(net.measures.items())[:1]:
@@ -239,7 +239,7 @@ def _relations(
 
 
 def _references(infrastructure: Element, everything: frozenset[str]) -> None:
-    """Net elements and networks name net relations and net elements that are there."""
+    """Check that net elements and networks refer to existing net relations and net elements."""
     relations = {one.need("id") for one in infrastructure.all("topology", "netRelations", "netRelation")}
     for one in infrastructure.all("topology", "netElements", "netElement", "relation"):
         if one.need("ref") not in relations:

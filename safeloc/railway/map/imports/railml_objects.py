@@ -31,7 +31,7 @@ _SIGNAL_KINDS = {
 
 
 def signals(functional: Element, places: Places) -> Iterator[Signal]:
-    """Return signals, for the direction of travel they apply to; one for both directions becomes two."""
+    """Yield signals by their direction of travel; one for both directions becomes two."""
     for element in functional.all("signalsIS", "signalIS"):
         kind = "+".join(name for tag, name in _SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
         spot = places.spot(element)
@@ -56,7 +56,7 @@ def signals(functional: Element, places: Places) -> Iterator[Signal]:
 
 
 def axle_counters(functional: Element, places: Places) -> Iterator[AxleCounter]:
-    """Train detection elements of type axleCounter; the others are noted with their type."""
+    """Yield train detection elements of type axleCounter; note the others with their type."""
     for element in functional.all("trainDetectionElements", "trainDetectionElement"):
         kind = element.get("type")
         if kind != "axleCounter":
@@ -70,7 +70,7 @@ def axle_counters(functional: Element, places: Places) -> Iterator[AxleCounter]:
 
 
 def tunnels(functional: Element, places: Places) -> Iterator[Tunnel]:
-    """Over crossings of construction type tunnel: the track runs below."""
+    """Yield over-crossings of construction type tunnel: the track runs below."""
     for element in functional.all("overCrossings", "overCrossing"):
         if element.get("constructionType") != "tunnel":
             element.skip()
@@ -82,7 +82,7 @@ def tunnels(functional: Element, places: Places) -> Iterator[Tunnel]:
 
 
 def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
-    """Return the speed sections, rounded down to whole mm/s. Those for some trains only are noted."""
+    """Yield the speed sections, rounded down to whole mm/s; note those for some trains only."""
     for element in functional.all("speeds", "speedSection"):
         if element.all("validForSpeedProfile"):
             element.skip()
@@ -97,7 +97,7 @@ def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
 
 
 def track_names(functional: Element, places: Places) -> dict[str, str]:
-    """Net element -> the name of the track that runs over it; the identity where a track has no name."""
+    """Return for net elements the name of the track over them, or its identity if it has no name."""
     found: dict[str, str] = {}
     for element in functional.all("tracks", "track"):
         name = next((one.get("name") for one in element.all("name")), None) or element.need("id")
@@ -136,7 +136,7 @@ def _node_at(element: Element, places: Places, node_of: Mapping[End, str]) -> st
 
 
 def switch_naming(functional: Element, network: Network) -> Naming:
-    """Return names of nodes from switches and crossings, and the sides of the branches as the document tells them."""
+    """Return names of nodes from switches and crossings, and the sides of the branches as the document gives them."""
     relations = {relation.id: relation for relation in network.relations}
     names: dict[frozenset[End], str] = {}
     left_of: dict[frozenset[End], bool] = {}

@@ -24,7 +24,7 @@ _DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
 
 @dataclass(frozen=True)
 class Spot:
-    """A place on an edge, and the directions of travel it is for; none where the document does not say."""
+    """A place on an edge, and the directions of travel to which it applies; empty if the document gives none."""
 
     edge: str
     position_mm: int
@@ -33,14 +33,14 @@ class Spot:
 
 @dataclass(frozen=True)
 class Places:
-    """Finds places on the network; what cannot be carried over goes to the notes."""
+    """Finds places on the network, and notes those that cannot be carried over."""
 
     network: Network
     units: Mapping[str, Decimal]
     notes: list[Note]
 
     def spot(self, owner: Element) -> Spot | None:
-        """Return the one place of the element on the micro level; None, with a note, where there is none or more than one."""
+        """Return the only place of the element on the micro level; None, with a note, if it has none or several."""
         found = [spot for location in owner.all("spotLocation") if (spot := self._spot(owner, location)) is not None]
         if len(found) == 1:
             return found[0]
@@ -49,7 +49,7 @@ class Places:
         return None
 
     def stretches(self, owner: Element) -> tuple[tuple[Stretch, ...], tuple[Direction, ...]]:
-        """Return stretches of its linear locations on the micro level, and the directions they are for."""
+        """Return the stretches of the element's linear locations on the micro level, and the directions to which they apply."""
         stretches: list[Stretch] = []
         directions: set[Direction] = set()
         for location in owner.all("linearLocation"):
@@ -100,7 +100,7 @@ class Places:
             yield made(Stretch, place, edge=net.id, from_mm=one, to_mm=other)
 
     def _metres(self, place: str, location: Element, net: NetElement, names: tuple[str, str, str]) -> Decimal | None:
-        """The distance from the beginning of the net element: by metres, by share, by kilometre, in this order."""
+        """Return the distance from the beginning of the net element, from metres, share or kilometre, in this order."""
         told = location.get(names[0])
         share = intrinsic(location, names[1]) if location.get(names[1]) is not None else None
         linear = location.one(names[2])

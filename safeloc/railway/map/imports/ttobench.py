@@ -1,7 +1,7 @@
-"""Track data of TTOBench (JSON) as a line of one edge: length, speed limits, gradients, curves, tunnels.
+"""Imports track data of TTOBench (JSON) as a line of one edge: length, speed limits, gradients, curves, tunnels.
 
-Positions are decimal metres and become whole mm exactly. Stops are noted: a stop point needs a reflector, which this
-format does not know; so are altitude, cross sections of tunnels, and braking data.
+Positions are decimal metres and become whole mm exactly. Stops are only noted, since a stop point needs a reflector, which
+this format does not have. So are altitude, cross sections of tunnels, and braking data.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class _Profile:
     notes: list[Note]
 
     def rows(self, name: str, units: Mapping[str, str]) -> list[tuple[str, list[Any]]]:
-        """Return the rows of a table with their places in the file; none if it is left out. InputError for other units."""
+        """Return the rows of a table with their places in the file; empty without the table. InputError for other units."""
         if name not in self.data:
             return []
         place = repr(name)
@@ -49,7 +49,7 @@ class _Profile:
         return [(f"{place} row {number}", row) for number, row in enumerate(rows, 1)]
 
     def position_mm(self, value: object, place: str) -> int:
-        """Return a position or length, to whole mm."""
+        """Return a position or length in whole mm."""
         whole, exact = millimetres(decimal(value, f"{place}: position"))
         if not exact:
             self.notes.append(Note("rounded", place, f"{value} m to {whole} mm"))
@@ -58,7 +58,7 @@ class _Profile:
         return whole
 
     def pieces(self, name: str, units: Mapping[str, str]) -> Iterator[tuple[str, Stretch, list[Any]]]:
-        """Return the rows of a table of beginnings, each with the stretch up to the next one."""
+        """Yield the rows of a table of starting points, each with the stretch up to the next one."""
         rows = self.rows(name, units)
         starts = [self.position_mm(row[0], place) for place, row in rows]
         if rows and starts[0] != 0:
@@ -73,7 +73,7 @@ def read_ttobench(path: Path, *, name: str | None = None, version: str | None = 
     """Return the line in a TTOBench track file.
 
     name, version  of the line; by default the identity in the metadata, and "1"
-    Raises InputError naming table and row for what does not fit.
+    Raises InputError with table and row for anything wrong in it.
     """
     with within(path):
         return _imported(read_object(path), name, version or "1", path.name)
@@ -103,7 +103,7 @@ def _values(table: Mapping[str, Any], place: str) -> list[Any]:
 
 
 def _length_mm(data: Mapping[str, Any]) -> int:
-    """The last stop is the end of the track."""
+    """Return the position of the last stop, which is the end of the track."""
     place = "'stops'"
     table = mapping(required(data, "stops", "file"), place)
     if table.get("unit") != "m":
@@ -118,7 +118,7 @@ def _length_mm(data: Mapping[str, Any]) -> int:
 
 
 def _speed_limits(profile: _Profile) -> Iterator[SpeedLimit]:
-    """Rounded down to whole mm/s."""
+    """Yield speed limits, rounded down to whole mm/s."""
     for place, stretch, (speed,) in profile.pieces("speed limits", {"position": "m", "velocity": "km/h"}):
         limit = int(decimal(speed, f"{place}: velocity") * 1_000_000 / 3_600)
         yield made(SpeedLimit, place, **stretch.model_dump(), max_speed_mm_s=limit)

@@ -1,8 +1,8 @@
-"""The XML parts of a workbook, looked through before any library builds something of them.
+"""Checks the XML parts of a workbook before any library builds objects from them.
 
-A kilobyte of ZIP may hold a megabyte of XML, and a cell in the last column makes a row of 16 384 cells of those who
-pad rows. So elements, rows and cells that exist are counted here, one element at a time, and numbers are looked at as
-they stand: libraries read digits of every script.
+A kilobyte of ZIP may hold a megabyte of XML, and libraries that pad rows make 16 384 cells of one cell in the last column. So
+this module counts the existing elements, rows and cells one element at a time. It also checks the text of numbers, since
+libraries accept digits of every script.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from safeloc.railway.map.imports.xml_prolog import DOCUMENT_TYPE
 from safeloc.runtime.outside import number, quoted, refuse_beyond
 
 LARGEST_PART = 100_000_000
-"""Bytes of one part, and of all of them, unpacked."""
+"""Unpacked bytes of one part, and of all parts."""
 _MOST_PARTS = 1_000
 MOST_ELEMENTS = 3_000_000
-"""Elements of all parts; a cell is two. Reading takes some ten microseconds for each."""
+"""Elements of all parts, two for each cell. Reading takes some ten microseconds for each."""
 MOST_ROWS = 100_000
 MOST_CELLS = 1_000_000
 _DEEPEST = 64
-"""Elements within each other; a sheet has seven."""
+"""Greatest depth of nested elements; a sheet has seven."""
 _CHUNK = 1 << 16
 
 
 def refuse_unsafe(path: Path) -> None:
-    """InputError, with part and line, for a document type, for numbers that are none, and beyond the limits above."""
+    """Refuse a document type, malformed numbers and parts beyond the limits above. InputError with part and line."""
     with ZipFile(path) as archive:
         parts = archive.infolist()
         refuse_beyond("the workbook", len(parts), _MOST_PARTS, "parts")
@@ -41,7 +41,7 @@ def refuse_unsafe(path: Path) -> None:
 
 
 class _Look:
-    """One part, element after element."""
+    """Checks one part, element by element."""
 
     def __init__(self, place: str, before: int) -> None:
         self._place, self._before = place, before
@@ -56,7 +56,7 @@ class _Look:
         self._parser.CharacterDataHandler = self._text
 
     def through(self, archive: ZipFile, name: str) -> int:
-        """Look at the whole part; the number of its elements."""
+        """Check the whole part; return the number of its elements."""
         try:
             with archive.open(name) as file:
                 while data := file.read(_CHUNK):

@@ -307,7 +307,7 @@ REFUSED: Mapping[str, tuple[str, str, str]] = {
     "a missing length": (
         '<netElement id="b" length="400"/>',
         '<netElement id="b"/>',
-        "netElement 'b' line 25: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'.",
+        "netElement 'b' line 25: has no length, neither from kilometres at both ends nor from a track; give attribute 'length'.",
     ),
     "a length of nothing": (
         '<netElement id="b" length="400"/>',
