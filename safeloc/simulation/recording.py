@@ -1,4 +1,4 @@
-"""A simulated run as records, as a vehicle's recorder would write them, the truth among them."""
+"""Converts a simulated run to records, as a vehicle's recorder would write them, with the true positions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ENDS: tuple[End, End] = ("front", "rear")
 
 
 def records(motion: Motion, units: Sequence[Distances], readings: Sequence[Reading]) -> list[Record]:
-    """In order of time; cycle n (from 0) ends at (n + 1) periods. Units are named `front_...` or `rear_...`."""
+    """Return the records in order of time; cycle n (from 0) ends at (n + 1) periods. Unit names begin with `front_` or `rear_`."""
     by_cycle: dict[int, list[Reading]] = {}
     for reading in readings:
         by_cycle.setdefault(reading.cycle, []).append(reading)

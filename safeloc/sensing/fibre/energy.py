@@ -1,6 +1,6 @@
-"""Energy of vibration in a band, window by window, as one matrix product; and each channel's own quiet.
+"""Computes the energy of vibration in a band for each window, and each channel's quiet level.
 
-A window of frames is projected on the tones of the band under a Hann window, each of unit length: white noise of unit
+A window of frames is projected onto the tones of the band under a Hann window, each of unit length: white noise of unit
 variance has mean energy 1. Strong slow strain (an axle's weight, temperature) lies outside the tones' main lobes.
 """
 
@@ -33,7 +33,7 @@ class Energies:
 
 
 class Analyser:
-    """Energies of blocks."""
+    """Computes the energies of blocks, as one matrix product."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._windows, self._frames = config.band.windows_per_block, config.band.window_frames
@@ -44,7 +44,7 @@ class Analyser:
         self._rows = np.concatenate(rows).astype(np.float32)
 
     def energies(self, phase_rate: Singles) -> Energies:
-        """Of frames [frames, channels], a whole block."""
+        """Return the energies of a block, [frames, channels]."""
         parts = phase_rate.reshape(self._windows, self._frames, phase_rate.shape[1])
         with np.errstate(over="ignore", invalid="ignore"):
             projected = np.matmul(self._rows, parts)
@@ -56,7 +56,7 @@ class Analyser:
 
 
 def _rows(config: FibreConfig, tone_hz: float) -> NDArray[np.float64]:
-    """Cosine and sine of a tone under the window, each of unit length."""
+    """Return cosine and sine of a tone under the window, each of unit length."""
     frames = np.arange(config.band.window_frames)
     turn = 2 * np.pi * tone_hz * frames / config.interrogator.frame_hz
     window = windows.hann(config.band.window_frames + 2)[1:-1]
@@ -65,18 +65,18 @@ def _rows(config: FibreConfig, tone_hz: float) -> NDArray[np.float64]:
 
 
 class Smoother:
-    """Means over the last windows, block after block."""
+    """Averages energies over the last windows, across blocks."""
 
     def __init__(self, windows_averaged: int) -> None:
         self._count = windows_averaged
         self._before: Singles | None = None
 
     def reset(self) -> None:
-        """Start the next window from zero."""
+        """Forget earlier windows."""
         self._before = None
 
     def smooth(self, energy: Singles) -> Singles:
-        """Of every window [windows, channels] with those before it."""
+        """Return for every window [windows, channels] the mean with the windows before it."""
         if self._count == 1:
             return energy
         lead = np.repeat(energy[:1], self._count - 1, axis=0) if self._before is None else self._before
@@ -90,7 +90,7 @@ class Smoother:
 
 
 class Quiet:
-    """Each channel's energy without trains: the quietest part of its first seconds, then a slow mean of its quiet ones."""
+    """The quiet level of each channel: that of the quietest part of its first seconds, then a slow mean of its quiet windows."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._needed = max(_LEARNING_PARTS, round(config.detection.floor_s * MS_PER_S / config.window_ms))
@@ -100,11 +100,11 @@ class Quiet:
 
     @property
     def level(self) -> Singles | None:
-        """Mean energy of each channel, [channels]; None until it is learnt."""
+        """The mean quiet energy, [channels]; None until it is learnt."""
         return self._level
 
     def learn(self, energy: Singles) -> None:
-        """From energies [windows, channels] of the first seconds; no more once it is learnt."""
+        """Learn the level from energies [windows, channels] of the first seconds."""
         self._first.extend(energy)
         if len(self._first) >= self._needed:
             parts = np.array_split(np.stack(self._first), _LEARNING_PARTS)
@@ -112,7 +112,7 @@ class Quiet:
             self._first = []
 
     def follow(self, energy: Singles, shaken: NDArray[np.bool_]) -> None:
-        """Only where nothing shakes the fibre: [windows, channels] both."""
+        """Adapt the level with energies where nothing shakes the fibre; both [windows, channels]."""
         assert self._level is not None
         quiet = ~shaken
         count = quiet.sum(axis=0)

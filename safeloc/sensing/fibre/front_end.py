@@ -2,8 +2,8 @@
 
     block -> in time? joins? -> energy in the band -> shaken fibre -> runs -> tracks -> FibreFrame | NoFibre(reason)
 
-A train is a candidate, never a position to rely on: whether it is trusted is the machine's question. A fibre that is
-still does not tell that no train stands there.
+A train is a candidate, never a position to rely on: the machine decides whether it is trusted. A quiet fibre is no evidence
+that no train stands there.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _TINY = np.float32(np.finfo(np.float32).tiny)
 
 @dataclass(frozen=True)
 class _Watch:
-    """Data of one track besides its course."""
+    """The axle counter and the position signals of one track."""
 
     counter: Counter
     signaller: Signaller
@@ -42,7 +42,7 @@ class _Watch:
 
 @dataclass(frozen=True, eq=False)
 class _Window:
-    """One window: its energies as they are and averaged, [channels], and the block's light."""
+    """One window: its energies, also averaged, [channels], and the block's light."""
 
     time_ms: float
     energy: Singles
@@ -51,7 +51,7 @@ class _Window:
 
 
 class FrontEnd:
-    """Blocks of one fibre in the order of their delivery."""
+    """The front end of one fibre. It takes blocks in the order of their delivery."""
 
     def __init__(self, config: FibreConfig, max_age_ms: int, where: FibreMap | None = None) -> None:
         self._config = config
@@ -120,7 +120,7 @@ class FrontEnd:
             self._tone_quiet.learn(energies.tone)
 
     def _disturbed(self, shaken: Flags, time_ms: int) -> NoFibre | None:
-        """Too much of the fibre at once, now or lately."""
+        """Refuse a block while too much of the fibre is shaken at once, and for some time after."""
         percent = 100 * float(shaken.mean(axis=1).max())
         if percent > self._config.detection.disturbed_percent:
             self._disturbed_until_ms = time_ms + self._config.detection.disturbed_hold_ms
@@ -145,7 +145,7 @@ class FrontEnd:
         return FibreFrame(block.time_ms, block.sequence, trains, lost, tuple(heard), *_troubles(light))
 
     def _watch(self, window: _Window, ended: Sequence[Track]) -> None:
-        """Courses, counts and signals go on with one window."""
+        """Continue courses, counts and signals with one window."""
         tracks = self._follower.tracks
         for gone in ended:
             self._watches.pop(gone.number, None)
@@ -216,5 +216,5 @@ def _troubles(light: Reflections | None) -> tuple[tuple[Trouble, ...], tuple[str
 
 
 def read_all(blocks: Sequence[FibreBlock], front: FrontEnd) -> list[Outcome]:
-    """Return blocks of a recording, each taken at its own time."""
+    """Process the blocks of a recording, each at its own time."""
     return [front.receive(block, block.time_ms) for block in blocks]

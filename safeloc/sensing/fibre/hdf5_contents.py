@@ -1,11 +1,11 @@
-"""Inspection of an HDF5 file before it is read: sizes, links to other files, and pickled code.
+"""Inspects an HDF5 file before it is read: sizes, links to other files, and pickled code.
 
 A few kilobytes can declare terabytes: an array of zeros packs to a thousandth, and one that was never written takes no
 space at all. Readers built on PyTables (such as dascore) execute attributes that are Python pickles. So a file is refused,
-before any of its arrays is read, if it holds more than we read, far more than was stored, data of other files, or a pickle
+before any of its arrays is read, if it has more data than the limit, far more than is stored, links to other files, or a pickle
 that names anything but numpy's own numbers.
 
-Reading is bounded so, not the HDF5 library itself: it opens what is damaged as well as it can.
+This bounds the reading, not the HDF5 library itself, which opens damaged files as well as it can.
 """
 
 from __future__ import annotations
@@ -26,35 +26,35 @@ from safeloc.runtime.streams.files import streaming
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 MOST_OBJECTS = 10_000
-"""Groups and arrays; a recording has some tens."""
+"""Greatest number of groups and arrays; a recording has some tens."""
 
 MOST_ATTRIBUTES = 1_000
-"""Of one object; a recording's largest has about a hundred."""
+"""Greatest number of attributes of one object; in recordings about a hundred."""
 
 _LARGEST_TEXT = 10_000_000
 """Bytes of all attributes and texts together."""
 
 _MOST_TEXTS = 16
-"""Texts of any length in one place; many may point to the same bytes, which are read again for each."""
+"""Greatest number of variable-length texts in one place; many may point to the same bytes, which are read for each."""
 
 _MOST_PACKED = 100
-"""How many times larger than the file its arrays may be. Measured light packs to a half or a fifth."""
+"""The arrays may be this many times larger than the file. Measured light compresses to a half or a fifth."""
 
 _SMALL = 100_000_000
-"""Bytes of arrays for which that is not asked."""
+"""Arrays up to this many bytes are exempt from it."""
 
 _NUMBERS = {
     ("numpy", "dtype"), ("numpy._core.multiarray", "scalar"), ("numpy.core.multiarray", "scalar"),
     ("_codecs", "encode"),
 }  # fmt: skip
-"""What a pickle may name: dascore writes the range of a time axis so. None of these runs anything."""
+"""Names that a pickle may contain, since dascore stores the range of a time axis with them. None runs code."""
 
 _NAMING = {"INST", "STACK_GLOBAL", "EXT1", "EXT2", "EXT4", "PERSID", "BINPERSID"}
-"""Ways of a pickle to name something, beside GLOBAL; PyTables writes none of them."""
+"""Opcodes beside GLOBAL with which a pickle names an object; PyTables writes none of them."""
 
 
 def require_harmless(path: Path, largest: int) -> None:
-    """StreamError for a file that holds what must not be read, with what and where; EngineError without h5py.
+    """Refuse a file with content that must not be read. StreamError says what and where; EngineError without h5py.
 
     largest   bytes of all arrays, unpacked
     """
@@ -65,14 +65,14 @@ def require_harmless(path: Path, largest: int) -> None:
     with streaming(path):
         with path.open("rb") as begin:
             if begin.read(len(_SIGNATURE)) != _SIGNATURE:
-                raise StreamError(f"{path}: no HDF5 file; store other recordings as HDF5, or as .npy or .npz.")
+                raise StreamError(f"{path}: not an HDF5 file; store other recordings as HDF5, or as .npy or .npz.")
         try:
             with h5py.File(path, "r") as file:
                 _Looked(path, h5py, largest).through(file)
         except (SafelocError, MemoryError):
             raise
-        except Exception as error:  # the library fails on damage in its own ways
-            raise StreamError(f"{path}: no HDF5 that can be read ({shortened(error)}).") from error
+        except Exception as error:  # the library may raise anything on a damaged file
+            raise StreamError(f"{path}: not readable as HDF5 ({shortened(error)}).") from error
 
 
 @dataclass
@@ -87,7 +87,7 @@ class _Looked:
     text_bytes: int = 0
 
     def through(self, file: Any) -> None:
-        """Every object once, the groups' links among them."""
+        """Inspect every object once, and the links of groups."""
         self._object("/", file)
         file.visititems(self._object)
 
@@ -113,7 +113,7 @@ class _Looked:
             return
         if array.dtype.hasobject:
             self._texts(name, array)
-        size = max(array.size, prod(array.chunks) if array.chunks else 0)  # a part is unpacked whole
+        size = max(array.size, prod(array.chunks) if array.chunks else 0)  # a chunk is always unpacked completely
         self.array_bytes += size * array.dtype.itemsize
         where = f"{self.path}: {shown(name)}"
         refuse_beyond(where, self.array_bytes, self.largest, "bytes in arrays up to here")
@@ -159,7 +159,7 @@ class _Looked:
 
 
 def _bytes_in(value: object) -> list[bytes]:
-    """All texts of an attribute or an array, as bytes."""
+    """Return all texts of an attribute or an array as bytes."""
     if isinstance(value, np.ndarray):
         return [text for one in value.ravel().tolist() for text in _bytes_in(one)]
     if isinstance(value, str):
@@ -170,13 +170,12 @@ def _bytes_in(value: object) -> list[bytes]:
 
 
 def _names_of_pickle(text: bytes) -> Iterator[str]:
-    """List the names that a pickle would import, except numbers, up to its first invalid code, since it would run that
-    far."""
+    """Yield the names that a pickle would import, except numbers, up to its first invalid opcode (it would run that far)."""
     try:
         for code, argument, _ in pickletools.genops(text):
             if code.name == "GLOBAL" and tuple(str(argument).split(" ", 1)) not in _NUMBERS:
                 yield str(argument)
             elif code.name in _NAMING:
                 yield code.name
-    except Exception:  # whatever is wrong with it: here it ends, for who would run it too
+    except Exception:  # whatever is wrong with it, unpickling would end here too
         return

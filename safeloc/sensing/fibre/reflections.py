@@ -1,7 +1,7 @@
-"""Known reflecting points in the light that comes back, and an end that is not absorbed (FWG-5).
+"""Finds known reflecting points in the returned light, and an end of the fibre without absorber (FWG-5).
 
-Points and patterns are measured with the same clock and the same light: when a train's pattern comes at the time of a
-point's reflection, the train is at the point, whatever the index of refraction is.
+Points and patterns are measured with the same clock and the same light: if a train's pattern arrives at the time of a point's
+reflection, the train is at the point, whatever the index of refraction.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class Reflections:
 
     seen      reflecting point -> its measured place, mm of fibre (middle of the lit piece)
     missing   points that were not found, or not clearly
-    end_reflects   the end sends light back: no absorber
+    end_reflects   the end reflects light: it has no absorber
     dark_percent   share of channels in dark stretches of three and more, in percent
-    faded          channels one of whose ends is too dark for its phase to mean anything, [channels]
+    faded          channels with an end too dark for a meaningful phase, [channels]
     """
 
     seen: dict[str, float]
@@ -43,7 +43,7 @@ class Reflections:
 
 
 def reflections(intensity: Singles, config: FibreConfig) -> Reflections:
-    """Of one block's intensity [light channels]."""
+    """Evaluate the intensity of one block, [light channels]."""
     inter, rules = config.interrogator, config.reflections
     size = 2 * max(1, rules.window_mm // (2 * inter.channel_mm)) + 1
     around = ndimage.median_filter(intensity, size=min(size, len(intensity)))
@@ -60,7 +60,7 @@ def reflections(intensity: Singles, config: FibreConfig) -> Reflections:
 
 
 def _faded(intensity: Singles, around: Singles, config: FibreConfig) -> NDArray[np.bool_]:
-    """Backscatter adds up to nothing at either end of the gauge."""
+    """Return the channels whose backscatter cancels out at one end of the gauge."""
     near = intensity < around * 10 ** (-config.detection.fade_cdb / 1_000)
     channels, gauge = config.interrogator.channels, config.interrogator.gauge_channels
     faded: NDArray[np.bool_] = near[:channels] | near[gauge : gauge + channels]
@@ -68,7 +68,7 @@ def _faded(intensity: Singles, around: Singles, config: FibreConfig) -> NDArray[
 
 
 def _only(places: NDArray[np.float64], expected_mm: int, config: FibreConfig) -> float | None:
-    """The one top near where it should be: two are no answer."""
+    """Return the only peak near the expected place; None if there is none or more than one."""
     near = places[np.abs(places - expected_mm) <= config.reflections.search_mm]
     return float(near[0]) if len(near) == 1 else None
 
@@ -79,6 +79,6 @@ def _end_reflects(tops: NDArray[np.intp], places: NDArray[np.float64], seen: dic
 
 
 def coincident(found: Reflections, low_mm: float, high_mm: float) -> tuple[str, ...]:
-    """Reflecting points measured between two places that were measured in the same light, in their order."""
+    """Return the reflecting points measured between two places in the same light, in their order."""
     inside = [(place, name) for name, place in found.seen.items() if low_mm <= place <= high_mm]
     return tuple(name for _, name in sorted(inside))

@@ -1,7 +1,7 @@
-"""Runs of shaken fibre in one window, and where a train's outermost axles stand in them.
+"""Finds runs of shaken fibre in one window, and estimates the places of a train's outermost axles in them.
 
-An axle shakes the fibre around it; the energy falls with the fourth power of distance. The last channel above the
-threshold lies the farther from the axle, the louder the train is there: with r the ratio of level to threshold, an axle
+An axle shakes the fibre around it; the energy falls with the fourth power of distance. The louder the train, the farther from
+the axle is the last channel above the threshold: with r the ratio of level to threshold, an axle
 at a distance d of near * sqrt(sqrt(r) - 1) just reaches the threshold.
 """
 
@@ -24,7 +24,7 @@ _LEVEL_SHARE = 0.15
 class Run:
     """Shaken fibre from channel `first` to `last`, and the estimated places of the outermost axles, in mm of fibre.
 
-    cut_low, cut_high   it touches that end of the fibre: the train may go on beyond it
+    cut_low, cut_high   the run touches that end of the fibre, so the train may extend beyond it
     """
 
     first: int
@@ -36,7 +36,10 @@ class Run:
 
 
 def runs(ratio: Singles, shaken: Flags, config: FibreConfig) -> list[Run]:
-    """Of one window: energy over quiet, and where it exceeds the threshold, [channels]. In order along the fibre."""
+    """Return the runs of one window in order along the fibre.
+
+    ratio   energy over quiet level, [channels]; `shaken`: where it exceeds the threshold
+    """
     channels = np.flatnonzero(shaken)
     if len(channels) < _LEAST_CHANNELS:
         return []
@@ -46,7 +49,7 @@ def runs(ratio: Singles, shaken: Flags, config: FibreConfig) -> list[Run]:
 
 
 def _is_solid(channels: NDArray[np.intp]) -> bool:
-    """Noise at one place shakes the two channels that share it; a train shakes more."""
+    """Return whether the channels can be a train's: noise at one place shakes only the two channels that share it."""
     return len(channels) >= _LEAST_CHANNELS and bool((np.diff(channels) == 1).any())
 
 

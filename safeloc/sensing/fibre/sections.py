@@ -1,8 +1,8 @@
-"""Position signals So: the amplitude of a train's pattern rises or falls (FWG-1, FWG-8), whenever that happens.
+"""Detects position signals So: a rise or fall of the amplitude of a train's pattern (FWG-1, FWG-8).
 
-What is watched is the amplitude of the pattern's first metres from an end of the train, over its run. It is compared
-with what it was before; a return to it ends the section and is no second one. No time of flight is used, so no drift
-of it matters. A louder vehicle moves with the train and changes nothing; a section stays where it is.
+A watcher follows the amplitude of the pattern's first metres from an end of the train, over its run, and compares it with the
+earlier level. A return to that level ends the section and is no second one. The time of flight is not used, so its drift does
+not matter. A louder vehicle moves with the train and changes nothing, while a section is fixed.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _CDB_PER_DECADE = 1_000
 
 
 class Effect(Enum):
-    """The effect of a section on the amplitude."""
+    """Effects of a section on the amplitude."""
 
     RAISES = "raises"
     LOWERS = "lowers"
 
 
 class Edge(Enum):
-    """A change of the amplitude."""
+    """Changes of the amplitude."""
 
     RISE = "rise"
     FALL = "fall"
@@ -41,10 +41,10 @@ class Edge(Enum):
 class Change:
     """An edge in the amplitude at one end of a train.
 
-    entering      from normal; else back to normal
-    length_mm     when leaving: how far the end ran since entering (None: it came back the way it
-                  went in, or the amplitude stayed so long that it is the new normal)
-    size_cdb      how far the amplitude is from normal
+    entering      True: away from the normal level; False: back to it
+    length_mm     on leaving, the run of the end since entering; None: on entering, if it went back the way it came, or if
+                  the amplitude lasted so long that it is the new normal level
+    size_cdb      difference of the amplitude from the normal level
     """
 
     effect: Effect
@@ -55,7 +55,7 @@ class Change:
 
 
 class Watcher:
-    """Watches the amplitude at one end of one train; `change_cdb`: over normal, in the last window."""
+    """Watches the amplitude at one end of one train. `change_cdb` is its last difference from the normal level."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._rules = config.sections
@@ -67,7 +67,7 @@ class Watcher:
         self._entered_mm = self._towards = 0.0
 
     def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
-        """Follow the end's place along the fibre and the amplitude of the pattern there; return a change."""
+        """Process the end's place along the fibre and the amplitude of the pattern there; return a change of level, if any."""
         self._recent.append(amplitude_cdb)
         level = median(self._recent)
         normal = self._level_of_normal()
@@ -84,7 +84,7 @@ class Watcher:
         return median(level for _, level in self._normal)
 
     def _learn(self, place_mm: float, level: float) -> None:
-        """One sample a metre: a train that stands teaches nothing."""
+        """Add a sample to the normal level, at most one a metre: a train at rest adds none."""
         if self._normal and abs(place_mm - self._normal[-1][0]) < _SAMPLE_MM:
             return
         self._normal.append((place_mm, level))
@@ -118,7 +118,7 @@ class Watcher:
         return Change(effect, edge, False, run if crossed else None, round(change))
 
     def _lasting(self, run: float, change: float) -> Change | None:
-        """The change is told once, when it has lasted."""
+        """Return the change once, as soon as it has lasted long enough."""
         assert self._inside is not None
         if self._told or run < self._rules.persist_mm:
             return None
@@ -127,12 +127,12 @@ class Watcher:
         return Change(self._inside, edge, True, None, round(change))
 
     def _carry_over(self, place_mm: float) -> None:
-        """Normal is that of the run outside of sections: what was learnt before goes on behind the section, however long."""
+        """Shift the samples of the normal level behind the section, so that its length does not count as run."""
         shift = place_mm - self._normal[-1][0]
         self._normal = deque((place + shift, level) for place, level in self._normal)
 
     def _start_again(self, place_mm: float, level: float) -> None:
-        """Changed for longer than any section: that is normal now."""
+        """Learn a new normal level, since the amplitude has changed for longer than any section."""
         self._normal.clear()
         self._learn(place_mm, level)
 
@@ -140,9 +140,9 @@ class Watcher:
 def amplitude(
     energy: Singles, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Flags | None
 ) -> float | None:
-    """Mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
+    """Return the mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
 
-    The outermost metres are left out, for the end is not known exactly; None where no usable channel is left.
+    The outermost metres are left out, since the end is not known exactly. None if no usable channel is left.
     """
     rules, inter = config.sections, config.interrogator
     end = high_mm if outward > 0 else low_mm

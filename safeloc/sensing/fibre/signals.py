@@ -1,4 +1,4 @@
-"""Position signals of one train: the amplitude at both its ends, with what is known of the place at that moment."""
+"""Makes the position signals of one train, from the amplitude at both its ends and their measured places."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Signaller:
         self._made: list[SectionSignal] = []
 
     def follow(self, run: Run, fit: Fit, energy: Singles, time_ms: float, faded: Flags | None) -> None:
-        """Process one window: the train's run and course, every channel's energy, and the channels without meaning."""
+        """Process one window: run and course of the train, energy of every channel, and the channels with a meaningless phase."""
         for side, place, off, cut in (
             (-1, fit.low_mm, fit.off_low_mm, run.cut_low),
             (1, fit.high_mm, fit.off_high_mm, run.cut_high),
@@ -38,12 +38,12 @@ class Signaller:
                 self._made.append(self._signal(change, side == direction, direction, time_ms, se))
 
     def amplitude_cdb(self, side: int) -> int | None:
-        """Over normal at the end towards the coupler (-1) or away from it (+1)."""
+        """Return the amplitude over its normal level, at the end towards the coupler (-1) or away from it (+1)."""
         change = self._ends[side].change_cdb
         return None if change is None else round(change)
 
     def taken(self) -> tuple[SectionSignal, ...]:
-        """Return all since the last call."""
+        """Return the signals since the last call."""
         made, self._made = tuple(self._made), []
         return made
 
@@ -68,7 +68,7 @@ class Signaller:
         return Bounds.outward(ExactBounds(max(found.low, 0), found.high))
 
     def _near(self, effect: Effect, se: Bounds) -> str | None:
-        """Return the only possible section within the search distance, if times of flight are right; else None."""
+        """Return the only configured section with this effect within the search distance of Se; None: none, or several."""
         search = self._config.sections.search_mm
         near = [
             one.id

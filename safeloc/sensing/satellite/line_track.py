@@ -1,7 +1,7 @@
-"""The course of a line in space: what the prediction is laid along (SAT-1; [0040], [0042]).
+"""Computes the course of a line in space, along which satellites are predicted (SAT-1; [0040], [0042]).
 
-From the plan of the edges and their gradients to Earth-fixed points, with the lengths that the map states. Needs the extra
-`geo` (pyproj).
+The courses of the edges and their gradients give Earth-fixed points, with the lengths of the map. Needs the extra `geo`
+(pyproj).
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _DEGREES, _DEGREES_AND_HEIGHT, _EARTH_FIXED = "EPSG:4326", "EPSG:4979", "EPSG:49
 
 
 class LineTrack:
-    """The possible ways of a vehicle: one route, or several that begin alike while a switch ahead is undecided.
+    """The possible ways of a vehicle: one route, or several with a common beginning while the way over a switch is unknown.
 
-    Distances are metres along the routes. `start_height_m` is the height above the ellipsoid where they begin; from there
-    on gradients say how it changes, and where the map has none the track is level. InputError for routes that do not
-    begin alike, and for an edge without geometry.
+    Distances are metres along the routes. `start_height_m` is the height above the ellipsoid at their beginning; from there on
+    it follows the gradients, and the track is level where the map has none. InputError for routes without a common beginning,
+    and for an edge without geometry.
     """
 
     def __init__(self, routes: Sequence[Route], start_height_m: float) -> None:
@@ -42,7 +42,7 @@ class LineTrack:
         self._start_height_m = start_height_m
 
     def portions(self, low_m: float, high_m: float) -> list[Portion]:
-        """Return the courses that a vehicle between the two distances may be on: as many as there are ways that differ there."""
+        """Return the courses on which a vehicle between the two distances may be, one for each different way there."""
         found: dict[tuple[Run, ...], Portion] = {}
         for route, portion in zip(self.routes, self._portions, strict=True):
             found.setdefault(tuple(_runs_between(route, low_m * MM_PER_M, high_m * MM_PER_M)), portion)
@@ -64,7 +64,7 @@ def _runs_between(route: Route, low_mm: float, high_mm: float) -> Iterator[Run]:
 
 
 class _Course:
-    """From edges to points in space."""
+    """Converts edges to points in space."""
 
     def __init__(self, pyproj: Any, gradients: Sequence[Gradient]) -> None:
         self._pyproj = pyproj
@@ -75,7 +75,7 @@ class _Course:
         self._space = pyproj.Transformer.from_crs(_DEGREES_AND_HEIGHT, _EARTH_FIXED, always_xy=True)
 
     def portion(self, route: Route, height_m: float) -> Portion:
-        """The whole of a route; what lies on its first edge before its beginning belongs to it."""
+        """Return the portion of a whole route, including the part of its first edge before its beginning."""
         points: list[Vector] = []
         lengths: list[float] = []
         first = route.topology.edges[route.runs[0].edge]
@@ -96,7 +96,7 @@ class _Course:
         return Portion(-route.start_mm / MM_PER_M, tuple(points), tuple(lengths))
 
     def _steps(self, edge: TrackEdge, run: Run) -> list[tuple[float, tuple[float, float]]]:
-        """Distance (mm) run on the edge and degrees of every point, in the order of the run."""
+        """Return for every point the distance (mm) run on the edge, and its degrees, in the order of the run."""
         degrees = self._degrees(edge)
         if run.direction == "decreasing":
             degrees = degrees[::-1]

@@ -1,6 +1,6 @@
-"""Pseudorange and Doppler on 1575.42 MHz from RINEX 3 observation files (RINEX 3.04, tables A2 and A3).
+"""Reads pseudorange and Doppler on 1575.42 MHz from RINEX 3 observation files (RINEX 3.04, tables A2 and A3).
 
-GPS and QZSS L1 C/A, Galileo E1 (pilot, or data and pilot together). Other constellations and bands are passed over.
+GPS and QZSS L1 C/A, Galileo E1 (pilot, or data and pilot together). Other constellations and bands are skipped.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _columns(header: list[str], path: Path) -> _Columns:
 
 
 def _pair(system: str, names: list[str]) -> tuple[int, int] | None:
-    """Columns of the first signal of which pseudorange and Doppler were recorded."""
+    """Return the columns of the first signal with both pseudorange and Doppler; None without one."""
     signal = next((one for one in _SIGNALS[system] if f"C{one}" in names and f"D{one}" in names), None)
     return None if signal is None else (names.index(f"C{signal}"), names.index(f"D{signal}"))
 
@@ -73,7 +73,7 @@ def _epochs(lines: list[str], at: int, columns: _Columns, path: Path) -> Iterato
 
 def _head(lines: list[str], at: int, path: Path) -> tuple[str, int]:
     count = lines[at][32:35].strip()
-    if lines[at].startswith(">") and count.isdecimal():  # below zero it would lead back, and never to an end
+    if lines[at].startswith(">") and count.isdecimal():  # a negative count would lead back, without end
         return lines[at], int(count)
     raise StreamError(f"{path.name}:{at + 1}: no epoch starts here; mend the file.")
 

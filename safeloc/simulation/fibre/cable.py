@@ -1,7 +1,7 @@
-"""The cable: cells of fibre with scatterers, where they lie along the track, and how much of its shaking they get.
+"""The simulated cable: cells of fibre with scatterers, their places along the track, and their coupling to the ground.
 
-Places along the fibre are m of cable from the coupler, places along the track m from the map's beginning. A loop of
-cable in a shaft is fibre that lies at one place.
+Places along the fibre are in m of cable from the coupler, places along the track in m from the beginning of the map. A loop of
+cable in a shaft is fibre at a single place of the track.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Complex = NDArray[np.complex64]
 
 @dataclass(frozen=True)
 class Section:
-    """A localization section, m of cable: its coupling to the rail, or its material, is `factor` times as sensitive."""
+    """A localization section (m of cable) whose coupling to the rail, or material, is `factor` times as sensitive."""
 
     from_m: float
     to_m: float
@@ -47,10 +47,10 @@ class Cable:
     """Cells from the coupler to the end. Shapes [cells].
 
     track_m      place of each cell along the track
-    coupling     how much of the ground's strain reaches the fibre
-    material     phase for strain, over that of plain fibre
-    scatterers   amplitude and phase of what each sends back
-    ghost        amplitude that the end sends back into the fibre (0: absorbed)
+    coupling     share of the ground's strain that reaches the fibre
+    material     phase for a strain, relative to plain fibre
+    scatterers   amplitude and phase of the backscatter of each cell
+    ghost        amplitude that the end reflects back into the fibre (0: absorbed)
     """
 
     cell_m: float
@@ -62,7 +62,7 @@ class Cable:
 
     @property
     def places_m(self) -> Floats:
-        """Middle of each cell along the fibre."""
+        """The middle of each cell along the fibre, m."""
         return np.asarray((np.arange(len(self.track_m)) + 0.5) * self.cell_m, dtype=np.float64)
 
 
@@ -76,7 +76,7 @@ def cable(
     points_m: Sequence[float] = (),
     absorber: bool = True,
 ) -> Cable:
-    """Return a cable laid by `map_points` (fibre m, track m), one to one without any; reflecting points at m of fibre."""
+    """Return a cable laid by `map_points` (fibre m, track m), one to one without any, with reflecting points at `points_m`."""
     figures = figures or CableFigures()
     cell = figures.cell_mm / 1_000
     places: Floats = (np.arange(interrogator.fibre_mm // figures.cell_mm) + np.float64(0.5)) * np.float64(cell)
@@ -107,12 +107,12 @@ def _laid(places: Floats, map_points: Sequence[tuple[float, float]]) -> Floats:
         return places
     points = np.array(map_points, dtype=np.float64)
     if np.any(np.diff(points[:, 0]) <= 0):
-        raise InputError("map points come in growing order of fibre.")
+        raise InputError("map points have to be in ascending order of fibre.")
     return np.interp(places, points[:, 0], points[:, 1])
 
 
 def _coupling(cells: int, figures: CableFigures, rng: np.random.Generator) -> Floats:
-    """Lognormal; alike over `coupling_mm`: white numbers smoothed by a Gaussian."""
+    """Return the coupling: lognormal, correlated over `coupling_mm` (white noise smoothed by a Gaussian)."""
     width = figures.coupling_mm / figures.cell_mm
     reach = np.arange(-int(3 * width), int(3 * width) + 1)
     weights = np.exp(-((reach / width) ** 2))

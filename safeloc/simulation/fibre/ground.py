@@ -1,7 +1,7 @@
-"""Vibration of the ground: axles of trains and cars as moving sources of noise, and the weight of the axles.
+"""Simulates vibration of the ground: axles and cars as moving sources of noise, and bending by the weight of axles.
 
-Strain is in 1e-9. A source at distance d shakes the ground with 1 / (1 + (d / near)^2) of its noise: near to it as it
-is, farther with the square of the distance. An axle's weight bends the track: pressed below it, lifted beside it.
+Strain is in 1e-9. At distance d a source acts with 1 / (1 + (d / near)^2) of its noise: fully when near, falling with the square
+of the distance when far. An axle's weight bends the track: down below it, up beside it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class GroundFigures(Config):
 
 @dataclass(frozen=True)
 class Car:
-    """Traffic on a road beside the line: at second 0, its constant speed, and rms strain in 1e-9 right beside it."""
+    """A car on a road beside the line: place at second 0, constant speed, and rms strain in 1e-9 beside it."""
 
     start_m: float
     speed_m_s: float
@@ -40,7 +40,7 @@ class Car:
 
 
 class Noise:
-    """Noise of unit rms below a corner frequency, block after block without a seam; [frames, sources]."""
+    """Noise of unit rms below a corner frequency, continuous across blocks; [frames, sources]."""
 
     def __init__(self, sources: int, corner_hz: float, frame_hz: float, rng: np.random.Generator) -> None:
         width = max(1, round(frame_hz / corner_hz))
@@ -50,7 +50,7 @@ class Noise:
         self._tail = rng.standard_normal((width - 1, sources))
 
     def next(self, frames: int) -> Floats:
-        """Return the next frames."""
+        """Return the noise of the next frames."""
         fresh = self._rng.standard_normal((frames, self._tail.shape[1]))
         white = np.concatenate([self._tail, fresh])
         self._tail = white[len(white) - len(self._tail) :]
@@ -61,7 +61,7 @@ class Noise:
 
 
 class Sources:
-    """All moving sources of one run."""
+    """All moving sources of noise of one run."""
 
     def __init__(
         self,
@@ -77,7 +77,7 @@ class Sources:
         self._road = Noise(len(self._cars), figures.road_corner_hz, frame_hz, rng)
 
     def strain(self, seconds: Floats, cells_m: Floats) -> Iterator[tuple[slice, Floats]]:
-        """Return pieces (cells, strain [frames, those cells]) to be added up; `cells_m` does not fall."""
+        """Yield pieces (cells, strain [frames, cells]) to be added up; `cells_m` must not decrease."""
         for train, rolling, uneven in zip(self._trains, self._rolling, self._uneven, strict=True):
             noise = rolling.next(len(seconds)) * uneven * self._level(train, seconds)[:, None]
             places = train.axle_places_m(seconds)

@@ -1,4 +1,4 @@
-"""A run: trains and cars over a cable, block by block, with faults; the truth is kept beside every block."""
+"""Simulates a run of trains and cars beside a cable, block by block, with faults and the true places of the trains."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ KINDS = Kinds(
         "shaken",
     ),
 )  # fmt: skip
-"""Of the only fibre, in blocks."""
+"""Of the only fibre (no place), in blocks."""
 _NO_DRIFT = Drift()
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """The simulated environment. `drift` gives the interrogator's drift at a second."""
+    """The simulated environment. `drift`: second -> drift of the interrogator."""
 
     config: FibreConfig
     cable: Cable
@@ -44,7 +44,7 @@ class World:
 
 @dataclass(frozen=True)
 class TrainTruth:
-    """One train at the end of a block: track it stands on in m, smaller place first, and speed in m/s."""
+    """A train at the end of a block: its true ends on the track in m, smaller place first, and speed in m/s."""
 
     low_m: float
     high_m: float
@@ -53,7 +53,7 @@ class TrainTruth:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """One block: what was delivered when (None: nothing), and the truth at its last frame."""
+    """One block: delivered block (None: nothing), time of delivery, and the true trains at its last frame."""
 
     second: float
     block: FibreBlock | None
@@ -64,7 +64,7 @@ class Shot:
 def shots(
     world: World, blocks: int, rng: np.random.Generator, *, faults: Sequence[Fault] = (), first_s: float = 0.0
 ) -> Iterator[Shot]:
-    """So many blocks from `first_s` on. InputError for a fault that would test nothing."""
+    """Yield `blocks` blocks from `first_s` on. InputError for a fault that would test nothing."""
     KINDS.require(faults, places=[""], length=blocks)
     inter, frames = world.config.interrogator, world.config.band.block_frames
     sources = Sources(world.trains, world.cars, world.ground, inter.frame_hz, rng)
@@ -82,7 +82,7 @@ def shots(
 
 
 def _felt(world: World, sources: Sources, seconds: Floats, shaken: bool, rng: np.random.Generator) -> Floats:
-    """Strain in the fibre, [frames, cells], 1e-9."""
+    """Return the strain in the fibre, [frames, cells] in 1e-9."""
     cable = world.cable
     strain = np.zeros((len(seconds), len(cable.track_m)))
     for cells, piece in sources.strain(seconds, cable.track_m):

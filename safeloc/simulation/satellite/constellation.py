@@ -1,7 +1,7 @@
-"""Constellations of satellites with orbits and clocks, as their broadcast ephemerides tell them.
+"""Simulates constellations of satellites, as broadcast ephemerides with orbits and clocks.
 
-Walker constellations: planes at even distances around the equator, satellites at even distances in a plane. All follow
-the orbit model of GPS; names begin with the letter of the constellation, as in RINEX.
+These are Walker constellations: planes evenly spaced around the equator, satellites evenly spaced in a plane. All follow the
+orbit model of GPS; names begin with the letter of the constellation, as in RINEX.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from safeloc.sensing.satellite.times import gps_seconds
 _START_S = gps_seconds(2024, 6, 24, 8, 0, 0)
 """Reference time of orbits and clocks: a Monday, in the middle of a simulated run's window."""
 _IONOSPHERE = Klobuchar((1.8626e-08, 2.2352e-08, -1.1921e-07, -5.9605e-08), (1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5))
-"""Coefficients that were broadcast on that day."""
+"""The coefficients broadcast on that day."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ _GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
 def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = _START_S) -> Navigation:
     """Return ephemerides around `start_s`, and the ionosphere.
 
-    How a constellation stands about the Earth is drawn; clocks, eccentricities and harmonics are of the usual size.
+    The rotation of a constellation around the Earth is random; clocks, eccentricities and harmonics have usual magnitudes.
     """
     return Navigation(tuple(one for walker in walkers for one in _satellites(walker, rng, start_s)), _IONOSPHERE)
 

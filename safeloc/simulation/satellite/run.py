@@ -1,4 +1,4 @@
-"""A simulated run: epochs as a receiver gives them, with the truth of train and signals beside every one."""
+"""Simulates the epochs of a receiver on a train, with the true motion and the true errors of the signals."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from safeloc.simulation.satellite.receiver import (
 from safeloc.simulation.satellite.scenery import Rays, Received, Scene, received
 
 _LOWEST_RAD = math.radians(5)
-"""A receiver tracks nothing lower."""
+"""A receiver tracks no satellite below this elevation."""
 
 
 KINDS = Kinds(
@@ -63,9 +63,9 @@ class World:
 class Truth:
     """One epoch: true GPS time (s), place (m) and speed (m/s) along the track.
 
-    error_m, error_m_per_s  of every measured satellite what detours, echoes and spoofers add
-    healthy_m, healthy_m_per_s  of every measured satellite the errors that a healthy signal has
-    reflected               those that come by a detour only
+    error_m, error_m_per_s  errors of every measured satellite from detours, echoes and false places
+    healthy_m, healthy_m_per_s  errors of every measured satellite that healthy signals have too
+    reflected               satellites received by a detour only
     """
 
     time_s: float
@@ -80,7 +80,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class SimulatedRun:
-    """Measurements of the receiver and the true values, epoch by epoch."""
+    """The receiver's measurements and the true values, epoch by epoch."""
 
     epochs: tuple[Epoch, ...]
     truth: tuple[Truth, ...]
@@ -88,7 +88,8 @@ class SimulatedRun:
 
 
 def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
-    """Simulate the motion's epochs from the orbits' start on. InputError where the motion leaves the track or the orbits end."""
+    """Simulate the motion's epochs from the orbits' start on. InputError beyond the ends of track or orbits, and for a
+    fault that would test nothing."""
     KINDS.require(world.faults, length=len(motion.position_nm) * motion.period_ms)
     rng = np.random.default_rng(seed)
     sky = orbits(world.navigation.ephemerides)
@@ -125,7 +126,7 @@ class _Antenna:
         self.places = [Place.of_earth_fixed((float(x), float(y), float(z))) for x, y, z in self.points]
 
     def heading(self) -> Floats:
-        """Azimuth of the track, as a column."""
+        """Return the azimuth of the track, as a column."""
         pairs = zip(self.places, self.along, strict=True)
         return np.array(
             [[place.elevation_azimuth_rad((float(x), float(y), float(z)))[1]] for place, (x, y, z) in pairs]
@@ -153,8 +154,7 @@ def _sights(world: World, start_s: float, antenna: _Antenna, true: Seen, times: 
 
 
 def _spoofed(world: World, antenna: _Antenna, true: Seen, times: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
-    """Return the errors from false places, to first order: distance along the track times the slope of the line of
-    sight."""
+    """Return the errors from false places, to first order: distance along the track times slope of the line of sight."""
     error, rate = np.zeros(true.way_m.shape), np.zeros(true.way_m.shape)
     slope = -np.einsum("esk,ek->es", true.direction, antenna.along)
     for fault in world.faults:
@@ -204,7 +204,7 @@ def _silent(faults: Sequence[Fault], times: Floats, names: Sequence[str]) -> Fla
 
 @dataclass(frozen=True)
 class _Told:
-    """Arrays [epoch, satellite] as records."""
+    """Converts arrays [epoch, satellite] to records of each epoch."""
 
     names: Sequence[str]
     heard: Flags
@@ -221,7 +221,7 @@ class _Told:
         return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in heard})
 
     def truth(self, n: int, time_s: float, place_m: float, speed_m_per_s: float) -> Truth:
-        """Return the true values for the same satellites."""
+        """Return the true values of the same satellites."""
         heard = self._heard(n)
         return Truth(
             time_s,

@@ -60,7 +60,7 @@ def emitters(*bits: str) -> tuple[Emitter, ...]:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"band": Band(low_hz=40, high_hz=500)}, "does not lie below half of 1000 frames"),
+        ({"band": Band(low_hz=40, high_hz=500)}, "does not lie below half the frame rate of 1000 Hz"),
         ({"band": Band(window_frames=16, low_hz=40, high_hz=100)}, "resolve no tone"),
         (
             {"emission": Emission(emitters=emitters("10110100"), tone_hz=100)},
@@ -106,7 +106,7 @@ def test_emitters_have_names_of_their_own() -> None:
 
 def test_hysteresis_is_one() -> None:
     """The way back lies below the way in."""
-    with pytest.raises(ValueError, match="lies below change_cdb"):
+    with pytest.raises(ValueError, match="has to lie below change_cdb"):
         Sections(change_cdb=500, return_cdb=500)
 
 
