@@ -200,10 +200,10 @@ class Recognition:
     @property
     def reads(self) -> Read:
         """The names that it reads."""
-        told = [name for one in self.hypotheses for name in (one.possible, one.low, one.high)]
+        possible = [name for one in self.hypotheses for name in (one.possible, one.low, one.high)]
         of_map = [name for one in self.hypotheses for name in (one.model, one.course)]
         inputs = (self.sighting.range, self.sighting.start, *(one.place for one in self.hypotheses))
-        return Read(inputs, (self.sighting.model, self.sighting.turned, *of_map), (*told, self.mode))
+        return Read(inputs, (self.sighting.model, self.sighting.turned, *of_map), (*possible, self.mode))
 
 
 @dataclass(frozen=True)
@@ -386,9 +386,9 @@ class Sources:
     def reads(self) -> Read:
         """The names that it reads."""
         intervals = [name for one in self.sources for name in one.reported.outputs]
-        told = [name for one in self.refusals for name in (one.signal, *one.also)]
+        verdicts = [name for one in self.refusals for name in (one.signal, *one.also)]
         inputs = [name for things in self.beside for name in (things.at, things.label)]
-        return Read(tuple(inputs), reported=(*self.fused.outputs, self.lead, *intervals, *told))
+        return Read(tuple(inputs), reported=(*self.fused.outputs, self.lead, *intervals, *verdicts))
 
 
 Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall | Sources
@@ -398,11 +398,11 @@ def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:
     """Return sentences on signals that the picture reads and the system does not have; empty if all exist."""
     reads, optional = picture.reads, {option.value.name for option in system.optionals}
     inputs = {var.name for var in system.inputs}
-    told = {var.name for var in system.state} | set(system.outputs)
+    known = {var.name for var in system.state} | set(system.outputs)
     wrong = [
         f"no input {name!r}{renamed([name], inputs)}" for name in (*reads.inputs, *reads.always) if name not in inputs
     ]
     wrong += [f"input {name!r} may be absent" for name in reads.always if name in optional]
     return wrong + [
-        f"no output or state {name!r}{renamed([name], told)}" for name in reads.reported if name not in told
+        f"no output or state {name!r}{renamed([name], known)}" for name in reads.reported if name not in known
     ]

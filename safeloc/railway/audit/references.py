@@ -54,16 +54,18 @@ class References:
             self._testing.setdefault(seen.run, set()).add(group.id)
 
     def _telegrams(self, seen: Seen, group: BaliseGroup) -> None:
-        for told in group.telegram_reflectors:
-            if told.direction == seen.run.direction:
-                reach = told.distance_mm + _SLACK_MM
+        for announced in group.telegram_reflectors:
+            if announced.direction == seen.run.direction:
+                reach = announced.distance_mm + _SLACK_MM
                 ahead = self.walk.ahead(seen.run, seen.offset_mm, reach)
                 found = next(
-                    (one for one in ahead if one.element.id == told.reflector and is_reflector(one.element)), None
+                    (one for one in ahead if one.element.id == announced.reflector and is_reflector(one.element)), None
                 )
-                self._told(seen, group, found, told.reflector, told.distance_mm, told.search_from_mm)
+                self._announced(
+                    seen, group, found, announced.reflector, announced.distance_mm, announced.search_from_mm
+                )
 
-    def _told(
+    def _announced(
         self, seen: Seen, group: BaliseGroup, found: Seen | None, reflector: str, stated: int, search_from: int | None
     ) -> None:
         place = self.walk.place(seen.run, seen.offset_mm)
@@ -122,10 +124,10 @@ class References:
 
     def _missing(self, run: Run, offset: int, subject: str) -> None:
         self.ledger.cases[self.rules.after_balise.name] += 1
-        told = f"{subject}: on some route no balise with a function test comes before it"
+        missing = f"{subject}: on some route no balise with a function test comes before it"
         most = self.rules.layout.reflectors_per_balise
         figures = Figures("reflectors since balise", UNBOUNDED, "<=", most, "count")
-        self.ledger.add(self.rules.after_balise, self.walk.place(run, offset), told, figures)
+        self.ledger.add(self.rules.after_balise, self.walk.place(run, offset), missing, figures)
 
     def _counted(self, run: Run, count: int) -> Iterator[tuple[int, Reference, int]]:
         testing = self._testing.get(run, set())

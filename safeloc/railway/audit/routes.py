@@ -50,7 +50,7 @@ def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, 
     """Check the routes; return their number (None if too many to compare one by one) and the pairs that were compared."""
     count = route_count(walk.topology)
     few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
-    pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules, ledger))]
+    pairs = [*(_end_to_end(walk, rules) if few else _behind_choices(walk, rules, ledger))]
     for pair in pairs:
         subject = f"{pair.first} and {pair.second}"
         ledger.check(rules.routes, pair.place, subject, faults_to_confuse=_faults(pair))
@@ -87,7 +87,7 @@ def _gate_mm(rules: Rules) -> int:
 # ------------------------------------------------------------------ few routes
 
 
-def _whole(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
+def _end_to_end(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
     ways = [_way(walk, route) for route in through_routes(walk.topology, MOST_ROUTES)]
     for first, second in combinations(ways, 2):
         same_start = first.runs[0] == second.runs[0]
@@ -193,5 +193,5 @@ def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:
 
 def _shortened(way: _Way, length_mm: int) -> _Way:
     """Cut the way at this length, because the other way was followed no further."""
-    kept = tuple(one for one in way.seen if one.position_mm <= length_mm)
-    return _Way(way.name, way.runs, kept, length_mm)
+    seen = tuple(one for one in way.seen if one.position_mm <= length_mm)
+    return _Way(way.name, way.runs, seen, length_mm)

@@ -21,5 +21,5 @@ def believed_times(fixes: Iterable[Fix], route: Route, *, max_speed_mm_s: int, c
     config = guard_config(None, {"max_speed_mm_s": max_speed_mm_s})
     clear, reach = config.track_clearance_mm, config.tolerance_mm
     guard = Guard(config, Tracks(route.topology.line, clear_mm=clear, reach_mm=reach, route=route, crs=crs))
-    told = (Delivery(number, fix.time_ms, fix.x, fix.y) for number, fix in enumerate(fixes, 1))
-    return frozenset(one.delivery.time_ms or 0 for one in guard.judge_all(told) if one.passed)
+    deliveries = (Delivery(number, fix.time_ms, fix.x, fix.y) for number, fix in enumerate(fixes, 1))
+    return frozenset(one.delivery.time_ms or 0 for one in guard.judge_all(deliveries) if one.passed)

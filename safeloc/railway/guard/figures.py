@@ -38,8 +38,8 @@ def guard_config(vehicle: VehicleConfig | None, chosen: Mapping[str, Any] | None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         field = ".".join(str(part) for part in first["loc"]) or "figures"
-        told = first["msg"].removeprefix("Value error, ")
-        raise InputError(f"guard, {field}: {told}") from error
+        reason = first["msg"].removeprefix("Value error, ")
+        raise InputError(f"guard, {field}: {reason}") from error
 
 
 def _of(vehicle: VehicleConfig) -> dict[str, int]:

@@ -156,9 +156,9 @@ class Guard:
     def _frozen(self, delivery: Delivery) -> tuple[str, str] | None:
         """Refuse a place that is equal to the last digit although the vehicle runs; None if it differs or the vehicle may rest."""
         place, self._place = self._place, (delivery.x, delivery.y)
-        told = delivery.speed_mm_s is not None and delivery.speed_mm_s > self.config.speed_error_mm_s
+        reported = delivery.speed_mm_s is not None and delivery.speed_mm_s > self.config.speed_error_mm_s
         runs = self._value("slow_um_s") > 0 or self._value("fast_um_s") < 0
-        return ("DUPLICATE", "the same place again at speed") if place == self._place and (told or runs) else None
+        return ("DUPLICATE", "the same place again at speed") if place == self._place and (reported or runs) else None
 
     def _matched(self, delivery: Delivery) -> Match:
         assert delivery.x is not None and delivery.y is not None
@@ -202,22 +202,25 @@ class Guard:
 
     def _located(self, delivery: Delivery, match: Match, age_ms: int) -> Judgement:
         """Step the machine with a delivery that has a place on the map."""
-        said = self._of_match(match, delivery, age_ms)
-        self._state, numbers = self._code.step(self._state, self._code.read(said))
+        inputs = self._of_match(match, delivery, age_ms)
+        self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         (fired,) = self._code.fired(numbers).values()
         self._remember(match, fired)
         return self._judgement(delivery, match, "")
 
     def _judgement(self, delivery: Delivery, match: Match | None, detail: str) -> Judgement:
-        said = self._code.named_outputs(self._state)
-        window = (said["window_from_mm"], said["window_to_mm"]) if said["holding"] else None
+        outputs = self._code.named_outputs(self._state)
+        window = (outputs["window_from_mm"], outputs["window_to_mm"]) if outputs["holding"] else None
         interval = None
-        if said["valid"]:
-            interval = said["position_mm"] - said["margin_below_mm"], said["position_mm"] + said["margin_above_mm"]
+        if outputs["valid"]:
+            interval = (
+                outputs["position_mm"] - outputs["margin_below_mm"],
+                outputs["position_mm"] + outputs["margin_above_mm"],
+            )
         return Judgement(
             delivery,
-            bool(said["passed"]),
-            JUDGED[int(said["reason"])].label,
+            bool(outputs["passed"]),
+            JUDGED[int(outputs["reason"])].label,
             self._mode,
             self._at_ms,
             interval,
@@ -239,15 +242,15 @@ class Guard:
     def _of_match(self, match: Match, delivery: Delivery, age_ms: int) -> dict[str, Value]:
         assert delivery.time_ms is not None and delivery.x is not None and delivery.y is not None
         course = self._courses.angle_mrad(delivery.time_ms, delivery.x, delivery.y)
-        said = self._inputs(
+        inputs = self._inputs(
             fix_mm=match.position_mm,
             fix_offset_mm=match.offset_mm,
             fix_age_ms=age_ms,
             fix_ambiguous=match.ambiguous,
             fix_elsewhere=match.elsewhere,
         )
-        told = {"fix_speed_mm_s": delivery.speed_mm_s, "fix_course_mrad": course}
-        return {**said, **{name: value for name, value in told.items() if value is not None}}
+        optional = {"fix_speed_mm_s": delivery.speed_mm_s, "fix_course_mrad": course}
+        return {**inputs, **{name: value for name, value in optional.items() if value is not None}}
 
     @property
     def _mode(self) -> str:

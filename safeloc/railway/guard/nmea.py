@@ -45,24 +45,24 @@ def _delivery(number: int, text: str, parse: Callable[[str], Any], clock: _Clock
     try:
         if not text.isascii():
             raise InputError("not ASCII, as NMEA is")
-        said = parse(text[:_LONGEST_SENTENCE])
-        if said is None:
+        parsed = parse(text[:_LONGEST_SENTENCE])
+        if parsed is None:
             raise InputError("no sentence")
-        return _of(number, said, clock)
+        return _of(number, parsed, clock)
     except InputError as error:
         return Delivery(number, wrong=f"{error}".splitlines()[0] if f"{error}" else "no sentence")
     except Exception as error:  # a third-party parser may raise anything
         return Delivery(number, wrong=shortened(error))
 
 
-def _of(number: int, said: Any, clock: _Clock) -> Delivery:
-    if said.time in ("", None):
+def _of(number: int, parsed: Any, clock: _Clock) -> Delivery:
+    if parsed.time in ("", None):
         return Delivery(number)
-    when = clock.at(said.time, getattr(said, "date", None))
-    flag = str(getattr(said, "status", getattr(said, "quality", getattr(said, "posMode", ""))))
-    fixed = flag not in ("V", "0", "N", "NN", "") and said.lat != "" and said.lon != ""
-    x, y = (float(said.lon), float(said.lat)) if fixed else (None, None)
-    knots = getattr(said, "spd", "")
+    when = clock.at(parsed.time, getattr(parsed, "date", None))
+    flag = str(getattr(parsed, "status", getattr(parsed, "quality", getattr(parsed, "posMode", ""))))
+    fixed = flag not in ("V", "0", "N", "NN", "") and parsed.lat != "" and parsed.lon != ""
+    x, y = (float(parsed.lon), float(parsed.lat)) if fixed else (None, None)
+    knots = getattr(parsed, "spd", "")
     speed = None if knots in ("", None) else speed_mm_s("speed", knots, "knots")
     return Delivery(number, milliseconds_of(when), x, y, speed, flag)
 
@@ -73,12 +73,12 @@ class _Clock:
     def __init__(self) -> None:
         self._last: datetime | None = None
 
-    def at(self, when: object, told: object) -> datetime:
+    def at(self, when: object, stated: object) -> datetime:
         """Return the time of a sentence; InputError without one."""
         if not isinstance(when, time):
             raise InputError("no time")
-        dated = isinstance(told, date)
-        day = told if isinstance(told, date) else (self._last or datetime(1970, 1, 1)).date()
+        dated = isinstance(stated, date)
+        day = stated if isinstance(stated, date) else (self._last or datetime(1970, 1, 1)).date()
         found = datetime.combine(day, when.replace(tzinfo=None), UTC)
         if not dated and self._last is not None and self._last - found > _HALF_A_DAY:
             found += timedelta(days=1)

@@ -168,8 +168,8 @@ class Tracks:
     def took(self, match: Match, window: Window) -> None:
         """Record a fix that was passed on or continues a row: the vehicle is in the window, on one way with the fix."""
         if self.route is None:
-            kept = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
-            self.roots = tuple(sorted({match.laid, *kept}))
+            joined = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
+            self.roots = tuple(sorted({match.laid, *joined}))
 
     def began(self, match: Match) -> None:
         """Record that only this fix determines the way."""

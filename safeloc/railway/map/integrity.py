@@ -201,7 +201,7 @@ def _references(line: Line) -> Iterator[str]:
     wanted += [(f"stop point {stop.id!r}", "reflectors", stop.reflector) for stop in line.stop_points]
     for group in line.balise_groups:
         name = f"balise group {group.id!r}"
-        wanted += [(name, "reflectors", told.reflector) for told in group.telegram_reflectors]
+        wanted += [(name, "reflectors", announced.reflector) for announced in group.telegram_reflectors]
         wanted += [(name, "balise_groups", group.duplicate_of)] if group.duplicate_of is not None else []
     for section in line.detection_sections:
         wanted += [(f"detection section {section.id!r}", "axle_counters", one) for one in section.axle_counters]

@@ -97,18 +97,18 @@ def _seams(parts: tuple[LinePart, ...]) -> Iterator[str]:
 
 
 def _seam(first: LinePart, second: LinePart, here: Node, there: Node) -> Iterator[str]:
-    told = f"parts {first.part!r} and {second.part!r} share node {here.id!r}"
+    shared = f"parts {first.part!r} and {second.part!r} share node {here.id!r}"
     if (here.kind, there.kind) != ("seam", "seam"):
-        yield f"{told}, which must be a seam in both"
+        yield f"{shared}, which must be a seam in both"
         return
     if (here.longitude_deg, here.latitude_deg) != (there.longitude_deg, there.latitude_deg):
-        yield f"{told} at different coordinates"
+        yield f"{shared} at different coordinates"
     one, other = _edge_at(first, here.id), _edge_at(second, here.id)
     counted = [kilometre_mm(edge, 0 if edge.from_node == here.id else edge.length_mm) for edge in (one, other)]
     if None not in counted and counted[0] != counted[1]:
-        yield f"{told} at different kilometres, {counted[0]} and {counted[1]}"
+        yield f"{shared} at different kilometres, {counted[0]} and {counted[1]}"
     if {"both"}.isdisjoint((one.travel, other.travel)) and _leads_to(one, here.id) == _leads_to(other, here.id):
-        yield f"{told}, where the regular directions of travel meet head-on"
+        yield f"{shared}, where the regular directions of travel meet head-on"
 
 
 def _edge_at(part: LinePart, node: str) -> TrackEdge:
@@ -138,8 +138,8 @@ def _assembled(parts: tuple[LinePart, ...]) -> Line:
     try:
         return Line(name=first.name, version=first.version, source=first.source, part=name, nodes=nodes, **merged)
     except ValidationError as error:
-        told = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
-        raise InputError(f"parts {', '.join(part.part for part in parts)} do not fit together: {told}.") from error
+        reason = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
+        raise InputError(f"parts {', '.join(part.part for part in parts)} do not fit together: {reason}.") from error
 
 
 def _nodes(parts: tuple[LinePart, ...]) -> tuple[Node, ...]:
@@ -174,7 +174,7 @@ def cut(line: Line, names: Mapping[str, str], seams: Iterable[str]) -> tuple[Lin
     at = frozenset(seams)
     _cuttable(whole, at)
     pieces = _pieces(whole, at)
-    _fibres_whole(whole, pieces)
+    _refuse_cut_fibres(whole, pieces)
     return tuple(_piece(whole, edges, at, _name(edges, names)) for edges in pieces)
 
 
@@ -237,7 +237,7 @@ def _within(sections: tuple[Any, ...], edges: frozenset[str]) -> tuple[Any, ...]
     return tuple(kept)
 
 
-def _fibres_whole(line: Line, pieces: list[frozenset[str]]) -> None:
+def _refuse_cut_fibres(line: Line, pieces: list[frozenset[str]]) -> None:
     for fibre in line.fibres:
         used = {stretch.edge for stretch in fibre.path} | {point.edge for point in fibre.map_points}
         if not any(used <= edges for edges in pieces):

@@ -95,19 +95,19 @@ def _line(data: Any, name: str, where: Any) -> Line:
     except RecursionError as error:
         raise InputError(f"{name}: nested too deeply to be a line.") from error
     except ValidationError as error:
-        raise InputError(_told(error, where)) from error
+        raise InputError(_message(error, where)) from error
 
 
-def _told(error: ValidationError, where: Any) -> str:
+def _message(error: ValidationError, where: Any) -> str:
     found = error.errors(include_url=False)
     wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
     first = wrong[0]
     key = ".".join(str(part) for part in first["loc"])
     message = first["msg"].removeprefix("Value error, ")
-    told = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
+    text = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
     got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
-    return f"{told.rstrip('.')}{got}.{more}"
+    return f"{text.rstrip('.')}{got}.{more}"
 
 
 def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, Any]:

@@ -56,9 +56,9 @@ class Listener:
         channels = np.flatnonzero(begins)
         if not len(channels):
             return []
-        return self._heard(np.stack([tone[channels] for tone in self._tones]), channels, time_ms)
+        return self._received(np.stack([tone[channels] for tone in self._tones]), channels, time_ms)
 
-    def _heard(self, level: Singles, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
+    def _received(self, level: Singles, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
         """Return the patterns in channels where a bit began after silence; neighbouring channels receive one emitter."""
         loud, threshold = level.max(axis=0), 10 ** (self._rules.contrast_cdb / 1_000)
         picture = level > np.maximum(threshold, loud * 10 ** (-self._rules.fall_cdb / 1_000))

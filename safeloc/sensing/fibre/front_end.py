@@ -93,9 +93,9 @@ class FrontEnd:
         )
         if refused is not None:
             return refused
-        return self._judged(block, content, energies)
+        return self._checked(block, content, energies)
 
-    def _judged(self, block: FibreBlock, content: Content, energies: Energies) -> Outcome:
+    def _checked(self, block: FibreBlock, content: Content, energies: Energies) -> Outcome:
         light = None if content.intensity is None else reflections(content.intensity, self._config)
         if light is not None and light.dark_percent > self._config.detection.lost_percent:
             return NoFibre(Refusal.DARK, f"{light.dark_percent:.0f} % of the channels")

@@ -134,13 +134,15 @@ class _Looked:
         where = f"{self.path}: {shown(name)}"
         refuse_beyond(where, len(found.attrs), MOST_ATTRIBUTES, "attributes")
         for key in found.attrs:
-            told = found.attrs.get_id(key)
-            if told.shape is None:
+            attribute = found.attrs.get_id(key)
+            if attribute.shape is None:
                 continue
-            if told.dtype.hasobject:
-                refuse_beyond(f"{where}: {shown(key)}", prod(told.shape), _MOST_TEXTS, "texts")
+            if attribute.dtype.hasobject:
+                refuse_beyond(f"{where}: {shown(key)}", prod(attribute.shape), _MOST_TEXTS, "texts")
             else:
-                refuse_beyond(f"{where}: {shown(key)}", prod(told.shape) * told.dtype.itemsize, _LARGEST_TEXT, "bytes")
+                refuse_beyond(
+                    f"{where}: {shown(key)}", prod(attribute.shape) * attribute.dtype.itemsize, _LARGEST_TEXT, "bytes"
+                )
             value = found.attrs[key]
             self._count_text(name, value)
             for text in _bytes_in(value):

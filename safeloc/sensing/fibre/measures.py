@@ -69,8 +69,8 @@ def length(fit: Fit, config: FibreConfig, where: FibreMap) -> Bounds:
     detection = config.detection
     low, high = where.path_mm(max(exactly(fit.low_mm), Fraction(0))), where.path_mm(exactly(fit.high_mm))
     scatter = max(Fraction(0), exactly(fit.off_low_mm) + exactly(fit.off_high_mm) - detection.length_error_mm)
-    charged = detection.length_error_mm + scatter + 2 * where.error_mm + by_index(high - low, config)
-    between = ExactBounds(high - low, high - low).widened(charged)
+    error = detection.length_error_mm + scatter + 2 * where.error_mm + by_index(high - low, config)
+    between = ExactBounds(high - low, high - low).widened(error)
     return Bounds.outward(ExactBounds(max(between.low, 0), max(between.high, 0) + 2 * detection.overhang_mm))
 
 

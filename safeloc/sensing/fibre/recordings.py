@@ -42,8 +42,8 @@ def read_array(path: Path, *, name: str = "data", channels_first: bool = False) 
     Whole numbers are multiplied by `scale`, which they need. StreamError for anything that is not two axes of numbers.
     """
     with streaming(path):
-        data, told = _loaded(path, name)
-        return _recording(path, data, told, channels_first)
+        data, figures = _loaded(path, name)
+        return _recording(path, data, figures, channels_first)
 
 
 def _refuse_large(path: Path) -> None:
@@ -67,22 +67,22 @@ def _loaded(path: Path, name: str) -> tuple[object, dict[str, float]]:
                 raise StreamError(
                     f"{path}: holds {shown(', '.join(sorted(loaded)))}, no array {name!r}; give its name."
                 )
-            told = ("scale", "fs_hz", "dx_m")
-            return loaded[name], {key: float(loaded[key]) for key in told if key in loaded and loaded[key].size == 1}
+            names = ("scale", "fs_hz", "dx_m")
+            return loaded[name], {key: float(loaded[key]) for key in names if key in loaded and loaded[key].size == 1}
     except (InputError, FileNotFoundError, MemoryError):
         raise
     except Exception as error:  # numpy, zipfile and zlib may raise anything on a damaged file
         raise StreamError(f"{path}: not an array that numpy reads without pickles ({shortened(error)}).") from error
 
 
-def _recording(path: Path, data: object, told: dict[str, float], channels_first: bool) -> Recording:
+def _recording(path: Path, data: object, figures: dict[str, float], channels_first: bool) -> Recording:
     if not isinstance(data, np.ndarray) or data.ndim != 2 or data.dtype.kind not in "fiu":
         raise StreamError(f"{path}: needs two axes of real numbers, frames and channels.")
-    if data.dtype.kind != "f" and "scale" not in told:
+    if data.dtype.kind != "f" and "scale" not in figures:
         raise StreamError(f"{path}: whole numbers need their scale; store it beside them as `scale` in an .npz.")
-    frames = (data.T if channels_first else data).astype(np.float32) * np.float32(told.get("scale", 1.0))
-    spacing = told.get("dx_m")
-    return Recording(frames, told.get("fs_hz"), None if spacing is None else spacing * MM_PER_M)
+    frames = (data.T if channels_first else data).astype(np.float32) * np.float32(figures.get("scale", 1.0))
+    spacing = figures.get("dx_m")
+    return Recording(frames, figures.get("fs_hz"), None if spacing is None else spacing * MM_PER_M)
 
 
 def read_das(path: Path) -> Recording:

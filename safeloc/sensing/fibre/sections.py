@@ -62,7 +62,7 @@ class Watcher:
         self._normal: deque[tuple[float, float]] = deque()
         self._recent: deque[float] = deque(maxlen=_MEDIAN_WINDOWS)
         self._inside: Effect | None = None
-        self._told = False
+        self._reported = False
         self.change_cdb: float | None = None
         self._entered_mm = self._towards = 0.0
 
@@ -95,7 +95,7 @@ class Watcher:
         if abs(change) < self._rules.change_cdb:
             self._learn(place_mm, level)
             return None
-        self._inside, self._told = Effect.RAISES if change > 0 else Effect.LOWERS, False
+        self._inside, self._reported = Effect.RAISES if change > 0 else Effect.LOWERS, False
         self._entered_mm, self._towards = place_mm, place_mm - self._normal[-1][0] or place_mm - self._normal[0][0]
         return None
 
@@ -111,7 +111,7 @@ class Watcher:
             self._start_again(place_mm, level)
         else:
             self._carry_over(place_mm)
-        if not self._told:
+        if not self._reported:
             return None
         crossed = (place_mm - self._entered_mm) * self._towards > 0 and not endless
         edge = Edge.FALL if effect is Effect.RAISES else Edge.RISE
@@ -120,9 +120,9 @@ class Watcher:
     def _lasting(self, run: float, change: float) -> Change | None:
         """Return the change once, as soon as it has lasted long enough."""
         assert self._inside is not None
-        if self._told or run < self._rules.persist_mm:
+        if self._reported or run < self._rules.persist_mm:
             return None
-        self._told = True
+        self._reported = True
         edge = Edge.RISE if self._inside is Effect.RAISES else Edge.FALL
         return Change(self._inside, edge, True, None, round(change))
 

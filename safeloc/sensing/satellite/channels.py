@@ -75,8 +75,8 @@ class Channels:
         looks   residuals on every possible portion of track; empty without a prediction. The greatest difference of all
                 counts, so a satellite has to fit on each portion.
         """
-        unheard = self._seat(visible)
-        faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in unheard]
+        without_channel = self._assign(visible)
+        faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in without_channel]
         codes = [_whole(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
         rates = [_whole(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
         inputs: ChannelValues = {}
@@ -85,11 +85,11 @@ class Channels:
             inputs[f"channel_{number}_ephemeris_valid"] = name in valid
             if name is not None:
                 channels[name] = number
-                inputs |= self._told(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
+                inputs |= self._inputs(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
         faults += [Fault(name, Reason.STALE, "no valid ephemeris") for name in sorted(visible - valid)]
         return Heard(inputs, channels, codes, rates, tuple(dict.fromkeys(faults)))
 
-    def _seat(self, visible: Set[str]) -> list[str]:
+    def _assign(self, visible: Set[str]) -> list[str]:
         """Give every visible satellite a channel; return those for which none is free."""
         self._held = [name if name in visible else None for name in self._held]
         self._windows = {name: both for name, both in self._windows.items() if name in visible}
@@ -99,7 +99,7 @@ class Channels:
                 self._held[number] = waiting.pop(0)
         return waiting
 
-    def _told(self, channel: str, name: str, off: int | None, speed_off: int | None) -> ChannelValues:
+    def _inputs(self, channel: str, name: str, off: int | None, speed_off: int | None) -> ChannelValues:
         both = self._windows.setdefault(name, (Window(self._window_epochs), Window(self._window_epochs)))
         values = {
             "satellite": identity(name),

@@ -42,19 +42,19 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
     """
     found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
     valid = {name: one for name, one in found.items() if one is not None}
-    heard = _Heard(epoch, valid, place, velocity_m_per_s, navigation)
-    every, clock_s = heard.expected(0.0), 0.0
-    codes = heard.codes(_above_mask(every), clock_s)
+    satellites = _Satellites(epoch, valid, place, velocity_m_per_s, navigation)
+    every, clock_s = satellites.expected(0.0), 0.0
+    codes = satellites.codes(_above_mask(every), clock_s)
     if codes:
         clock_s = common_part(of_constellation(codes, _largest(codes))) / LIGHT_M_PER_S
         if abs(clock_s) > _LINEAR_S:
-            every = heard.expected(clock_s)
-            codes = heard.codes(_above_mask(every), 0.0)
+            every = satellites.expected(clock_s)
+            codes = satellites.codes(_above_mask(every), 0.0)
         else:
-            codes = heard.codes(_above_mask(every), clock_s)
+            codes = satellites.codes(_above_mask(every), clock_s)
     seen = _above_mask(every)
     expired, low = frozenset(epoch.satellites) - valid.keys(), every.keys() - seen.keys()
-    rates = without_clock(heard.rates(seen))
+    rates = without_clock(satellites.rates(seen))
     return Residuals(without_clock(codes), rates, seen, expired, frozenset(low), clock_s)
 
 
@@ -63,7 +63,7 @@ def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Heard:
+class _Satellites:
     """One epoch's satellites with valid ephemerides, and the state for which they are predicted."""
 
     epoch: Epoch

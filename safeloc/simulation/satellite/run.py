@@ -107,10 +107,10 @@ def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
     codes = code_of(true.way_m + systems_m + sights.air_m + usual.code_m + error, one)
     rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
     heard = got.heard & (sights.elevation > _LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
-    told = _Told(sky.names, heard, codes, rates, error, error_rate, usual, got)
-    epochs = tuple(told.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
+    records = _Records(sky.names, heard, codes, rates, error, error_rate, usual, got)
+    epochs = tuple(records.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
     truth = tuple(
-        told.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
+        records.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
     )
     return SimulatedRun(epochs, truth, world.navigation)
 
@@ -203,7 +203,7 @@ def _silent(faults: Sequence[Fault], times: Floats, names: Sequence[str]) -> Fla
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Records:
     """Converts arrays [epoch, satellite] to records of each epoch."""
 
     names: Sequence[str]
@@ -217,12 +217,12 @@ class _Told:
 
     def epoch(self, n: int, time_s: float) -> Epoch:
         """Return the receiver's measurements."""
-        heard = self._heard(n)
+        heard = self._received(n)
         return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in heard})
 
     def truth(self, n: int, time_s: float, place_m: float, speed_m_per_s: float) -> Truth:
         """Return the true values of the same satellites."""
-        heard = self._heard(n)
+        heard = self._received(n)
         return Truth(
             time_s,
             place_m,
@@ -234,5 +234,5 @@ class _Told:
             frozenset(name for j, name in heard if self.got.reflected[n, j]),
         )
 
-    def _heard(self, n: int) -> list[tuple[int, str]]:
+    def _received(self, n: int) -> list[tuple[int, str]]:
         return [(j, name) for j, name in enumerate(self.names) if self.heard[n, j]]

@@ -106,21 +106,21 @@ def received(scenes: Sequence[Scene], rays: Rays, rng: np.random.Generator) -> R
         if before.to_m > after.from_m:
             raise InputError(f"{after.kind} at {after.from_m} m begins within the {before.kind}; separate them.")
     shape = rays.elevation.shape
-    whole = Received(rays.elevation > 0, np.zeros(shape, np.bool_), np.zeros(shape), np.zeros(shape))
+    result = Received(rays.elevation > 0, np.zeros(shape, np.bool_), np.zeros(shape), np.zeros(shape))
     for scene in ordered:
         inside = (rays.place_m >= scene.from_m) & (rays.place_m < scene.to_m)
         if inside.any():
-            _put(whole, inside, _in_scene(scene, _part(rays, inside), rng))
-    return whole
+            _put(result, inside, _in_scene(scene, _part(rays, inside), rng))
+    return result
 
 
 def _part(rays: Rays, inside: Flags) -> Rays:
     return Rays(rays.elevation[inside], rays.beside[inside], rays.place_m[inside], rays.speed_m_per_s[inside])
 
 
-def _put(whole: Received, inside: Flags, part: Received) -> None:
+def _put(result: Received, inside: Flags, part: Received) -> None:
     for name in ("heard", "reflected", "error_m", "error_m_per_s"):
-        getattr(whole, name)[inside] = getattr(part, name)
+        getattr(result, name)[inside] = getattr(part, name)
 
 
 def _in_scene(scene: Scene, rays: Rays, rng: np.random.Generator) -> Received:

@@ -119,8 +119,8 @@ def _row(place: str, found: Mapping[str, Any]) -> Row:
         raise InputError(f"{place}: column 'Km': {found['Km']} m is no whole number of mm.")
     return Row(
         place,
-        _whole(found, "NID_C", place),
-        _whole(found, "NID_BG", place),
+        _whole_number(found, "NID_C", place),
+        _whole_number(found, "NID_BG", place),
         _text(found, "Lint", place),
         kilometre_mm,
         _NOMINAL[rising, town],
@@ -136,7 +136,7 @@ def _number(cells: Mapping[str, Any], column: str, place: str) -> str:
     return repr(value)
 
 
-def _whole(cells: Mapping[str, Any], column: str, place: str) -> int:
+def _whole_number(cells: Mapping[str, Any], column: str, place: str) -> int:
     value = decimal(_number(cells, column, place), f"{place}: column {column!r}")
     if value != value.to_integral_value():
         raise InputError(f"{place}: column {column!r}: expected a whole number, got {value}.")

@@ -25,10 +25,10 @@ def made(record: type[Record], place: str, **fields: Any) -> Record:
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
-        told = first["msg"].removeprefix("Value error, ")
+        reason = first["msg"].removeprefix("Value error, ")
         if not field:
-            raise InputError(f"{place}: {told}.") from error
-        raise InputError(f"{place}: field {field}: {told} (got {quoted(first['input'])}).") from error
+            raise InputError(f"{place}: {reason}.") from error
+        raise InputError(f"{place}: field {field}: {reason} (got {quoted(first['input'])}).") from error
 
 
 def missing(package: str, purpose: str) -> EngineError:

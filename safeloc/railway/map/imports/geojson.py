@@ -134,8 +134,8 @@ def _tracks(features: Sequence[Feature], notes: list[Note]) -> dict[str, Track]:
                 raise InputError(f"{feature.place}: the identity is that of an earlier feature.")
             tracks[track.id] = track
         elif feature.properties.get("type") != "netrelation":
-            told = f"{feature.kind} of type {feature.properties.get('type')!r}"
-            notes.append(Note("not understood", feature.place, told))
+            what = f"{feature.kind} of type {feature.properties.get('type')!r}"
+            notes.append(Note("not understood", feature.place, what))
     if not tracks:
         raise InputError("the file has no LineString: there is no track in it.")
     return tracks
@@ -167,23 +167,25 @@ def _relation(feature: Feature, tracks: Mapping[str, Track], notes: list[Note]) 
     for name in others(feature.properties, _RELATION):
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
     identity = text(required(feature.properties, "id", feature.place), f"{feature.place}: id")
-    told = text(required(feature.properties, "navigability", feature.place), f"{feature.place}: navigability").lower()
-    if told not in _PASSABLE:
-        raise InputError(f"{feature.place}: navigability must be both, none, AB or BA, not {told!r}.")
-    if told in ("ab", "ba"):
+    navigability = text(
+        required(feature.properties, "navigability", feature.place), f"{feature.place}: navigability"
+    ).lower()
+    if navigability not in _PASSABLE:
+        raise InputError(f"{feature.place}: navigability must be both, none, AB or BA, not {navigability!r}.")
+    if navigability in ("ab", "ba"):
         notes.append(Note("not carried over", feature.place, "one way only; the map allows both ways"))
     one, other = (_end(feature, side, tracks) for side in "AB")
-    return Relation(identity, one, other, _PASSABLE[told], feature.place)
+    return Relation(identity, one, other, _PASSABLE[navigability], feature.place)
 
 
 def _end(feature: Feature, side: str, tracks: Mapping[str, Track]) -> End:
     name = text(required(feature.properties, f"netelement{side}", feature.place), f"{feature.place}: netelement{side}")
     if name not in tracks:
         raise InputError(f"{feature.place}: netelement{side}: there is no element {name!r}.")
-    told = required(feature.properties, f"positionOn{side}", feature.place)
-    if isinstance(told, bool) or told not in (0, 1):
-        raise InputError(f"{feature.place}: positionOn{side} must be 0 or 1, not {told!r}.")
-    return name, int(told)
+    position = required(feature.properties, f"positionOn{side}", feature.place)
+    if isinstance(position, bool) or position not in (0, 1):
+        raise InputError(f"{feature.place}: positionOn{side} must be 0 or 1, not {position!r}.")
+    return name, int(position)
 
 
 def _relations_apart(relations: Sequence[Relation], tracks: Mapping[str, Track], notes: list[Note]) -> None:
@@ -193,8 +195,8 @@ def _relations_apart(relations: Sequence[Relation], tracks: Mapping[str, Track],
         one, other = _coordinates(tracks, relation.one), _coordinates(tracks, relation.other)
         apart_m = geod.inv(*one, *other)[2]
         if apart_m > _MEETING_LIMIT_M:
-            told = f"ends that meet lie {apart_m:.1f} m apart; taken as meeting"
-            notes.append(Note("doubtful", relation.place, told))
+            remark = f"ends that meet lie {apart_m:.1f} m apart; taken as meeting"
+            notes.append(Note("doubtful", relation.place, remark))
 
 
 # ------------------------------------------------------------------ edges and nodes

@@ -47,21 +47,21 @@ def balise_groups(functional: Element, places: Places, edges: Mapping[str, Track
 
 def _owner(balise: Element) -> str | None:
     for name in _BELONGS:
-        told = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
-        if told is not None:
-            return told
+        owner = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
+        if owner is not None:
+            return owner
     raise InputError(f"{balise.place}: belongs to no balise group; give {_BELONGS[0]!r}.")
 
 
 def _single(balise: Element, places: Places) -> Single:
-    told = balise.one("isEurobalise")
-    numbers = [one.get(name) for one in (balise, *([told] if told else [])) for name in _NUMBER]
+    euro = balise.one("isEurobalise")
+    numbers = [one.get(name) for one in (balise, *([euro] if euro else [])) for name in _NUMBER]
     number = next((one for one in numbers if one is not None), None)
     distance = next((one for name in _PREDECESSOR if (one := balise.get(name)) is not None), None)
     spot = places.spot(balise) if distance is None or balise.all("spotLocation") else None
     return Single(
         balise,
-        _whole(number, balise.place) if number is not None else None,
+        _whole_number(number, balise.place) if number is not None else None,
         spot,
         millimetres(decimal(distance, balise.place))[0] if distance is not None else None,
     )
@@ -73,8 +73,8 @@ def _group(
     euro = group.one("isEurobaliseGroup")
     spot = places.spot(group) if group.all("spotLocation") else _first_place(singles)
     if euro is None or spot is None:
-        told = "no Eurobalise group" if euro is None else "no place on the micro level"
-        places.notes.append(Note("not carried over", group.place, told))
+        remark = "no Eurobalise group" if euro is None else "no place on the micro level"
+        places.notes.append(Note("not carried over", group.place, remark))
         return None
     toward = _direction(group, spot, edges[spot.edge], places.notes)
     balises = _balises(group, singles, spot, toward, places.notes)
@@ -88,8 +88,8 @@ def _group(
         group.place,
         id=group.need("id"),
         edge=spot.edge,
-        identity=_whole(euro.need("groupID"), group.place),
-        country=_whole(euro.need("countryID"), group.place),
+        identity=_whole_number(euro.need("groupID"), group.place),
+        country=_whole_number(euro.need("countryID"), group.place),
         balises=balises,
         linked=linked,
         nominal_direction=toward if len(balises) == 1 else None,
@@ -108,21 +108,21 @@ def _first_place(singles: Sequence[Single]) -> Spot | None:
 
 def _direction(group: Element, spot: Spot, edge: TrackEdge, notes: list[Note]) -> Direction | None:
     """Return the nominal direction, from the direction of the kilometres or the direction of application."""
-    told: dict[str, Direction] = {}
+    found: dict[str, Direction] = {}
     mileage = group.get("mileageDirection")
     if mileage not in (None, "nominal", "reverse"):
         raise InputError(f"{group.place}: mileageDirection must be nominal or reverse, not {mileage!r}.")
     if mileage is not None and edge.kilometres:
         rising = edge.kilometres[0].direction
-        told["mileageDirection"] = rising if mileage == "nominal" else opposite(rising)
+        found["mileageDirection"] = rising if mileage == "nominal" else opposite(rising)
     elif mileage is not None:
         notes.append(Note("not carried over", group.place, "mileageDirection on an edge without kilometres"))
     if len(spot.directions) == 1:
-        told["applicationDirection"] = spot.directions[0]
-    if len(set(told.values())) > 1:
+        found["applicationDirection"] = spot.directions[0]
+    if len(set(found.values())) > 1:
         notes.append(Note("doubtful", group.place, "mileageDirection against applicationDirection; taken as unknown"))
         return None
-    return next(iter(told.values()), None)
+    return next(iter(found.values()), None)
 
 
 def _balises(
@@ -137,8 +137,8 @@ def _balises(
     if ordered and positions is None:
         notes.append(Note("not carried over", group.place, "single balises: not all lie on the group's net element"))
     if ordered and positions and positions[0] != spot.position_mm:
-        told = f"balise number 1 lies at {positions[0]} mm, the group at {spot.position_mm} mm; the balise is taken"
-        notes.append(Note("doubtful", group.place, told))
+        remark = f"balise number 1 lies at {positions[0]} mm, the group at {spot.position_mm} mm; the balise is taken"
+        notes.append(Note("doubtful", group.place, remark))
     if ordered and positions and any(one.number is None for one in ordered):
         notes.append(Note("assumed", group.place, "numbers of its balises, from its direction"))
     return tuple(made(Balise, group.place, position_mm=place) for place in positions or [spot.position_mm])
@@ -177,25 +177,25 @@ def _positions(ordered: Sequence[Single], spot: Spot, toward: Direction | None) 
 
 
 def _linked(group: Element, euro: Element, notes: list[Note]) -> bool:
-    told = euro.get("isLinked")
-    if told is None:
+    linked = euro.get("isLinked")
+    if linked is None:
         notes.append(Note("assumed", group.place, "linked: the document does not say"))
         return True
-    if told not in ("true", "false", "1", "0"):
-        raise InputError(f"{euro.place}: isLinked must be true or false, not {told!r}.")
-    return told in ("true", "1")
+    if linked not in ("true", "false", "1", "0"):
+        raise InputError(f"{euro.place}: isLinked must be true or false, not {linked!r}.")
+    return linked in ("true", "1")
 
 
 def _count(group: Element, carried: int, notes: list[Note]) -> None:
-    told = group.get("numberOfBalisesInGroup")
-    if told is not None and _whole(told, group.place) != carried:
+    stated = group.get("numberOfBalisesInGroup")
+    if stated is not None and _whole_number(stated, group.place) != carried:
         notes.append(
-            Note("not carried over", group.place, f"numberOfBalisesInGroup {told}: places of {carried} are known")
+            Note("not carried over", group.place, f"numberOfBalisesInGroup {stated}: places of {carried} are known")
         )
 
 
-def _whole(told: Any, place: str) -> int:
-    value: Decimal = decimal(told, place)
+def _whole_number(text: Any, place: str) -> int:
+    value: Decimal = decimal(text, place)
     if value != value.to_integral_value():
-        raise InputError(f"{place}: expected a whole number, got {told!r}.")
+        raise InputError(f"{place}: expected a whole number, got {text!r}.")
     return int(value)

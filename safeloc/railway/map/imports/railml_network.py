@@ -92,8 +92,8 @@ def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: li
             named |= set(resources)
     if named & set(everything):
         return named & set(everything)
-    told = "no network names the micro level; taken are all net elements that are no collection of others"
-    notes.append(Note("assumed", infrastructure.place, told))
+    remark = "no network names the micro level; taken are all net elements that are no collection of others"
+    notes.append(Note("assumed", infrastructure.place, remark))
     collections = ("elementCollectionOrdered", "elementCollectionUnordered")
     return {one for one, element in everything.items() if not any(element.all(tag) for tag in collections)}
 
@@ -148,9 +148,9 @@ def _length(
     notes: list[Note],
 ) -> Decimal:
     """Return the attribute, else the kilometres between both ends, else the length of the track that is this net element."""
-    told = element.get("length")
-    if told is not None:
-        return decimal(told, f"{element.place}: length")
+    stated = element.get("length")
+    if stated is not None:
+        return decimal(stated, f"{element.place}: length")
     for points in measures.values():
         if points[0][0] == 0 and points[-1][0] == 1:
             return abs(points[-1][1] - points[0][1])
@@ -209,8 +209,8 @@ def _kilometre_points(
     for (share, here), (next_share, there) in pairwise(points):
         track, counted = (next_share - share) * net.length_m, abs(there - here)
         if track != counted:
-            told = f"{counted} m of kilometres on {track} m of track; counted from its lower end on"
-            notes.append(Note("doubtful", net.element.place, told))
+            remark = f"{counted} m of kilometres on {track} m of track; counted from its lower end on"
+            notes.append(Note("doubtful", net.element.place, remark))
         yield made(
             KilometrePoint,
             net.element.place,
@@ -261,16 +261,16 @@ def _side(relation: Element, tag: str, everything: frozenset[str]) -> str:
 
 
 def _end(relation: Element, name: str, attribute: str) -> End:
-    told = relation.need(attribute)
-    if told not in ("0", "1"):
-        raise InputError(f"{relation.place}: {attribute} must be 0 or 1, not {told!r}.")
-    return name, int(told)
+    side = relation.need(attribute)
+    if side not in ("0", "1"):
+        raise InputError(f"{relation.place}: {attribute} must be 0 or 1, not {side!r}.")
+    return name, int(side)
 
 
 def _passable(relation: Element, notes: list[Note]) -> bool:
-    told = relation.need("navigability").lower()
-    if told not in _PASSABLE:
-        raise InputError(f"{relation.place}: navigability must be Both, None, AB or BA, not {told!r}.")
-    if told in ("ab", "ba"):
+    navigability = relation.need("navigability").lower()
+    if navigability not in _PASSABLE:
+        raise InputError(f"{relation.place}: navigability must be Both, None, AB or BA, not {navigability!r}.")
+    if navigability in ("ab", "ba"):
         notes.append(Note("not carried over", relation.place, "one way only; the map allows both ways"))
-    return _PASSABLE[told]
+    return _PASSABLE[navigability]

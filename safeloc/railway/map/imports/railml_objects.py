@@ -40,8 +40,8 @@ def signals(functional: Element, places: Places) -> Iterator[Signal]:
         if not spot.directions:
             places.notes.append(Note("not carried over", element.place, "signal without applicationDirection"))
         if len(spot.directions) > 1:
-            told = "applies to both directions; carried over as two signals"
-            places.notes.append(Note("assumed", element.place, told))
+            remark = "applies to both directions; carried over as two signals"
+            places.notes.append(Note("assumed", element.place, remark))
         for direction in spot.directions:
             name = element.need("id") + (f" {direction}" if len(spot.directions) > 1 else "")
             yield made(
@@ -103,8 +103,8 @@ def track_names(functional: Element, places: Places) -> dict[str, str]:
         name = next((one.get("name") for one in element.all("name")), None) or element.need("id")
         for stretch in places.stretches(element)[0]:
             if found.setdefault(stretch.edge, name) != name:
-                told = f"second track on net element {stretch.edge!r}"
-                places.notes.append(Note("not carried over", element.place, told))
+                remark = f"second track on net element {stretch.edge!r}"
+                places.notes.append(Note("not carried over", element.place, remark))
     return found
 
 
@@ -152,9 +152,9 @@ def switch_naming(functional: Element, network: Network) -> Naming:
                 location.skip()  # the node follows from the branches
 
     def node(ends: Sequence[End], own: Sequence[Relation]) -> str:
-        told = [names[pair] for one in own if (pair := frozenset((one.one, one.other))) in names]
-        if told:
-            return told[0]
+        named = [names[pair] for one in own if (pair := frozenset((one.one, one.other))) in names]
+        if named:
+            return named[0]
         return own[0].id if own else f"{ends[0][0]} {'end' if ends[0][1] else 'begin'}"
 
     def sides(stem: End, one: End, other: End) -> tuple[End, End] | None:

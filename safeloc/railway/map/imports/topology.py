@@ -94,18 +94,18 @@ def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) ->
 
 def _ways(relations: Iterable[Relation], notes: list[Note]) -> set[Pair]:
     """Return the pairs of ends between which vehicles can run; if two relations contradict each other they cannot."""
-    said: dict[Pair, list[Relation]] = defaultdict(list)
+    by_pair: dict[Pair, list[Relation]] = defaultdict(list)
     for relation in relations:
-        said[frozenset((relation.one, relation.other))].append(relation)
+        by_pair[frozenset((relation.one, relation.other))].append(relation)
     ways = set()
-    for pair, statements in said.items():
+    for pair, statements in by_pair.items():
         if len(pair) == 1:
             raise InputError(f"{statements[0].place}: joins one end of edge {statements[0].one[0]!r} to itself.")
         if all(statement.passable for statement in statements):
             ways.add(pair)
         elif any(statement.passable for statement in statements):
-            told = "is said to be passable and not to be; taken as not passable"
-            notes.append(Note("doubtful", statements[-1].place, told))
+            remark = "is said to be passable and not to be; taken as not passable"
+            notes.append(Note("doubtful", statements[-1].place, remark))
     return ways
 
 
@@ -154,9 +154,9 @@ def _joint(
     stems = [end for end in ends if all(end in pair for pair in pairs)]
     if len(ends) == 3 and len(stems) == 1:
         one, other = sorted(ends - set(stems))
-        told = sides(stems[0], one, other)
-        if told is not None:
-            names = dict(zip(("stem", "left", "right"), (stems[0][0], told[0][0], told[1][0]), strict=True))
+        branches = sides(stems[0], one, other)
+        if branches is not None:
+            names = dict(zip(("stem", "left", "right"), (stems[0][0], branches[0][0], branches[1][0]), strict=True))
             yield made(Switch, place, id=node, node=node, **names)
             return
         notes.append(Note("not carried over", place, "which branch is left is not known; the switch is a crossing"))

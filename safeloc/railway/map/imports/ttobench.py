@@ -39,9 +39,9 @@ class _Profile:
             return []
         place = repr(name)
         table = mapping(self.data[name], place)
-        told = mapping(required(table, "units", place), f"{place}: units")
-        if told != units:
-            raise InputError(f"{place}: units are {told}; known are {dict(units)}.")
+        stated = mapping(required(table, "units", place), f"{place}: units")
+        if stated != units:
+            raise InputError(f"{place}: units are {stated}; known are {dict(units)}.")
         rows = [sequence(row, f"{place} row {number}") for number, row in enumerate(_values(table, place), 1)]
         for number, row in enumerate(rows, 1):
             if len(row) != len(units):
@@ -167,8 +167,8 @@ def _tunnels(profile: _Profile) -> Iterator[Tunnel]:
 def _left(data: Mapping[str, Any]) -> Iterator[Note]:
     stops: Sequence[Any] = data["stops"]["values"]
     for number, stop in enumerate(stops, 1):
-        told = "a stop point needs a reflector; the file knows none"
-        yield Note("not carried over", f"'stops' row {number} at {stop} m", told)
+        remark = "a stop point needs a reflector; the file knows none"
+        yield Note("not carried over", f"'stops' row {number} at {stop} m", remark)
     for name in ("altitude", "ETCS braking data"):
         if name in data:
             yield Note("not carried over", repr(name), "the map has no place for it")

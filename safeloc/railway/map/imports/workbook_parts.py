@@ -63,8 +63,8 @@ class _Look:
                     self._parser.Parse(data, False)
             self._parser.Parse(b"", True)
         except expat.ExpatError as error:
-            told = expat.ErrorString(error.code)
-            raise InputError(f"not a readable XLSX file: {self._place}:{error.lineno}: {told}.") from error
+            reason = expat.ErrorString(error.code)
+            raise InputError(f"not a readable XLSX file: {self._place}:{error.lineno}: {reason}.") from error
         except LookupError as error:
             raise InputError(f"not a readable XLSX file: {self._place}:1: {error}.") from error
         return self._elements
@@ -99,7 +99,7 @@ class _Look:
     def _ends(self, name: str) -> None:
         self._depth -= 1
         if self._number is not None and name.rpartition(" ")[2] == "v":
-            told = "".join(self._number)
+            written = "".join(self._number)
             self._number = None
-            if told.strip(" \t\r\n") and number(told.strip(" \t\r\n")) is None:
-                raise InputError(f"{self._here()}: {quoted(told)} is no number in ASCII digits.")
+            if written.strip(" \t\r\n") and number(written.strip(" \t\r\n")) is None:
+                raise InputError(f"{self._here()}: {quoted(written)} is no number in ASCII digits.")

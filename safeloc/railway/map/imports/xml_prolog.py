@@ -34,7 +34,7 @@ def refuse_document_type(place: str, data: bytes) -> None:
         if isinstance(end, InputError):
             raise
     except expat.ExpatError as error:
-        told = expat.ErrorString(error.code)
-        raise InputError(f"{place}:{error.lineno}: not well-formed XML ({told}).") from error
+        reason = expat.ErrorString(error.code)
+        raise InputError(f"{place}:{error.lineno}: not well-formed XML ({reason}).") from error
     except (LookupError, ValueError) as error:
         raise InputError(f"{place}:1: not readable as XML ({error}).") from error
