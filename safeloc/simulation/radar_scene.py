@@ -28,7 +28,7 @@ KINDS = Kinds(
         "interference", "jamming", "overload", "cloudburst", "film",
     ),
 )  # fmt: skip
-"""Of the only radar (no place), in frames."""
+"""Faults of the only radar (no place), in frames."""
 _FRONT_SECTION_M2 = 10.0
 _PLATE_SECTION_M2 = 10_000.0
 _JAMMER_DB = 20.0

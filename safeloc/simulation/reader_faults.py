@@ -17,7 +17,7 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.sensors import FOREIGN, Reading
 
 KINDS = Kinds("a marker reader", {**plain("missed", "repeated", "foreign"), "misplaced": {"reach": 2}})
-"""By name of the reader, in cycles. The marker read instead is the `reach`-th after the true one (negative: before)."""
+"""Faults by name of the reader, in cycles. The marker read instead is the `reach`-th after the true one (negative: before)."""
 
 
 def with_faults(

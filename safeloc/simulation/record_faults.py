@@ -24,7 +24,7 @@ KINDS = Kinds(
         "cross-talk": {"identity": 0, "position_mm": None},
     },
 )
-"""By channel, in ms of the records' clock."""
+"""Faults by channel, in ms of the records' clock."""
 
 
 def disturb(records: Sequence[Record], faults: Sequence[Fault]) -> list[Record]:

@@ -28,7 +28,7 @@ KINDS = Kinds(
     "a distance sensor",
     {**plain("stuck", "runaway", "drop-out", "slip", "slide", "freeze"), "jump": {"by_mm": 50_000}},
 )
-"""By name of the sensor, in cycles. A jump adds `by_mm` in its first cycle."""
+"""Faults by name of the sensor, in cycles. A jump adds `by_mm` in its first cycle."""
 
 
 class ErrorFigures(Protocol):

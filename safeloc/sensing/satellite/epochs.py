@@ -71,7 +71,7 @@ def received(time_s: object, rows: Iterable[Row]) -> tuple[Epoch | None, tuple[F
     for row in rows:
         name = row.satellite
         if name in found:
-            faults.append(Fault(name, Reason.DUPLICATE, "told twice in one epoch"))
+            faults.append(Fault(name, Reason.DUPLICATE, "delivered twice in one epoch"))
             found[name] = Measured(None, None)
         else:
             values = [_admitted(name, value, faults) for value in (row.pseudorange_m, row.rate_m_per_s)]

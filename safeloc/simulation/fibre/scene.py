@@ -24,7 +24,7 @@ KINDS = Kinds(
         "shaken",
     ),
 )  # fmt: skip
-"""Of the only fibre (no place), in blocks."""
+"""Faults of the only fibre (no place), in blocks."""
 _NO_DRIFT = Drift()
 
 

@@ -31,7 +31,7 @@ KINDS = Kinds(
         "silence": {"period_s": 10.0, "silent_s": 3.0},
     },
 )
-"""Of one satellite or several (of all if none is named), in ms of the recording; an end is required.
+"""Faults of one satellite or several (of all if none is named), in ms of the recording; an end is required.
 
 size_m       height of a step or wave; final size of a ramp or false place
 code_only    the rate stays unchanged

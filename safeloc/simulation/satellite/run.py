@@ -41,7 +41,7 @@ KINDS = Kinds(
         "silence": {"period_s": 10.0, "silent_s": 3.0},
     },
 )
-"""Of one satellite or several (of all if none is named), in ms from the run's beginning.
+"""Faults of one satellite or several (of all if none is named), in ms from the run's beginning.
 
 false place  spoofed signals fit a place that leaves the true one along the track, up to the speed `drift_m_per_s`
 silence      of every cycle of `period_s`, counted from `begin`, nothing is received in the last `silent_s`

@@ -170,7 +170,7 @@ def _assumed() -> Iterator[Note]:
     yield Note(
         "assumed",
         "column 'Spoornr'",
-        "a track reaches 1 m beyond its first and last group; ways between tracks are not told",
+        "a track reaches 1 m beyond its first and last group; connections between tracks are unknown",
     )
     yield Note(
         "assumed",

@@ -57,7 +57,7 @@ def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | N
         end = len(layers)
         raise InputError(f"no vehicle can run over {', '.join(map(repr, edges[max(0, end - 3) : end]))} in this order.")
     if len(layers[-1]) > 1 or any(way.several for way in layers[-1].values()):
-        raise InputError(f"the direction along {edges[0]!r} is not told; say whether it was increasing or decreasing.")
+        raise InputError(f"the direction along {edges[0]!r} is unknown; give it as increasing or decreasing.")
     runs = _back(layers)
     return Route(topology, runs, 0, topology.length_mm(runs[-1]))
 

@@ -128,7 +128,7 @@ def _ends(nodes: tuple[Node, ...], joined: Joined) -> Iterator[Note]:
     count = Counter(joined.node_of.values())
     for (edge, _), node in joined.node_of.items():
         if count[node] == 1 and kinds[node] == "track":
-            yield Note("assumed", f"netElement {edge!r}", "track ends; neither buffer stop nor open border is told")
+            yield Note("assumed", f"netElement {edge!r}", "track ends without a buffer stop or an open border")
 
 
 def _left(root: Element) -> Iterator[Note]:

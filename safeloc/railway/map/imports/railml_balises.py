@@ -132,7 +132,7 @@ def _balises(
     _numbers(group, singles, notes)
     ordered = _ordered(singles, toward)
     if singles and ordered is None:
-        notes.append(Note("not carried over", group.place, "single balises: their order is not told"))
+        notes.append(Note("not carried over", group.place, "single balises, whose order is unknown"))
     positions = _positions(ordered or [], spot, toward)
     if ordered and positions is None:
         notes.append(Note("not carried over", group.place, "single balises: not all lie on the group's net element"))

@@ -104,7 +104,7 @@ def _ways(relations: Iterable[Relation], notes: list[Note]) -> set[Pair]:
         if all(statement.passable for statement in statements):
             ways.add(pair)
         elif any(statement.passable for statement in statements):
-            remark = "is said to be passable and not to be; taken as not passable"
+            remark = "is stated both as passable and as not passable; taken as not passable"
             notes.append(Note("doubtful", statements[-1].place, remark))
     return ways
 

@@ -62,7 +62,7 @@ def test_a_whole_document_leaves_only_these_notes(railml: Read) -> None:
     found = railml(STATION).notes
     assert {"assumed", "not carried over"} == {note.kind for note in found}
     assert [
-        "netElement 'c': track ends; neither buffer stop nor open border is told",
+        "netElement 'c': track ends without a buffer stop or an open border",
         "linearPositioningSystem 'km' line 6: attribute 'startMeasure'",
         "linearPositioningSystem 'km' line 6: attribute 'endMeasure'",
         "linearPositioningSystem 'km' line 6: attribute 'linearReferencingMethod'",
