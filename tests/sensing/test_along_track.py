@@ -125,7 +125,7 @@ def test_tracks_go_where_arcs_say() -> None:
     end, beyond = pose(quarter, math.pi / 2 * 200_000), pose(quarter, math.pi / 2 * 200_000 + 1_000)
     assert (end.x, end.y, end.heading) == pytest.approx((200_000, 200_000, math.pi / 2))
     assert (beyond.x, beyond.y) == pytest.approx((200_000, 201_000))
-    with pytest.raises(InputError, match=r"^a track has no place -1 mm before its beginning\.$"):
+    with pytest.raises(InputError, match=r"^-1 mm lies before the beginning of the track\.$"):
         pose(quarter, -1)
 
 

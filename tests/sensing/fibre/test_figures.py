@@ -87,7 +87,7 @@ def test_figures_fit_together(wrong: dict[str, Any], message: str) -> None:
     [
         (("11101000", "11101001"), "differ in fewer than 4 bits"),
         (("11101000", "111010001"), "same number of bits"),
-        (("01110100",), "begins with 1"),
+        (("01110100",), "has to begin with 1"),
         (("11110000",), "4 zeros in a row"),
     ],
 )
