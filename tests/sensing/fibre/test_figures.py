@@ -67,7 +67,10 @@ def emitters(*bits: str) -> tuple[Emitter, ...]:
             "between the band and half the frame rate",
         ),
         ({"section_places": (SectionPlace(id="S", from_mm=9, to_mm=9, effect="raises"),)}, "from_mm < to_mm"),
-        ({"section_places": (SectionPlace(id="S", from_mm=9, to_mm=50_000_000, effect="raises"),)}, "has to lie on the fibre"),
+        (
+            {"section_places": (SectionPlace(id="S", from_mm=9, to_mm=50_000_000, effect="raises"),)},
+            "has to lie on the fibre",
+        ),
         ({"point_places": (PointPlace(id="P", fibre_mm=5),)}, "may lie in between"),
         ({"point_places": (PointPlace(id="P", fibre_mm=50_000_000),)}, "P lies beyond the fibre's end"),
         (
