@@ -142,7 +142,7 @@ def test_what_cannot_be_solved_says_why() -> None:
     assert "FEW_LEFT" == few.value.why
     one = look.predictions["G01"]
     alike = Look(look.place, look.bounds, look.off_mm, look.speed_off_mm_s, dict.fromkeys(NAMES, one))
-    with pytest.raises(NoSolution, match="cannot be told apart") as same:
+    with pytest.raises(NoSolution, match="cannot be separated") as same:
         solve([alike], frozenset(("G01", "G02", "G03")))
     assert "ALIKE" == same.value.why
     still = Look(
