@@ -26,9 +26,7 @@ from safeloc.language.expr import (
     maximum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MM, NM, PPM
-
-WHOLE_PPM = 1_000_000
+from safeloc.language.units import COUNT, MM, NM, PPM, PPM_PER_ONE
 
 
 class LayoutConfig(Config):
@@ -95,7 +93,7 @@ def longest_stretch_mm(fix_error_mm: Num, layout: LayoutConfig) -> Num:
     measured <= (true + constant) / (1 - rate). The rate must not be 0, where no distance is too long.
     """
     spare = as_num(layout.tolerance_mm - layout.odometry_constant_mm, MM) - fix_error_mm
-    scaled = with_unit(spare * (WHOLE_PPM - layout.odometry_rate_ppm), MM)
+    scaled = with_unit(spare * (PPM_PER_ONE - layout.odometry_rate_ppm), MM)
     return floor_div(scaled, layout.odometry_rate_ppm) - layout.odometry_constant_mm
 
 

@@ -24,7 +24,7 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 DISPLACED_MM = 40_000
 """Distance of a displaced group beyond both margins and twice its accuracy."""
@@ -118,10 +118,7 @@ def simulate(
     sensors.KINDS.require(sensor_faults, places=["odometer"], length=len(motion.position_nm))
     KINDS.require(faults, places=[group.identity for group in known], timed=False)
     _check_routes(routes)
-    law = Law(
-        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
-    )
-    distances = measured or measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
+    distances = measured or measure("odometer", motion, config.odometer, rng, dropout=dropout, faults=sensor_faults)
     in_force = config.default_accuracy_mm if national_accuracy_mm is None else national_accuracy_mm
     spots = _spots(config, known, in_force, rng, faults)
     passages = list(_passages(motion, spots, config.period_ms, rng, missed))

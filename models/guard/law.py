@@ -33,7 +33,6 @@ from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM, UM, UM_PER_MM, 
 from safeloc.language.world import Law
 from safeloc.models.guard.variables import FAULT, HALF_TURN_MRAD, NO_FAULT, GuardConfig, Parts
 
-UM_S_PER_MM_S = 1_000
 FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
 
 
@@ -201,7 +200,7 @@ def _place_true(own: Parts) -> Bool:
 
 def _speed_true(own: Parts) -> Bool:
     wrong = abs_(own.next_speed) - exact_to(own.speed.value, UM_S)
-    return abs_(wrong) <= own.config.speed_error_mm_s * UM_S_PER_MM_S
+    return abs_(wrong) <= own.config.speed_error_mm_s * UM_PER_MM
 
 
 # ------------------------------------------------------------------ the vehicle

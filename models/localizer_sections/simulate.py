@@ -11,7 +11,7 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import NM_PER_MM, NM_PER_UM
 from safeloc.models.balise.groups import Group
 from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch
 from safeloc.models.localizer.simulation.simulate import first_state as localizer_first
@@ -21,7 +21,7 @@ from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
-FOLDER, SEED, UM_PER_MM, NM_PER_UM = Path(__file__).parents[1] / "streams", 3, 1_000, 1_000
+FOLDER, SEED = Path(__file__).parents[1] / "streams", 3
 
 
 @dataclass(frozen=True)

@@ -43,8 +43,8 @@ from safeloc.language.expr import (
     optional,
     with_unit,
 )
-from safeloc.language.units import COUNT, MM, MS, NM, PPM
-from safeloc.models.vocabulary.error_law import WHOLE_PPM, ErrorLaw
+from safeloc.language.units import COUNT, MM, MS, NM, PPM, PPM_PER_ONE
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 
 
@@ -259,7 +259,7 @@ class Cycle:
             *(unit.law.portion(share_ppm).growth_nm(self.reach, self.age, unit.limits.period_ms) for unit in units)
         )
         sure = self.admitted[0] & self.admitted[1] if not any(unit.law.drift_mm_s2 for unit in units) else FALSE
-        unknown = as_num(-(-self.device.limits.blind_nm * share_ppm // WHOLE_PPM), NM)
+        unknown = as_num(-(-self.device.limits.blind_nm * share_ppm // PPM_PER_ONE), NM)
         forward = maximum(maximum(*steps) * share + wrong, 0)
         backward = maximum(maximum(*(-step for step in steps)) * share + wrong, 0)
         return ite(sure, forward, unknown), ite(sure, backward, unknown)

@@ -32,9 +32,8 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM, PPM_PER_ONE
 from safeloc.models.odometry.distance_device import Cycle, Values
-from safeloc.models.vocabulary.error_law import WHOLE_PPM
 
 READING = members(
     "reading",
@@ -149,7 +148,7 @@ class Fix:
 def fix(reader: Reader, moved: Cycle) -> Fix:
     """Return the fix by the cycle's reading, given the distances that the device at that end measured in the cycle."""
     since = reader.since.value_or(as_num(0, MM))
-    late, untimed = moved.farthest(reader.latency_ppm), moved.farthest(WHOLE_PPM)
+    late, untimed = moved.farthest(reader.latency_ppm), moved.farthest(PPM_PER_ONE)
     slack, whole = reader.unsteady_nm
     forth, back = (
         ite(reader.since.present, one + slack, other + whole) for one, other in zip(late, untimed, strict=True)

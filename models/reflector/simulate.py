@@ -17,7 +17,7 @@ import numpy as np
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import NM_PER_MM, PPM_PER_ONE
 from safeloc.models.reflector import machine
 from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector.variables import ReflectorConfig
@@ -25,11 +25,10 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""
-WHOLE_PPM = 1_000_000
 Steps = list[dict[str, Cell]]
 NOWHERE = "NONE"
 
@@ -155,12 +154,11 @@ def simulate(
     if motion is None:
         vehicle = VehicleConfig(max_speed_mm_s=int(config.max_speed_mm_s * 0.9))
         motion = move(vehicle, legs or [Leg(20_000, 45), Leg(0, 25)], config.period_ms)
-    law = Law(
-        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
-    )
     sensors.KINDS.require(scene.sensor_faults, places=["wheel"], length=len(motion.position_nm))
     KINDS.require(scene.disturbances, places=[""], length=len(motion.position_nm))
-    odometer = measured or measure("wheel", motion, law, rng, dropout=scene.dropout, faults=scene.sensor_faults)
+    odometer = measured or measure(
+        "wheel", motion, config.odometer, rng, dropout=scene.dropout, faults=scene.sensor_faults
+    )
     return _Run(config, scene, motion, odometer, rng).steps()
 
 
@@ -302,7 +300,7 @@ class _Run:
     def _scaled_mm(self, cycle: int, range_mm: int) -> int:
         """By how much it measures this range too long besides, in proportion."""
         scale = self._hit("scale", cycle)
-        return int(range_mm * KINDS.figure(scale, "by_ppm")) // WHOLE_PPM if scale else 0
+        return int(range_mm * KINDS.figure(scale, "by_ppm")) // PPM_PER_ONE if scale else 0
 
     def _decoys(self, cycle: int) -> list[dict[str, Cell]]:
         decoy = self._hit("decoy", cycle)

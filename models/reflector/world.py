@@ -34,7 +34,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import ANY, Initial
-from safeloc.language.units import MM, NM, NM_PER_MM, NM_PER_UM
+from safeloc.language.units import MM, MS_PER_S, NM, NM_PER_MM, NM_PER_UM, PPM_PER_ONE
 from safeloc.language.world import Law, World
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.variables import Entry, Parts, ReflectorConfig
@@ -43,7 +43,6 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 ODOMETER = "the odometer keeps its law"
 """The clause that an earlier machine can be made to keep, if it judges the distance."""
-MS_PER_S, WHOLE_PPM = 1_000, 1_000_000
 FAR_STEPS = 16
 """More steps at the highest speed than all that a cycle is charged, on either side."""
 
@@ -175,8 +174,8 @@ def _allowed(law: ErrorLaw, step: Num, period_ms: int) -> Num:
 def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
     """The most that the vehicle ran (forwards, backwards) in the last so many ms of the cycle, nm."""
     config, step = own.config, own.odometer.step.value
-    share = -(-latency_ms * WHOLE_PPM // config.period_ms)
-    blind = as_num(-(-_run_blind_nm(config) * share // WHOLE_PPM), NM)
+    share = -(-latency_ms * PPM_PER_ONE // config.period_ms)
+    blind = as_num(-(-_run_blind_nm(config) * share // PPM_PER_ONE), NM)
 
     def most(measured: Num) -> Num:
         ran = with_unit(maximum(measured * share, 0), NM) + _told_more(own)

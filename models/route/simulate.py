@@ -25,7 +25,7 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 Steps = list[dict[str, Cell]]
 
@@ -120,10 +120,7 @@ def simulate(
         vehicle = VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
         motion = move(vehicle, legs, config.period_ms)
     sensors.KINDS.require(sensor_faults, places=["odometer"], length=len(motion.position_nm))
-    law = Law(
-        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
-    )
-    distances = measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
+    distances = measure("odometer", motion, config.odometer, rng, dropout=dropout, faults=sensor_faults)
     run = _Run(
         config, ways, true, motion, distances, rng, start_error_mm, radar_error_mm, set(missed), dict(misread or {})
     )

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_M, UM_PER_M
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.sensing.satellite.solution import Estimate
 from safeloc.sensing.satellite.track_prediction import TrackState
-
-NM_PER_M, UM_PER_M = 1e9, 1e6
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,9 @@ device's word; here it is a law about an input.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, between, exact_to, product, with_unit
-from safeloc.language.units import NM
+from safeloc.language.units import NM, NM_PER_UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.stop_point.variables import Parts
-
-NM_PER_UM, UM_PER_MM = 1_000, 1_000
 
 
 def world(own: Parts) -> World:

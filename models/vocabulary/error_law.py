@@ -16,9 +16,8 @@ from pydantic import Field
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import Lit, Num, as_num, exact_to, floor_to, maximum, with_unit
-from safeloc.language.units import MM, MM_S, MS, NM, NM_PER_MM, PPM
+from safeloc.language.units import MM, MM_S, MS, NM, NM_PER_MM, PPM, PPM_PER_ONE
 
-WHOLE_PPM = 1_000_000
 MOST_RATE_PPM = 900_000
 """A machine with one odometer takes none that errs more: what it measures would be hardly any distance."""
 UnitKind = Literal["wheel", "radar", "accelerometer", "eddy_current", "optical"]
@@ -43,7 +42,7 @@ class ErrorLaw(Config):
 
     def portion(self, share_ppm: int) -> ErrorLaw:
         """The law of this share of a cycle, rounded up; without drift, which has no share that is the same in every cycle."""
-        rate, floor = (-(-figure * share_ppm // WHOLE_PPM) for figure in (self.rate_ppm, self.floor_mm_s))
+        rate, floor = (-(-figure * share_ppm // PPM_PER_ONE) for figure in (self.rate_ppm, self.floor_mm_s))
         return self.model_copy(update={"rate_ppm": rate, "floor_mm_s": floor, "drift_mm_s2": 0})
 
     def growth_nm(self, distance: Num, age: Num, period_ms: int) -> Num:

@@ -25,7 +25,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MS, NM, UM, UM_S
+from safeloc.language.units import COUNT, MS, NM, NM_PER_MM, UM, UM_S
 from safeloc.models.guard import Guard
 from safeloc.models.guard.variables import (
     ACROSS,
@@ -44,7 +44,6 @@ from safeloc.models.guard.variables import (
     TOO_COARSE,
 )
 
-NM_PER_MM = 1_000_000
 HALF_TURN_MRAD = 3_142
 QUARTER_TURN_MRAD = 1_571
 

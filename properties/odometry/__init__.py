@@ -9,7 +9,7 @@ from functools import partial
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite, maximum, with_unit
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
-from safeloc.language.units import MM, NM
+from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry.distance_device import Device, Unit
 from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
@@ -23,7 +23,6 @@ LAW = (
     "that lies far away, once in the age limit; the map's accuracy; the vehicle's length; top speed"
 )
 
-MM_IN_NM = 1_000_000
 for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
@@ -168,7 +167,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
 
 def _no_worse(machine: Machine, unit: Unit) -> Bool:
     """The reported margins, rounded up to whole mm, are no greater than the unit's, while that unit has a position."""
-    reported = exact_to(_margin(machine), NM) - (MM_IN_NM - 1)
+    reported = exact_to(_margin(machine), NM) - (NM_PER_MM - 1)
     return unit.alive.implies((reported <= unit.above) | (reported <= unit.below))
 
 

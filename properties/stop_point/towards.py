@@ -7,7 +7,7 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, any_of, before, exact_to, ite, product, with_unit
 from safeloc.language.spec import Property, always, earlier_bool
-from safeloc.language.units import NM, UM
+from safeloc.language.units import NM, UM, UM_PER_MM
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import BRAKE, CREEP, PROCEED, REVERSE
 from safeloc.properties.stop_point.place import (
@@ -22,7 +22,7 @@ from safeloc.properties.stop_point.place import (
     width,
 )
 
-UM_PER_MM, ROUNDING_MM = 1_000, 1
+ROUNDING_MM = 1
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 

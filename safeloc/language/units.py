@@ -90,5 +90,6 @@ def per(small: Unit, large: Unit) -> int:
 
 
 NM_PER_UM, NM_PER_MM, UM_PER_MM, MM_PER_M = per(NM, UM), per(NM, MM), per(UM, MM), per(MM, M)
+NM_PER_M, UM_PER_M, PPM_PER_ONE = per(NM, M), per(UM, M), per(PPM, ONE)
 US_PER_MS, US_PER_S, MS_PER_S = per(US, MS), per(US, S), per(MS, S)
 """Factors between units for plain numbers; terms are converted by `exact_to`, `floor_to` and `ceil_to`."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.railway.pictures import Interval, Sources, ThingKind, Things
+from safeloc.railway.pictures import NamedInterval, Sources, ThingKind, Things
 from safeloc.report.drawing import (
     BLUE,
     GREEN,
@@ -61,7 +61,7 @@ def sources_picture(one: Sources, told: Told) -> str:
     axis, top = Axis(0, len(zero) * one.period_ms / 1_000, LEFT, RIGHT), head(told) + 24
     made = [_map(one, told, axis, zero, top)]
     y = top + 62
-    for interval in (*one.sources, Interval("passed on", one.fused)):
+    for interval in (*one.sources, NamedInterval("passed on", one.fused)):
         made.append(_row(one, interval, told, axis, zero, y))
         y += ROW + APART
     leads = told.words(one.lead)
@@ -139,7 +139,7 @@ def _reached(zero: Series, at: int) -> int | None:
 # ------------------------------------------------------------------ rows
 
 
-def _row(one: Sources, interval: Interval, told: Told, axis: Axis, zero: Series, top: float) -> str:
+def _row(one: Sources, interval: NamedInterval, told: Told, axis: Axis, zero: Series, top: float) -> str:
     """Margins about 0, where it states nothing, and where something of it was refused."""
     ends = [interval.reported.interval_mm(step.outputs) for step in told.trace.steps]
     offs = [

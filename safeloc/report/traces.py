@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from safeloc.language.units import NM_PER_MM
 from safeloc.report.plot import line_chart
 from safeloc.reported import Reported
 
 Data = Mapping[str, Any]
 Series = list[float | None]
-NM_PER_MM = 1e6
 MOST_CHARTS = 3
 
 

@@ -11,7 +11,15 @@ from itertools import groupby
 from typing import NamedTuple
 
 from safeloc.language.units import MS_PER_S
-from safeloc.railway.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, VirtualSection, Waterfall
+from safeloc.railway.pictures import (
+    LoudFibre,
+    NamedInterval,
+    SectionState,
+    Stretch,
+    TrueEnds,
+    VirtualSection,
+    Waterfall,
+)
 from safeloc.report.drawing import (
     BLUE,
     GREEN,
@@ -93,7 +101,7 @@ class Fall:
         """Return the distance up the page, in mm."""
         return Axis(0, len(self.loud.rows) * self.loud.row_mm, top + HEIGHT, top)
 
-    def ends(self, interval: Interval) -> list[tuple[int, int] | None]:
+    def ends(self, interval: NamedInterval) -> list[tuple[int, int] | None]:
         """Return the reported interval after each step."""
         return [interval.reported.interval_mm(step.outputs) for step in self.told.trace.steps]
 
@@ -250,7 +258,7 @@ def _on(fall: Fall, distance: Axis, column: int, place_mm: float) -> Point | Non
     return Point(at, distance.at(place_mm)) if distance.holds(place_mm) else None
 
 
-def _interval(fall: Fall, interval: Interval, distance: Axis, colour: str) -> str:
+def _interval(fall: Fall, interval: NamedInterval, distance: Axis, colour: str) -> str:
     """A band with its edges; gaps where nothing is reported."""
     found = [
         None

@@ -9,7 +9,7 @@ from safeloc.language.interpret import run
 from safeloc.language.machine import Any_, Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import MM
-from safeloc.railway.pictures import Interval, Refusals, Sources, unreadable
+from safeloc.railway.pictures import NamedInterval, Refusals, Sources, unreadable
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
 from safeloc.report.told import Told
@@ -20,7 +20,7 @@ VERDICT = members("verdict", "NONE", "TOO_LATE", "CONTRADICTION")
 WHO = members("who", "NONE", "RADAR", "BALISE")
 ONLY_INTERVAL = Reported(position="place_mm", below="margin_mm", above="margin_mm", valid="valid", truth="")
 PICTURE = Sources(
-    "Sources", 100, ONLY_INTERVAL, "lead", (Interval("radar", ONLY_INTERVAL),),
+    "Sources", 100, ONLY_INTERVAL, "lead", (NamedInterval("radar", ONLY_INTERVAL),),
     refusals=(Refusals("radar", "verdict", ("NONE",), ("lead",)),),
 )  # fmt: skip
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.railway.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, unreadable
+from safeloc.railway.pictures import LoudFibre, NamedInterval, Stretch, TrueEnds, Waterfall, unreadable
 from safeloc.report.png import SIGNATURE
 from safeloc.report.told import Told
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table
@@ -34,7 +34,7 @@ LOUD = LoudFibre(
     marks={"axle counter": 300_000},
 )
 PICTURE = Waterfall(
-    "Fibre", lambda name: LOUD if name == "drive" else None, (Interval("front", Reported()),), signals=("valid",)
+    "Fibre", lambda name: LOUD if name == "drive" else None, (NamedInterval("front", Reported()),), signals=("valid",)
 )
 
 
