@@ -37,7 +37,7 @@ from safeloc.models.balise.linking import (
 )
 from safeloc.models.balise.telegram import Reader, Telegram, telegram
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.interval import Held
+from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Heading, Odometer, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
@@ -252,7 +252,7 @@ class Parts:
     config: BaliseConfig
     odometer: Odometer
     heading: Heading
-    held: Held
+    held: StoredInterval
     read: Telegram
     linking: Linking
     national: National
@@ -308,9 +308,9 @@ def parts(config: BaliseConfig) -> Parts:
     )
 
 
-def _held(config: BaliseConfig) -> Held:
+def _held(config: BaliseConfig) -> StoredInterval:
     place, tolerance = config.position_limit_mm * NM_PER_MM, config.limits.tolerance_nm
-    return Held(
+    return StoredInterval(
         number("position_nm", NM, -place, place),
         number("margin_above_nm", NM, 0, tolerance),
         number("margin_below_nm", NM, 0, tolerance),

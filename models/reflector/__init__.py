@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite
-from safeloc.language.machine import Initial, Machine, current_mode, modes
+from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, as_num, between, ceil_to, exact_to, ite
+from safeloc.language.machine import Machine, current_mode, modes
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector.cycle import Judged, Zones, judge
 from safeloc.models.reflector.table import rows
@@ -27,7 +27,6 @@ from safeloc.models.reflector.variables import (
     BY_ODOMETRY,
     BY_REFLECTOR,
     MODES,
-    NO_POSITION,
     NO_SOURCE,
     Parts,
     ReflectorConfig,
@@ -67,15 +66,8 @@ def build(own: Parts) -> ReflectorMachine:
     made = Machine(
         name="reflector",
         modes=mode,
-        inputs=[
-            *own.odometer.inputs,
-            own.frame,
-            *(var for slot in own.slots for var in slot.inputs),
-            *own.balise.inputs,
-            *own.ahead.inputs,
-            own.contradicted,
-        ],
-        state=_state(own),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, mode),
         transitions=list(rows(own, judged, mode)),
         world=world(own, current.eq(mode[0])),
@@ -106,31 +98,6 @@ def _zones(current: Num, mode: tuple[Lit, ...]) -> Zones:
         referring=current.eq(reference),
         searching=current.eq(search),
     )
-
-
-def _state(own: Parts) -> dict[Var, Initial]:
-    verdicts: dict[Var, Initial] = {var: 0 for slot in own.slots for var in (slot.judged, slot.judged_next)}
-    return {
-        **own.track.state(),
-        **own.anchor.state(),
-        **own.target.state(),
-        own.open_long: 0,
-        own.open_short: 0,
-        own.odometer.gap: 0,
-        own.reference: 0,
-        own.search_from: 0,
-        own.run: 0,
-        own.procedure: 0,
-        own.found: own.found.low,
-        own.pauses: 0,
-        own.misses: 0,
-        own.recognised: False,
-        own.range: 0,
-        own.range_error: 0,
-        own.lateral: 0,
-        own.error: NO_POSITION,
-        **verdicts,
-    }
 
 
 def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]:

@@ -10,10 +10,11 @@ from functools import cached_property
 
 from safeloc.language.expr import FALSE, Bool, Expr, Num, Var, any_of, as_num, between, exact_to, ite, maximum
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.dead_reckoning import Interval, choose
 from safeloc.models.reflector.echo import Recognition, Situation, recognise
-from safeloc.models.reflector.map_data import Reflector, either
+from safeloc.models.reflector.map_data import Reflector
 from safeloc.models.reflector.variables import Parts
+from safeloc.models.vocabulary.choose import choose
+from safeloc.models.vocabulary.interval import Interval
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +211,7 @@ class Judged:
         verdicts: dict[Var, Expr] = {}
         for slot, first, second in zip(self.own.slots, self.target.judgements, self.ahead.judgements, strict=True):
             verdicts |= {slot.judged: first.verdict, slot.judged_next: second.verdict}
-        return {**self.own.odometer.listen(), **verdicts, **self.opened(self.open)}
+        return {self.own.odometer.gap: self.own.odometer.gap_after, **verdicts, **self.opened(self.open)}
 
     def opened(self, sides: tuple[Num, Num]) -> dict[Var, Expr]:
         """Updates that keep by how much the radar may measure too long, and too short."""
@@ -239,8 +240,8 @@ def judge(own: Parts, zones: Zones) -> Judged:
     held = choose(taken, charged, predicted)
     told, prescribed = _prescribed(own)
     started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & told
-    run = ite(started, own.balise.run, own.run + own.odometer.moved)
-    reflector = either(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
+    run = ite(started, own.balise.run, own.run + own.odometer.distance)
+    reflector = choose(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
                        own.target.reflector)  # fmt: skip
     known = choose(started, balise, own.odometer.run_on(own.anchor.interval))
     long, short = own.open_long + own.config.drift_nm, own.open_short + own.config.drift_nm

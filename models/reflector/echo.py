@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
     NumVar,
     Optional,
-    Var,
     any_of,
     choice,
     enumeration,
@@ -33,9 +33,9 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.units import MM, NM, PPM, Unit
-from safeloc.models.reflector.dead_reckoning import Interval
 from safeloc.models.reflector.map_data import Reflector
 from safeloc.models.vocabulary.first_of import first_of
+from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM, MODEL
 
 CDB = Unit("cdB", scale=Fraction(1, 1000))
@@ -86,24 +86,19 @@ class Slot:
     judged: NumVar
     judged_next: NumVar
 
-    @cached_property
-    def inputs(self) -> tuple[Var | Optional, ...]:
-        """The inputs in order."""
-        return (self.range, self.error, self.model, self.intensity, self.lateral)
 
-
-def slot(number_: int, range_limit_mm: int) -> Slot:
-    """A slot with fresh variables `echo_N_...`."""
+def slot(declared: Declared, number_: int, range_limit_mm: int) -> Slot:
+    """Return a slot with fresh variables `echo_N_...`."""
     name = f"echo_{number_}"
     return Slot(
         number_,
-        optional(f"{name}_range_mm", MM, 0, range_limit_mm),
-        number(f"{name}_error_mm", MM, 0, MAX_ERROR_MM),
-        choice(f"{name}_model", enumeration(MODEL)),
-        number(f"{name}_intensity_cdb", CDB, INTENSITY_FLOOR_CDB, INTENSITY_CEILING_CDB),
-        number(f"{name}_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM),
-        choice(f"{name}_judged", enumeration(JUDGED)),
-        choice(f"{name}_judged_for_next", enumeration(JUDGED)),
+        declared.sensor(optional(f"{name}_range_mm", MM, 0, range_limit_mm)),
+        declared.sensor(number(f"{name}_error_mm", MM, 0, MAX_ERROR_MM)),
+        declared.sensor(choice(f"{name}_model", enumeration(MODEL))),
+        declared.sensor(number(f"{name}_intensity_cdb", CDB, INTENSITY_FLOOR_CDB, INTENSITY_CEILING_CDB)),
+        declared.sensor(number(f"{name}_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM)),
+        declared.state(choice(f"{name}_judged", enumeration(JUDGED)), first=NONE),
+        declared.state(choice(f"{name}_judged_for_next", enumeration(JUDGED)), first=NONE),
     )
 
 

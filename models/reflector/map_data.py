@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     Expr,
@@ -20,13 +21,11 @@ from safeloc.language.expr import (
     choice,
     enumeration,
     exact_to,
-    ite,
     number,
     optional,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.dead_reckoning import Interval
+from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 
 
@@ -71,17 +70,6 @@ class Reflector:
         return interval.low > self.search_ends(search_run_mm)
 
 
-def either(condition: Bool, then: Reflector, other: Reflector) -> Reflector:
-    """`then` where the condition holds, else `other`."""
-    return Reflector(
-        ite(condition, then.place, other.place),
-        ite(condition, then.model, other.model),
-        ite(condition, then.view_from, other.view_from),
-        ite(condition, then.view_to, other.view_to),
-        ite(condition, then.clear, other.clear),
-    )
-
-
 @dataclass(frozen=True, eq=False)
 class NextReflector:
     """Inputs: the next reflector of the map, absent where the map ends or was not loaded.
@@ -98,11 +86,6 @@ class NextReflector:
     offset_mm: int
 
     @property
-    def inputs(self) -> tuple[Var | Optional, ...]:
-        """The inputs in order."""
-        return (self.position, self.model, self.view_from, self.view_to, self.clear, self.reference)
-
-    @property
     def known(self) -> Bool:
         """The map has a next reflector, with a model."""
         return self.position.present & self.model.ne(NO_MODEL)
@@ -113,15 +96,15 @@ class NextReflector:
         return Reflector(self.position.value + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
 
 
-def next_reflector(limit_mm: int, range_limit_mm: int, offset_mm: int) -> NextReflector:
-    """Fresh inputs `next_...`."""
+def next_reflector(declared: Declared, limit_mm: int, range_limit_mm: int, offset_mm: int) -> NextReflector:
+    """Return fresh inputs `next_...`."""
     return NextReflector(
-        optional("next_position_mm", MM, -limit_mm, limit_mm),
-        choice("next_model", enumeration(MODEL)),
-        number("next_view_from_mm", MM, 0, range_limit_mm),
-        number("next_view_to_mm", MM, 0, range_limit_mm),
-        number("next_clear_mm", MM, 0, limit_mm),
-        optional("next_reference_mm", MM, 0, range_limit_mm),
+        declared.sensor(optional("next_position_mm", MM, -limit_mm, limit_mm)),
+        declared.sensor(choice("next_model", enumeration(MODEL))),
+        declared.sensor(number("next_view_from_mm", MM, 0, range_limit_mm)),
+        declared.sensor(number("next_view_to_mm", MM, 0, range_limit_mm)),
+        declared.sensor(number("next_clear_mm", MM, 0, limit_mm)),
+        declared.sensor(optional("next_reference_mm", MM, 0, range_limit_mm)),
         offset_mm,
     )
 
@@ -147,10 +130,6 @@ class Target:
         """The lengths, in order."""
         return (self.position, self.view_from, self.view_to, self.clear)
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        return {**dict.fromkeys(self.kept, 0), self.model: NO_MODEL}
-
     def become(self, ahead: NextReflector) -> dict[Var, Expr]:
         """Updates that make the next reflector the target."""
         lengths = (ahead.position.value, ahead.view_from, ahead.view_to, ahead.clear)
@@ -161,13 +140,13 @@ class Target:
         return {**dict.fromkeys(self.kept, as_num(0, MM)), self.model: NO_MODEL}
 
 
-def target(limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
-    """Fresh state `target_...`."""
+def target(declared: Declared, limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
+    """Return fresh state `target_...`."""
     return Target(
-        number("target_position_mm", MM, -limit_mm, limit_mm),
-        choice("target_model", enumeration(MODEL)),
-        number("target_view_from_mm", MM, 0, range_limit_mm),
-        number("target_view_to_mm", MM, 0, range_limit_mm),
-        number("target_clear_mm", MM, 0, limit_mm),
-        offset_mm,
+        position=declared.state(number("target_position_mm", MM, -limit_mm, limit_mm), first=0),
+        view_from=declared.state(number("target_view_from_mm", MM, 0, range_limit_mm), first=0),
+        view_to=declared.state(number("target_view_to_mm", MM, 0, range_limit_mm), first=0),
+        clear=declared.state(number("target_clear_mm", MM, 0, limit_mm), first=0),
+        model=declared.state(choice("target_model", enumeration(MODEL)), first=NO_MODEL),
+        offset_mm=offset_mm,
     )

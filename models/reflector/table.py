@@ -8,7 +8,6 @@ from safeloc.language.expr import Bool, Expr, Lit, Num, Var, any_of, as_num
 from safeloc.language.machine import Transition
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.reflector.cycle import Judged
-from safeloc.models.reflector.dead_reckoning import Interval
 from safeloc.models.reflector.echo import Recognition
 from safeloc.models.reflector.variables import (
     BALISE_CONTRADICTS,
@@ -23,6 +22,7 @@ from safeloc.models.reflector.variables import (
     TOLERANCE,
     Parts,
 )
+from safeloc.models.vocabulary.interval import Interval
 
 Updates = dict[Var, Expr]
 

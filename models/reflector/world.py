@@ -33,11 +33,11 @@ from safeloc.language.expr import (
     maximum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial
 from safeloc.language.units import MM, NM, NM_PER_MM, NM_PER_UM
 from safeloc.language.world import Law, World
 from safeloc.models.reflector.echo import Slot
-from safeloc.models.reflector.variables import Entry, Parts, ReflectorConfig
+from safeloc.models.reflector.ghosts import Entry
+from safeloc.models.reflector.variables import Parts, ReflectorConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
@@ -52,15 +52,8 @@ def world(own: Parts, lost: Bool) -> World:
     """The true position, the odometer's wander, the echoes' origins, and what the map told. `lost`: no position is known."""
     seen = own.ghosts
     return World(
-        ghosts={seen.truth: ANY, seen.wander: ANY, seen.bias: ANY, **_none(seen.told), **_none(seen.sought)},
-        choices=[
-            seen.true_step,
-            seen.next_wander,
-            *seen.reflector,
-            *seen.origin,
-            seen.next_bias,
-            *seen.scaled,
-        ],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             seen.truth: _after(own),
             seen.wander: _wander_after(own),
@@ -77,11 +70,6 @@ def named(own: Parts, entry: Entry) -> Bool:
     """The machine names this entry of the map as its target."""
     target = own.target
     return target.position.eq(entry.position) & target.model.eq(entry.model) & target.clear.eq(entry.clear)
-
-
-def _none(entry: Entry) -> dict[Var, Initial]:
-    first: tuple[Initial, ...] = (0, NO_MODEL, 0)
-    return {var: value for var, value in zip(entry.figures, first, strict=True) if isinstance(var, NumVar)}
 
 
 def _next_told(own: Parts) -> Entry:

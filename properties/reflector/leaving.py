@@ -9,7 +9,7 @@ from safeloc.language.expr import Bool, Num, as_num, before, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
-from safeloc.models.reflector.dead_reckoning import Track
+from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.properties.reflector.figures import IN_ZONE, foremost, law_nm, ran_mm, rearmost, was
 
 for_all_inputs = partial(always, requirements=("RFL-D2",), unconditional=True)
@@ -67,7 +67,7 @@ def _anchored(model: ReflectorMachine) -> Iterator[Property]:
     )
 
 
-def _no_wider(anchor: Track, position: Num, sides: tuple[Num, Num], by: Num) -> Bool:
+def _no_wider(anchor: StoredInterval, position: Num, sides: tuple[Num, Num], by: Num) -> Bool:
     """The anchor stands there, and exceeds these margins by no more than so much."""
     above, below = sides
     return anchor.position.eq(position) & (anchor.above - above <= by) & (anchor.below - below <= by)
