@@ -20,12 +20,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.language.expr import (
+    FALSE,
     TRUE,
     Bool,
     Expr,
     Lit,
     Num,
-    Optional,
     Var,
     all_of,
     any_of,
@@ -35,14 +35,14 @@ from safeloc.language.expr import (
     floor_to,
     ite,
 )
-from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.route.cycle import Bounded, Cycle, count
 from safeloc.models.route.lemmas import lemmas
 from safeloc.models.route.variables import (
     CONTRADICTION,
     NO_REASON,
-    NO_START,
     SENSOR_FAILURE,
     TOLERANCE,
     Parts,
@@ -76,8 +76,8 @@ def build(own: Parts) -> Route:
     made = Machine(
         name="route",
         modes=table,
-        inputs=_inputs(own),
-        state=_state(own),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, tuple(cycle.after for cycle in cycles), table)),
         world=world(own),
@@ -94,67 +94,61 @@ def build(own: Parts) -> Route:
     return Route(made, own)
 
 
-def _inputs(own: Parts) -> list[Var | Optional]:
-    named: list[Var | Optional] = [own.odometer.step, own.start, own.sighting, own.sighting_error, own.sighting_model]
-    for route in own.routes:
-        named += [route.candidate, route.reflector, route.model, route.course]
-    return [*named, own.turned, own.authorised]
-
-
-def _state(own: Parts) -> dict[Var, Initial]:
-    state: dict[Var, Initial] = {**own.odometer.state(), own.refuted: 0, own.reason: NO_START}
-    for route in own.routes:
-        state |= {route.possible: False, route.low: 0, route.high: 0}
-    return state
-
-
 # ------------------------------------------------------------------ the transition table
 
 
 def _table(own: Parts, after: tuple[Bounded, ...], table: tuple[Lit, ...]) -> Iterator[Transition]:
     idle, undecided, decided, lost = table
-    carried = (undecided, decided)
+    carried, odometer = (undecided, decided), own.odometer
     left = count(after)
     tolerable = all_of(~one.possible | one.tolerable for one in after)
-    keep = {**own.odometer.listen(), **_become(own, after), own.reason: NO_REASON}
-    waiting: dict[Var, Expr] = dict(own.odometer.listen())
-
-    def drop(reason: Lit) -> dict[Var, Expr]:
-        return {**own.odometer.listen(), **_nothing(own), own.reason: reason, own.refuted: as_num(0, COUNT)}
-
+    measured: Updates = {
+        odometer.last: odometer.last_after,
+        odometer.gap: odometer.gap_after,
+        odometer.judged: odometer.verdict,
+    }
+    refuted: Updates = {own.refuted: ite(_refutes_authority(own, after), as_num(1, COUNT), 0)}
+    keep = together(measured, _run_on(own, after), refuted, {own.reason: NO_REASON})
+    none = together(measured, _no_route(own), {own.refuted: 0})
+    contradiction = together(none, {own.reason: CONTRADICTION})
+    failed = together(none, {own.reason: SENSOR_FAILURE})
+    too_wide = together(none, {own.reason: TOLERANCE})
     begun = own.start.present
-    yield Transition("start without a route", table, lost, begun & left.eq(0), drop(CONTRADICTION), REQUIREMENTS, 0)
+    yield Transition("start without a route", table, lost, begun & left.eq(0), contradiction, REQUIREMENTS, 0)
     yield Transition("start on one route", table, decided, begun & left.eq(1), keep, REQUIREMENTS, 1)
     yield Transition("start on several routes", table, undecided, begun & (left > 1), keep, REQUIREMENTS, 1)
-    yield Transition("sensors failed", carried, lost, own.odometer.failed, drop(SENSOR_FAILURE), REQUIREMENTS, 2)
-    yield Transition("no route fits", carried, lost, left.eq(0), drop(CONTRADICTION), REQUIREMENTS, 3)
-    yield Transition("tolerance exceeded", carried, lost, ~tolerable, drop(TOLERANCE), REQUIREMENTS, 4)
+    yield Transition("sensors failed", carried, lost, odometer.failed, failed, REQUIREMENTS, 2)
+    yield Transition("no route fits", carried, lost, left.eq(0), contradiction, REQUIREMENTS, 3)
+    yield Transition("tolerance exceeded", carried, lost, ~tolerable, too_wide, REQUIREMENTS, 4)
     yield Transition("one route is left", undecided, decided, left.eq(1), keep, REQUIREMENTS, 5)
     yield Transition("run on along several routes", undecided, undecided, TRUE, keep, REQUIREMENTS, 6)
     yield Transition("run on along one route", decided, decided, TRUE, keep, REQUIREMENTS, 6)
-    yield Transition("wait for a start", idle, idle, TRUE, waiting, REQUIREMENTS, 7)
-    yield Transition("stay lost", lost, lost, TRUE, waiting, REQUIREMENTS, 7)
+    yield Transition("wait for a start", idle, idle, TRUE, measured, REQUIREMENTS, 7)
+    yield Transition("stay lost", lost, lost, TRUE, measured, REQUIREMENTS, 7)
 
 
-def _become(own: Parts, after: tuple[Bounded, ...]) -> dict[Var, Expr]:
+def _run_on(own: Parts, after: tuple[Bounded, ...]) -> Updates:
+    """Each route that stays possible gets its new bounds, any other one 0."""
     updates: dict[Var, Expr] = {}
     for route, one in zip(own.routes, after, strict=True):
         updates[route.possible] = one.possible
         updates[route.low] = ite(one.possible, one.low, 0)
         updates[route.high] = ite(one.possible, one.high, 0)
-    return {**updates, own.refuted: ite(_refutes_authority(own, after), as_num(1, COUNT), 0)}
+    return updates
+
+
+def _no_route(own: Parts) -> Updates:
+    """No route is possible."""
+    updates: dict[Var, Expr] = {}
+    for route in own.routes:
+        updates[route.possible] = FALSE
+        updates[route.low] = updates[route.high] = as_num(0, NM)
+    return updates
 
 
 def _refutes_authority(own: Parts, after: tuple[Bounded, ...]) -> Bool:
-    """The route by movement authority is not among those possible."""
+    """Return whether the route by movement authority is impossible."""
     return any_of(own.authorised.eq(route.number) & ~one.possible for route, one in zip(own.routes, after, strict=True))
-
-
-def _nothing(own: Parts) -> dict[Var, Expr]:
-    updates: dict[Var, Expr] = {}
-    for route in own.routes:
-        updates |= {route.possible: ~TRUE, route.low: as_num(0, NM), route.high: as_num(0, NM)}
-    return updates
 
 
 # ------------------------------------------------------------------ what is reported

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import NumVar, choice, enumeration, number
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.measuring_world import Physics
@@ -49,20 +51,22 @@ class Bounds:
     routes: int
 
 
-def ghosts(bounds: Bounds) -> Ghosts:
-    """Fresh variables."""
+def ghosts(declared: Declared, bounds: Bounds) -> Ghosts:
+    """Return fresh variables."""
     line, half, run = bounds.line_mm * NM_PER_MM, bounds.half_nm, bounds.physics
     return Ghosts(
-        route=number("true_route", COUNT, 1, bounds.routes),
-        next_route=number("start_route", COUNT, 1, bounds.routes),
-        truth=number("truth_nm", NM, -line, line),
-        true_step=number("true_step_nm", NM, -run.farthest_nm, run.farthest_nm),
-        next_truth=number("start_truth_nm", NM, -line, line),
-        wander=number("wander_nm", NM, -half, half),
-        next_wander=number("next_wander_nm", NM, -half, half),
-        heard=number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm),
-        silent=number("odometer_silent_cycles", COUNT, 0, run.longest_cycles),
-        sighted=number("sighted_place_nm", NM, 0, bounds.reflectors_mm * NM_PER_MM),
-        model=choice("sighted_model", enumeration(MODEL)),
-        course=choice("true_course", enumeration(COURSE)),
+        route=declared.ghost(number("true_route", COUNT, 1, bounds.routes), first=ANY),
+        truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
+        wander=declared.ghost(number("wander_nm", NM, -half, half), first=ANY),
+        heard=declared.ghost(number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm), first=0),
+        silent=declared.ghost(
+            number("odometer_silent_cycles", COUNT, 0, run.longest_cycles), first=run.gap_limit_cycles + 1
+        ),
+        true_step=declared.choice(number("true_step_nm", NM, -run.farthest_nm, run.farthest_nm)),
+        next_truth=declared.choice(number("start_truth_nm", NM, -line, line)),
+        next_wander=declared.choice(number("next_wander_nm", NM, -half, half)),
+        next_route=declared.choice(number("start_route", COUNT, 1, bounds.routes)),
+        sighted=declared.choice(number("sighted_place_nm", NM, 0, bounds.reflectors_mm * NM_PER_MM)),
+        model=declared.choice(choice("sighted_model", enumeration(MODEL))),
+        course=declared.choice(choice("true_course", enumeration(COURSE))),
     )

@@ -12,7 +12,6 @@ Nothing is assumed of what is not seen, nor of what the map says of the other ro
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, between, exact_to, ite
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.route.variables import Hypothesis, Parts
@@ -24,18 +23,15 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 def world(own: Parts) -> World:
     """The true route and position, the odometer's error, and what is sighted."""
     seen, odometer = own.ghosts, measuring(own)
-    moves: dict[Var, Expr] = {
+    moved: dict[Var, Expr] = {
         seen.route: _route(own),
         seen.truth: _after(own),
         seen.wander: ite(odometer.can_be_run, seen.next_wander, seen.wander),
-        **odometer.moves(),
     }
     return World(
-        ghosts={**dict.fromkeys((seen.route, seen.truth, seen.wander), ANY), **odometer.first()},
-        choices=[
-            seen.true_step, seen.next_truth, seen.next_wander, seen.next_route, seen.sighted, seen.model, seen.course,
-        ],
-        moves=moves,
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
+        moves=moved | odometer.moves(),
         clauses={
             "the odometer keeps its law": _odometer_law(own),
             "the vehicle keeps to its highest speed": _speed_law(own),

@@ -11,7 +11,6 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     Optional,
-    Var,
     abs_,
     as_num,
     ite,
@@ -90,7 +89,7 @@ class MeasuredDistance:
     more: NumVar | None = field(default=None, kw_only=True)
 
     @cached_property
-    def inputs(self) -> list[Var | Optional]:
+    def inputs(self) -> list[NumVar | Optional]:
         """The measured distance, and the error that is reported with it."""
         return [self.step] if self.more is None else [self.step, self.more]
 

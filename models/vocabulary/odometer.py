@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     Bool,
@@ -76,13 +77,22 @@ class Odometer(MeasuredDistance):
         """Return the state variables with their first values: no distance was measured yet."""
         return {self.last: 0, self.gap: self.limits.gap_limit + 1, self.judged: MISSING}
 
+    def declare(self, declared: Declared) -> Odometer:
+        """Give inputs and state their roles in a machine; return the odometer itself."""
+        for one in self.inputs:
+            declared.sensor(one)
+        for var, first in self.state().items():
+            declared.state(var, first=first)
+        return self
+
+    @cached_property
+    def last_after(self) -> Num:
+        """The last distance that was used, this cycle included, mm."""
+        return ite(self.admitted, self.step.value, self.last)
+
     def listen(self) -> dict[Var, Expr]:
-        """Return the updates of every cycle."""
-        return {
-            self.last: ite(self.admitted, self.step.value, self.last),
-            self.gap: self.gap_after,
-            self.judged: self.verdict,
-        }
+        """Return the updates of every cycle: last distance, gap and verdict."""
+        return {self.last: self.last_after, self.gap: self.gap_after, self.judged: self.verdict}
 
 
 def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, told: bool = False) -> Odometer:
