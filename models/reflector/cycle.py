@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from safeloc.language.expr import FALSE, Bool, Expr, Num, Var, any_of, as_num, between, exact_to, ite, maximum
+from safeloc.language.expr import FALSE, Bool, Num, any_of, as_num, between, exact_to, ite, maximum
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector.echo import Recognition, Situation, recognise
 from safeloc.models.reflector.map_data import Reflector
@@ -204,29 +204,12 @@ class Judged:
         missed = own.frame & (own.misses >= config.loss_limit_cycles)
         return missed | (~own.frame & (own.pauses >= config.pause_limit_cycles))
 
-    # ------------------------------------------------------------------ updates
-
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
-        verdicts: dict[Var, Expr] = {}
-        for slot, first, second in zip(self.own.slots, self.target.judgements, self.ahead.judgements, strict=True):
-            verdicts |= {slot.judged: first.verdict, slot.judged_next: second.verdict}
-        return {self.own.odometer.gap: self.own.odometer.gap_after, **verdicts, **self.opened(self.open)}
-
-    def opened(self, sides: tuple[Num, Num]) -> dict[Var, Expr]:
-        """Updates that keep by how much the radar may measure too long, and too short."""
-        return {self.own.open_long: sides[0], self.own.open_short: sides[1]}
-
-    def untested(self) -> dict[Var, Expr]:
-        """Updates that keep nothing of a self-test."""
-        return self.opened((as_num(0, NM), as_num(0, NM)))
-
-    def anchor_on(self, fresh: Interval) -> dict[Var, Expr]:
-        """The anchor runs on; where it has grown useless, `fresh` takes its place."""
+    def anchor_after(self, fresh: Interval) -> Interval:
+        """Return the anchor run on, or `fresh` once the anchor has grown too wide to tell anything."""
         config = self.own.config
         most = config.tolerance_nm + self.own.odometer.constant_nm
         useful = self.drifted.within(most, config.position_limit_mm)
-        return self.own.anchor.become(choose(useful, self.drifted, fresh))
+        return choose(useful, self.drifted, fresh)
 
 
 def judge(own: Parts, zones: Zones) -> Judged:
