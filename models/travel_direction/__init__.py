@@ -14,8 +14,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, ite
+from safeloc.language.expr import TRUE, Bool, Lit, Num, ite
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.models.travel_direction.variables import (
     AGAINST,
     ALONG,
@@ -85,21 +86,23 @@ def build(own: Parts) -> TravelDirection:
 
 def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, half, along, against = table
-    heard: dict[Var, Expr | int | bool] = {own.last: own.latest, own.asked: own.expected}
-    nothing: dict[Var, Expr | int | bool] = {**heard, own.awaited: NO_MODEL, own.along: False}
+    asked: Updates = {own.asked: own.expected}
+    heard = together(asked, {own.last: own.latest})
+    none: Updates = {own.awaited: NO_MODEL, own.along: False}
+    ended, turned = together(heard, none), together(asked, none, {own.last: NO_MODEL})
+    begun_along = together(heard, {own.awaited: own.after, own.along: True})
+    begun_against = together(heard, {own.awaited: own.before, own.along: False})
     fits_along = own.telling & own.latest.eq(own.before) & current.ne(along)
     fits_against = own.telling & own.latest.eq(own.after) & current.ne(against)
-    yield Transition("turned", table, unknown, own.backwards, {**nothing, own.last: NO_MODEL}, REQUIREMENTS, 0)
-    begun = {**heard, own.awaited: own.after, own.along: True}
-    yield Transition("fits along", table, half, fits_along, begun, REQUIREMENTS, 1)
-    begun = {**heard, own.awaited: own.before, own.along: False}
-    yield Transition("fits against", table, half, fits_against, begun, REQUIREMENTS, 1)
-    yield Transition("fits neither", half, unknown, own.balise, nothing, REQUIREMENTS, 2)
-    yield Transition("confirmed along", half, along, own.confirmed & own.along, nothing, REQUIREMENTS, 2)
-    yield Transition("confirmed against", half, against, own.confirmed & ~own.along, nothing, REQUIREMENTS, 2)
-    yield Transition("refuted", half, unknown, own.refuted, nothing, REQUIREMENTS, 2)
+    yield Transition("turned", table, unknown, own.backwards, turned, REQUIREMENTS, 0)
+    yield Transition("fits along", table, half, fits_along, begun_along, REQUIREMENTS, 1)
+    yield Transition("fits against", table, half, fits_against, begun_against, REQUIREMENTS, 1)
+    yield Transition("fits neither", half, unknown, own.balise, ended, REQUIREMENTS, 2)
+    yield Transition("confirmed along", half, along, own.confirmed & own.along, ended, REQUIREMENTS, 2)
+    yield Transition("confirmed against", half, against, own.confirmed & ~own.along, ended, REQUIREMENTS, 2)
+    yield Transition("refuted", half, unknown, own.refuted, ended, REQUIREMENTS, 2)
     for mode in table:
-        yield Transition(f"stay {mode.label.lower()}", mode, mode, set=heard, requirements=REQUIREMENTS, rank=3)
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, heard, REQUIREMENTS, 3)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:

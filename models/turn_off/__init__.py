@@ -16,9 +16,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, abs_, as_num, ite
+from safeloc.language.expr import TRUE, Bool, Lit, Num, abs_, as_num, ite
 from safeloc.language.machine import Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM
+from safeloc.language.rows import Updates, together
+from safeloc.language.units import COUNT
 from safeloc.models.turn_off.variables import COURSE, LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts, TurnOffConfig, parts
 from safeloc.models.turn_off.world import world
 
@@ -35,6 +36,7 @@ __all__ = [
     "machine",
     "parts",
 ]
+REQUIREMENTS = ("RFL-12",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,43 +82,33 @@ def build(own: Parts) -> TurnOff:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     idle, before, over, decided, unseen = table
-    turn, straight, zero = own.config.turn_mm, own.config.straight_mm, as_num(0, COUNT)
-    trace = ("RFL-12",)
-    noting: dict[Var, Expr] = {
-        own.here: own.switch.value,
-        own.noted: own.lateral,
-        own.course: UNDECIDED,
-        own.asked: own.authorised,
-        own.misses: zero,
-    }
-    missed = ite(own.measured, zero, ite(own.misses >= own.misses.high, own.misses, own.misses + 1))
-    watched: dict[Var, Expr] = {own.misses: missed, own.asked: own.authorised}
-
-    def seen(course: Lit) -> dict[Var, Expr]:
-        return {own.course: course, own.asked: own.authorised, own.misses: zero}
-
-    yield Transition("switch in view", table, before, own.announced, noting, trace, 0)
-    yield Transition(
-        "reflector unseen",
-        (before, over),
-        unseen,
-        own.given_up,
-        {own.asked: own.authorised, own.misses: zero},
-        trace,
-        1,
-    )
-    kept = {**watched, own.noted: ite(own.measured, own.lateral, own.noted)}
-    yield Transition("still before", before, before, own.before, kept, trace, 2)
-    yield Transition("on the switch", before, over, ~own.before, watched, trace, 2)
-    yield Transition("backs off", over, before, own.before, watched, trace, 2)
-    yield Transition("turns left", over, decided, own.measured & (own.motion < -turn), seen(LEFT), trace, 3)
-    yield Transition("turns right", over, decided, own.measured & (own.motion > turn), seen(RIGHT), trace, 3)
+    turn, straight = own.config.turn_mm, own.config.straight_mm
+    asked: Updates = {own.asked: own.authorised}
+    found: Updates = {own.misses: 0}
+    missed: Updates = {own.misses: _misses(own)}
+    nearer: Updates = {own.noted: ite(own.measured, own.lateral, own.noted)}
+    noting = together(asked, found, {own.here: own.switch.value, own.noted: own.lateral, own.course: UNDECIDED})
+    unseen_on, watched, noted = together(asked, found), together(asked, missed), together(asked, missed, nearer)
+    left, right, on = (together(asked, found, {own.course: course}) for course in (LEFT, RIGHT, STRAIGHT))
+    forgotten: Updates = {own.here: own.here.low, own.course: UNDECIDED, own.asked: UNDECIDED}
+    yield Transition("switch in view", table, before, own.announced, noting, REQUIREMENTS, 0)
+    yield Transition("reflector unseen", (before, over), unseen, own.given_up, unseen_on, REQUIREMENTS, 1)
+    yield Transition("still before", before, before, own.before, noted, REQUIREMENTS, 2)
+    yield Transition("on the switch", before, over, ~own.before, watched, REQUIREMENTS, 2)
+    yield Transition("backs off", over, before, own.before, watched, REQUIREMENTS, 2)
+    yield Transition("turns left", over, decided, own.measured & (own.motion < -turn), left, REQUIREMENTS, 3)
+    yield Transition("turns right", over, decided, own.measured & (own.motion > turn), right, REQUIREMENTS, 3)
     goes_on = own.measured & own.through & (abs_(own.motion) <= straight)
-    yield Transition("runs straight on", over, decided, goes_on, seen(STRAIGHT), trace, 4)
-    yield Transition("watch", over, over, set=watched, requirements=trace, rank=5)
-    forgotten: dict[Var, Expr] = {own.here: as_num(own.here.low, MM), own.course: UNDECIDED, own.asked: UNDECIDED}
-    yield Transition("back before the switch", (decided, unseen), idle, own.before, forgotten, trace, 5)
-    yield Transition("keep the course", decided, decided, set={own.asked: own.authorised}, requirements=trace, rank=6)
+    yield Transition("runs straight on", over, decided, goes_on, on, REQUIREMENTS, 4)
+    yield Transition("watch", over, over, TRUE, watched, REQUIREMENTS, 5)
+    yield Transition("back before the switch", (decided, unseen), idle, own.before, forgotten, REQUIREMENTS, 5)
+    yield Transition("keep the course", decided, decided, TRUE, asked, REQUIREMENTS, 6)
+
+
+def _misses(own: Parts) -> Num:
+    """Return the cycles in a row without a measurement, this one included."""
+    counted = ite(own.misses >= own.misses.high, own.misses, own.misses + 1)
+    return ite(own.measured, as_num(0, COUNT), counted)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
