@@ -1,17 +1,17 @@
 """Position from radar reflectors near them, from odometry between them (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10).
 
     DELOCALIZED  nothing is reported; only an accepted balise leads out
-    NOT_READY    odometry alone, without or after a failed self-test, or too long after one that passed, until another balise
-    REFERENCE    self-test: after a balise, its reflector has to be measured at the prescribed distance
-    ODOMETRY     between reflectors; whatever echoes come are things beside the track
-    SEARCH       the next reflector may come into view, and is looked for
-    VIEW         it is measured: its echo has the minimum intensity and passed every check
-    COAST        it should be in view, but was not measured in this cycle
-    PASSING      too close for an echo that can be evaluated, until it lies behind
+    NOT_READY    odometry alone until the next balise: no self-test yet, a failed one, or one that passed too long ago
+    REFERENCE    self-test: after a balise, the radar has to measure the balise's reflector at the prescribed distance
+    ODOMETRY     between reflectors; every echo is taken for a thing beside the track
+    SEARCH       the next reflector may come into view, and the machine searches its echo
+    VIEW         the radar measures the reflector: its echo has the minimum intensity and passed every check
+    COAST        the reflector should be in view, but was not measured in this cycle
+    PASSING      the reflector is too close for a usable echo, and does not surely lie behind yet
 
-In VIEW the position is that of the measurement, with the measurement's own error bound, be it better or worse than
-what was known before: the echo's error, and what the last self-test left open of the radar's, with its drift since. In
-every other mode odometry goes on from the last position, with a growing margin.
+In VIEW the machine reports the measured position with the measurement's own error bound, even if the position was known
+better before. The bound consists of the echo's error, the radar error that the last self-test could not exclude, and the
+radar's drift since then. In every other mode odometry goes on from the last position, with a growing margin.
 """
 
 from __future__ import annotations
@@ -40,26 +40,26 @@ __all__ = ["ODOMETER", "ReflectorMachine", "build", "machine"]
 
 
 def machine(config: ReflectorConfig | None = None) -> Machine:
-    """The reflector machine of a vehicle (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10, RFL-D2, RFL-D3)."""
+    """Return the reflector machine of a vehicle (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10, RFL-D2, RFL-D3)."""
     return build(parts(config or ReflectorConfig())).machine
 
 
 @dataclass(frozen=True, eq=False)
 class ReflectorMachine:
-    """The machine together with the terms it was built from, for properties to speak about."""
+    """The machine with the variables and terms that its properties read."""
 
     machine: Machine
     own: Parts
     judged: Judged
 
     def in_mode(self, *labels: str) -> Bool:
-        """The machine is in one of the named modes."""
+        """Return whether the machine is in one of the named modes."""
         mode = self.machine.mode
         return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
 
 
 def build(own: Parts) -> ReflectorMachine:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     mode = modes(*MODES)
     current = current_mode(mode)
     judged = judge(own, _zones(current, mode))
@@ -74,15 +74,15 @@ def build(own: Parts) -> ReflectorMachine:
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         doc=(
-            "Position of end A from the range to radar reflectors near them, and from odometry between them. Assumed: "
-            "a measured distance that a vehicle can have run obeys the odometer's error law, and no cycle runs farther "
-            "than the highest speed allows; a balise reading is true within its accuracy, or, while a position is known, "
-            "of a balise far away; a range is wrong by the echo's error bound, by the radar's scale, and by a systematic "
-            "part of any size that drifts no faster than stated; at or above the minimum intensity a reflector's model is "
-            "read correctly, and none is heard from beyond the strong range; reflectors stand where the map has them within "
-            "its accuracy, and no other one of the same model is nearer to one than the map says; the prescribed distance "
-            "from a balise to its reflector is that of the map; no other thing shows a reflector's signature with the "
-            "minimum intensity. Nothing is assumed of any other echo."
+            "Position of end A: near a radar reflector from the range to it, elsewhere from odometry. Assumed: a measured "
+            "distance that a vehicle can have run obeys the odometer's error law, and the vehicle runs no faster than its "
+            "highest speed; a balise reading is true within its accuracy, or, while a position is known, comes from a balise "
+            "far away; the error of a range is at most the echo's error bound, plus the radar's scale error, plus a systematic "
+            "error of any size that drifts no faster than stated; at or above the minimum intensity the radar recognises a "
+            "reflector's model correctly, and receives no reflector from beyond the strong range; reflectors stand where the "
+            "map has them within its accuracy, and no other one of the same model is nearer than the map says; the prescribed "
+            "distance from a balise to its reflector is that of the map; no other thing shows a reflector's signature with "
+            "the minimum intensity. Nothing is assumed of any other echo."
         ),
     )
     return ReflectorMachine(made, own, judged)
@@ -124,7 +124,7 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
 
 
 def _definitions(cycle: Judged) -> dict[str, Expr]:
-    """Names for what the table speaks of."""
+    """Return the terms that guards are made of, by name."""
     named: dict[str, Expr] = {
         "reference measurement starts": cycle.started,
         "target measured": cycle.target.accepted,
@@ -150,7 +150,7 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
     return named
 
 
-# ------------------------------------------------------------------ what helps to prove
+# ------------------------------------------------------------------ lemmas
 
 
 def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:

@@ -1,7 +1,7 @@
-"""A balise reading as the reflector machine gets it: checked already by the balise machine (RFL-5).
+"""A balise reading as the reflector machine gets it: the balise machine has checked it already (RFL-5).
 
-It gives an absolute interval and starts the reference measurement: from here on the distance to the first reflector
-behind it is known from the telegram, else from the map, else from a variable of the system (source l. 205).
+It gives an absolute interval and starts the reference measurement. The telegram, else the map, else a variable of the
+system prescribes the distance from the balise to the first reflector behind it (source l. 205).
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from safeloc.models.vocabulary.interval import Interval
 class BaliseReading:
     """Inputs of one reading, absent in most cycles. Lengths in mm.
 
-    position   where end A stands when the balise is passed
-    since      distance run since it was passed, as latched by the counters
+    position   place of end A when it passes the balise
+    since      distance run since then, as latched by the counters
     reference  telegram: distance from balise to reflector
-    search     telegram: distance after the balise from which on the reflector is looked for (RFL-8)
+    search     telegram: distance after the balise from which on the reflector is searched (RFL-8)
     """
 
     identity: Optional
@@ -37,16 +37,16 @@ class BaliseReading:
 
     @property
     def read(self) -> Bool:
-        """A balise of this line was read."""
+        """The vehicle read a balise of this line."""
         return self.identity.present & self.position.present
 
     @property
     def run(self) -> Num:
-        """The distance run since the balise was passed, mm."""
+        """Distance run since the vehicle passed the balise, mm."""
         return self.since.value_or(as_num(0, MM))
 
     def fix(self, odometer: ReflectorOdometer) -> Interval:
-        """What the reading says of end A at the end of the cycle."""
+        """Return the interval of end A at the end of the cycle by this reading."""
         accuracy = exact_to(self.accuracy.value_or(as_num(self.accuracy_mm, MM)), NM)
         own = accuracy + abs_(self.run) * Lit(self.law_ppm, PPM)
         late, whole = odometer.lag(self.latency_ppm), odometer.lag(NM_PER_MM)

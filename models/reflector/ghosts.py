@@ -1,4 +1,4 @@
-"""The world's variables of the reflector machine: where end A and the origin of each echo are, and what the map told."""
+"""Ghosts of the reflector machine: the places of end A and of each echo's origin, the radar's error, the map's entries."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Figures(Protocol):
 
     @property
     def reach_nm(self) -> int:
-        """The farthest place that end A may have while anything is measured."""
+        """The farthest place that end A may have, nm."""
 
     @property
     def range_limit_mm(self) -> int:
@@ -66,7 +66,7 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Ghosts(Moving):
-    """The world: the vehicle's movement, the origin of each echo, the radar's error, and what the map told.
+    """The vehicle's movement, the origin of each echo, the radar's error, and the map's entries.
 
     reflector  per slot: the echo comes from a reflector, be it the target or any other one of the line
     origin     per slot: place along the track that reflected it, nm

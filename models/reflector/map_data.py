@@ -1,8 +1,8 @@
-"""What the map says of a reflector (RFL-3): where it stands, its model, its view zone, what else looks like it.
+"""The map's data of a reflector (RFL-3): place, model, view zone, and the distance to the next one of its model.
 
-The map's figures come as inputs, in every cycle those of the next reflector ahead of the target: the proofs hold for
-every line, of whatever number of reflectors. `clear_mm` is the distance to the nearest other reflector of the same
-model, on any track from which it could be seen; that is the one figure a layout has to get right.
+The figures are inputs: in every cycle those of the next reflector ahead of the target. The proofs therefore hold for every
+line, with any number of reflectors. `clear_mm` is the distance to the nearest other reflector of the same model on any
+track that the radar can see; it is the one figure that the layout of a line has to keep.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 class Reflector:
     """A reflector as the map describes it. Lengths in mm.
 
-    place      where end A stands when the range to the reflector is 0 (its position plus the radar's offset)
-    view_from  the range at which its view zone begins: from here on its echo has the minimum intensity
-    view_to    the range at which it ends: nearer, no echo can be evaluated
+    place      place of end A when the range to the reflector is 0 (the reflector's position plus the radar's offset)
+    view_from  range at which its view zone begins: from here on its echo has the minimum intensity
+    view_to    range at which its view zone ends: nearer, no echo can be evaluated
     clear      distance to the nearest other reflector of the same model
     """
 
@@ -46,33 +46,33 @@ class Reflector:
     clear: Num
 
     def view_begins(self) -> Num:
-        """Where the view zone begins, nm."""
+        """Return the place of end A at which the view zone begins, nm."""
         return exact_to(self.place - self.view_from, NM)
 
     def search_ends(self, search_run_mm: int) -> Num:
-        """Where it has to be found at the latest, nm."""
+        """Return the place of end A at which the search ends, nm: the reflector has to be measured by then."""
         return exact_to(self.place - self.view_from + search_run_mm, NM)
 
     def roomy(self, interval: Interval) -> Bool:
-        """No other reflector of the model fits into the interval beside it: the search is not too early."""
+        """Return whether the interval has room for one reflector of the model only: the search is not too early."""
         return exact_to(self.clear, NM) > interval.width
 
     def comes_into_view(self, interval: Interval) -> Bool:
-        """The vehicle may be in its view zone, and no other reflector of the model could be meant."""
+        """Return whether the vehicle may be in the view zone, and no other reflector of the model could be mistaken for this one."""
         return (interval.high >= self.view_begins()) & self.roomy(interval)
 
     def opens(self, interval: Interval, search_run_mm: int) -> Bool:
-        """The search zone: from where the vehicle may be in view, to where it must have been for `search_run`."""
+        """Return whether the search may begin: the vehicle may be in the view zone, and not surely beyond its first `search_run`."""
         return self.comes_into_view(interval) & (interval.low <= self.search_ends(search_run_mm))
 
     def over(self, interval: Interval, search_run_mm: int) -> Bool:
-        """The whole interval is beyond the end of the search."""
+        """Return whether the whole interval lies beyond the end of the search."""
         return interval.low > self.search_ends(search_run_mm)
 
 
 @dataclass(frozen=True, eq=False)
 class NextReflector:
-    """Inputs: the next reflector of the map, absent where the map ends or was not loaded.
+    """Inputs: the map's next reflector, absent where the map ends or was not loaded.
 
     reference  its prescribed distance from its balise; present for the first reflector behind a balise
     """
@@ -87,12 +87,12 @@ class NextReflector:
 
     @property
     def known(self) -> Bool:
-        """The map has a next reflector, with a model."""
+        """The map has a next reflector that has a model."""
         return self.position.present & self.model.ne(NO_MODEL)
 
     @property
     def reflector(self) -> Reflector:
-        """The data, to be used only while `known`."""
+        """The reflector; only while `known`."""
         return Reflector(self.position.value + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
 
 
@@ -111,7 +111,7 @@ def next_reflector(declared: Declared, limit_mm: int, range_limit_mm: int, offse
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The reflector that is looked for or tracked, kept in state from the beginning of its search."""
+    """State: the reflector that is searched, tracked or awaited in a self-test; stored when its search begins."""
 
     position: NumVar
     model: NumVar
@@ -122,21 +122,21 @@ class Target:
 
     @property
     def reflector(self) -> Reflector:
-        """The data."""
+        """The stored reflector."""
         return Reflector(self.position + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
 
     @property
     def kept(self) -> tuple[NumVar, NumVar, NumVar, NumVar]:
-        """The lengths, in order."""
+        """The variables that hold lengths, in order."""
         return (self.position, self.view_from, self.view_to, self.clear)
 
     def become(self, ahead: NextReflector) -> dict[Var, Expr]:
-        """Updates that make the next reflector the target."""
+        """Return updates that make the map's next reflector the target."""
         lengths = (ahead.position.value, ahead.view_from, ahead.view_to, ahead.clear)
         return {**dict(zip(self.kept, lengths, strict=True)), self.model: ahead.model}
 
     def nothing(self) -> dict[Var, Expr]:
-        """Updates after which there is no target."""
+        """Return updates after which there is no target."""
         return {**dict.fromkeys(self.kept, as_num(0, MM)), self.model: NO_MODEL}
 
 

@@ -115,22 +115,22 @@ class ReflectorConfig(Config):
 
     @property
     def tolerance_nm(self) -> int:
-        """The tolerable error."""
+        """The tolerable error, nm."""
         return self.tolerance_mm * NM_PER_MM
 
     @property
     def accuracy_nm(self) -> int:
-        """How far a reflector may stand from where the map has it."""
+        """The greatest distance of a reflector from its place on the map, nm."""
         return self.map_accuracy_mm * NM_PER_MM
 
     @property
     def max_step_mm(self) -> int:
-        """The greatest distance of one cycle, measured."""
+        """The greatest distance that is measured in a cycle, mm."""
         return -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
 
     @property
     def blind_nm(self) -> int:
-        """The farthest the vehicle gets in one cycle."""
+        """The farthest that the vehicle gets in a cycle, nm."""
         return self.max_speed_mm_s * self.period_ms * 1_000
 
     @property
@@ -140,7 +140,7 @@ class ReflectorConfig(Config):
 
     @property
     def radar(self) -> RadarLaw:
-        """What judging an echo depends on."""
+        """The figures that echoes are judged by."""
         return RadarLaw(
             minimum_intensity_cdb=self.minimum_intensity_cdb,
             near_mm=self.near_range_mm,
@@ -154,21 +154,21 @@ class ReflectorConfig(Config):
 
     @property
     def left_open_nm(self) -> int:
-        """The most of the radar's systematic error that a self-test may leave open, and that is charged."""
+        """The most of the radar's systematic error that a self-test may fail to exclude, and that margins then include, nm."""
         return self.reference_tolerance_mm * NM_PER_MM
 
     @property
     def drift_nm(self) -> int:
-        """The most by which the radar's systematic error changes in one cycle."""
+        """The most by which the radar's systematic error changes in a cycle, nm."""
         return self.radar_drift_mm_s * self.period_ms * NM_PER_UM
 
     @property
     def reach_nm(self) -> int:
-        """The farthest place that end A may have while anything is measured."""
+        """The farthest place that end A may have, nm."""
         return (self.position_limit_mm + 2 * self.tolerance_mm + self.range_limit_mm) * NM_PER_MM
 
     def share_ppm(self, latency_ms: int) -> int:
-        """A latency as share of the period, rounded up."""
+        """Return a latency as a share of the period, ppm, rounded up."""
         return -(-latency_ms * 1_000_000 // self.period_ms)
 
 
