@@ -22,7 +22,7 @@ REQUIREMENTS = ("RFL-D7",)
 
 
 def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """All transitions."""
+    """Yield all transitions."""
     yield from _ending(own, table)
     yield from _selecting(own, cycle, table)
     yield from _approaching(own, cycle, table)
@@ -32,7 +32,7 @@ def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transiti
 
 
 def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The stop is given up, served, or cannot be made."""
+    """The stop is given up or served, or the position is lost."""
     idle, approach, braking, stopped, short, creeping, overrun, repositioning, held = table
     pending = (approach, braking, stopped, short, creeping, overrun, repositioning)
     over = together(_no_stop(own), {own.served: own.pending, own.reason: NO_REASON})
@@ -43,7 +43,7 @@ def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Which stop point of the platform is meant; it can be changed until the brake order."""
+    """The mission selects a stop point of the platform; it may change its choice until the brake order."""
     idle, approach, *_ = table
     chosen: Updates = {
         own.stop: cycle.chosen.stop,
@@ -80,7 +80,7 @@ def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[
 
 
 def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Standing in the window, before it or beyond it."""
+    """The vehicle stands in the window, before it or beyond it."""
     _, _, braking, stopped, short, _, overrun, _, held = table
     near, measured = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise
     yield Transition("rolls away", stopped, braking, ~cycle.standing, near, REQUIREMENTS, 5)
@@ -97,7 +97,7 @@ def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tra
 
 
 def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Creeping forward into the window, and repositioning backwards into it."""
+    """The vehicle creeps forward into the window, or repositions backwards into it."""
     _, _, braking, _, short, creeping, overrun, repositioning, _ = table
     near, may = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise & own.permitted
     yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, REQUIREMENTS, 8)

@@ -1,12 +1,12 @@
 """Direction of travel from the reflector models before and after a balise (RFL-D5; source l. 161, 290).
 
-One balise alone does not tell which way a vehicle runs along the line; the models of the reflectors on its two sides,
-in the order in which they are met, do. `before` and `after` are meant in the line's counting direction.
+One balise alone does not tell the direction in which a vehicle runs along the line. The models of the reflectors on its two
+sides do, by the order in which the vehicle meets them. `before` and `after` refer to the line's counting direction.
 
-    UNKNOWN  nothing is stated
-    HALF     a balise was passed, and the reflector passed last fits one direction; the one ahead has to confirm it
+    UNKNOWN  the machine states no direction
+    HALF     the vehicle passed a balise, and the last reflector before it fits one direction; the next one has to confirm it
     ALONG    the vehicle runs in counting direction
-    AGAINST  it runs against it
+    AGAINST  the vehicle runs against the counting direction
 """
 
 from __future__ import annotations
@@ -46,19 +46,19 @@ REQUIREMENTS = ("RFL-D5",)
 
 @dataclass(frozen=True, eq=False)
 class TravelDirection:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
 
 def machine(_: DirectionConfig | None = None) -> Machine:
-    """The direction machine (RFL-D5)."""
+    """Return the direction machine (RFL-D5)."""
     return build(parts()).machine
 
 
 def build(own: Parts) -> TravelDirection:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNKNOWN", "HALF", "ALONG", "AGAINST")
     current = current_mode(table)
     _, _, along, against = table
@@ -76,9 +76,9 @@ def build(own: Parts) -> TravelDirection:
         lemmas=_lemmas(own, current, table),
         definitions={"neighbours differ": own.telling, "confirmed ahead": own.confirmed, "refuted ahead": own.refuted},
         doc=(
-            "Direction of travel from the models of the reflectors before and after a balise, in the order in which they "
-            "are met. Assumed: of the two models recognised around a balise at least one is that of the map's reflector "
-            "there, and the direction changes only where the vehicle says that it moves backwards."
+            "Direction of travel from the models of the reflectors before and after a balise, in the order in which the "
+            "vehicle meets them. Assumed: at least one of the two models recognised around a balise is that of the map's "
+            "reflector there, and the direction changes only in a cycle in which the vehicle reports that it turned."
         ),
     )
     return TravelDirection(made, own)

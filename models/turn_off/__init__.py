@@ -1,14 +1,14 @@
 """Straight on or turning off at a switch, from the lateral motion of a reflector in view (RFL-12; source l. 169, 294).
 
-Before the switch the reflector keeps its place beside the vehicle's axis. Where the vehicle turns off, the image of a
-reflector ahead moves to the other side; where it runs straight on, the reflector stays. What is seen is compared with
-the course that map and movement authority give.
+Before the switch the image of a reflector ahead keeps its place beside the vehicle's axis. If the vehicle turns off, the
+image moves to the other side; if it runs straight on, the image stays. The machine compares the course that it sees with
+the one that map and movement authority give.
 
     IDLE      no switch in view
-    BEFORE    a switch lies ahead, within the view zone of the reflector that is measured: its lateral place is noted
-    OVER      the vehicle may be on the switch: the lateral place is watched
+    BEFORE    a switch lies ahead, in view of a reflector behind it: the machine notes the reflector's lateral place
+    OVER      the vehicle may be on the switch: the machine watches the lateral place
     DECIDED   straight on, left or right
-    UNSEEN    the reflector was not measured long enough: the next reflector's model has to tell
+    UNSEEN    the reflector was not measured long enough: only the next reflector's model can tell the course
 """
 
 from __future__ import annotations
@@ -41,19 +41,19 @@ REQUIREMENTS = ("RFL-12",)
 
 @dataclass(frozen=True, eq=False)
 class TurnOff:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
 
 def machine(config: TurnOffConfig | None = None) -> Machine:
-    """The turn-off machine (RFL-12)."""
+    """Return the turn-off machine (RFL-12)."""
     return build(parts(config or TurnOffConfig())).machine
 
 
 def build(own: Parts) -> TurnOff:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("IDLE", "BEFORE", "OVER", "DECIDED", "UNSEEN")
     current = current_mode(table)
     _, _, over, decided, _ = table
@@ -69,12 +69,12 @@ def build(own: Parts) -> TurnOff:
         lemmas=_lemmas(own, current, table),
         definitions={"the image moved by": own.motion, "surely before": own.before, "surely through": own.through},
         doc=(
-            "Straight on or turning off, from the lateral motion of a reflector in view over a switch, against the course "
-            "by map and movement authority. Assumed: a switch is told only while the whole interval lies before it, and what "
-            "is measured then and later, until another one is told, is the reflector behind it; lateral places are measured "
-            "within their error; running straight on, the image moves by no more than the sway; turning off, it moves to the "
-            "other side, and beyond the turnout by at least the configured shift; the reported interval holds the true "
-            "position."
+            "Decides from the lateral motion of a reflector, in view over a switch, whether the vehicle runs straight on or "
+            "turns off, and compares that with the course by map and movement authority. Assumed: the map gives a switch only "
+            "while the whole interval lies before it, and from then on, until it gives another one, the radar measures the "
+            "reflector behind that switch; lateral places are measured within their error; if the vehicle runs straight on, "
+            "the image moves by no more than the sway; if it turns off, the image moves to the other side, beyond the turnout by "
+            "at least the configured shift; the reported interval holds the true position."
         ),
     )
     return TurnOff(made, own)

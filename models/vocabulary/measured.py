@@ -1,4 +1,4 @@
-"""A distance that is measured once in a cycle: what it is judged by, and what a cycle makes of it."""
+"""A distance that is measured once in a cycle: its limits, and its effect on the position."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ADMITTED, MISSING, TOO_FAST, JUMP = MEASURED
 
 @dataclass(frozen=True)
 class Limits:
-    """The physical and configured bounds a device works within; all whole numbers in the units named."""
+    """Physical and configured limits of a measuring device, whole numbers in the units named."""
 
     period_ms: int
     tolerance_mm: int
@@ -42,12 +42,12 @@ class Limits:
 
     @property
     def tolerance_nm(self) -> int:
-        """The tolerable error in nm."""
+        """The tolerable error, nm."""
         return self.tolerance_mm * NM_PER_MM
 
     @property
     def blind_nm(self) -> int:
-        """The farthest the vehicle gets in one cycle, in nm."""
+        """The farthest that the vehicle gets in a cycle, nm."""
         return self.max_speed_mm_s * self.period_ms * 1_000
 
 
@@ -56,15 +56,15 @@ class CycleLimits(Protocol):
 
     @property
     def period_ms(self) -> int:
-        """Length of the cycle."""
+        """Length of the cycle, ms."""
 
     @property
     def max_step_mm(self) -> int:
-        """The greatest distance that is measured in a cycle at the highest speed."""
+        """The greatest distance that is measured in a cycle at the highest speed, mm."""
 
     @property
     def blind_nm(self) -> int:
-        """The farthest the vehicle gets in a cycle."""
+        """The farthest that the vehicle gets in a cycle, nm."""
 
     @property
     def gap_limit(self) -> int:
