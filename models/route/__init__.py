@@ -1,17 +1,17 @@
-"""Which route the vehicle is on, and where on it: hypotheses carried until they are refuted (RFL-D6; source l. 85, 281-304).
+"""Route of the vehicle, and its position on it: hypotheses that stay until a sighting refutes them (RFL-D6; source l. 85, 281-304).
 
 From a common start (a balise with known direction) a vehicle may run along one of several routes through switches.
-Each route is a hypothesis with an interval of its own. What is seen refutes hypotheses: a reflector of a model, at a
-place, that a route does not have where the vehicle would be on it; or a turn that the route does not take. A sequence
-of models alone never decides: DCD is the end of ADCD, and ADCD with one reflector missed is ACD. So a reflector that
-was NOT seen refutes nothing.
+Each route is a hypothesis with an interval of its own. A sighting refutes it if the route has no reflector of that model
+where the vehicle would see it, a turn refutes it if the route does not take that turn. A sequence of models alone never
+decides: DCD is the end of ADCD, and ADCD with one reflector missed is ACD. A reflector that was NOT seen therefore
+refutes nothing.
 
     IDLE        no start yet
     UNDECIDED   several routes are possible, each with its interval
     DECIDED     one route is possible
-    LOST        contradiction, tolerance exceeded or sensors failed: nothing is reported until the next start
+    LOST        contradiction, tolerance exceeded or sensors failed: the machine reports nothing until the next start
 
-Distances are those of end A from the common start, in mm along each route.
+Positions are distances of end A from the common start, in mm along each route.
 """
 
 from __future__ import annotations
@@ -57,19 +57,19 @@ REQUIREMENTS = ("RFL-D6",)
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
 
 def machine(config: RouteConfig | None = None) -> Machine:
-    """The route machine (RFL-D6)."""
+    """Return the route machine (RFL-D6)."""
     return build(parts(config or RouteConfig())).machine
 
 
 def build(own: Parts) -> Route:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("IDLE", "UNDECIDED", "DECIDED", "LOST")
     current = current_mode(table)
     cycles = tuple(Cycle(own, route) for route in own.routes)
@@ -85,10 +85,10 @@ def build(own: Parts) -> Route:
         definitions={f"route {cycle.route.number} fits what is seen": cycle.fits for cycle in cycles},
         doc=(
             "The routes on which the vehicle may be, each with its interval. Assumed: at a start the true route is among the "
-            "candidates and the vehicle within the start's error; the odometer keeps its error law; a sighting is of a "
+            "candidates, and the vehicle is within the start's error; the odometer keeps its error law; each sighting is of a "
             "reflector beside the true route, with its range and model, and the map names that reflector for the route "
-            "(layout rule: places of one model differ by more than all errors); a turn that was seen was taken. Nothing is "
-            "assumed of what is not seen."
+            "(layout rule: places of one model differ by more than all errors); the vehicle took a turn that was seen. Nothing "
+            "is assumed of reflectors and turns that were not seen."
         ),
     )
     return Route(made, own)
@@ -151,7 +151,7 @@ def _refutes_authority(own: Parts, after: tuple[Bounded, ...]) -> Bool:
     return any_of(own.authorised.eq(route.number) & ~one.possible for route, one in zip(own.routes, after, strict=True))
 
 
-# ------------------------------------------------------------------ what is reported
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:

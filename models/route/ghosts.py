@@ -1,4 +1,4 @@
-"""What no device of the vehicle can read: the route it really runs on, where on it, and what is really sighted there."""
+"""Ghosts of the route machine: the true route, the true place on it, and the reflector that is really sighted."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from safeloc.models.vocabulary.reflectors import MODEL
 class Ghosts:
     """The world's variables; lengths in nm.
 
-    route, next_route    the number of the route that the vehicle runs along; at a start, the one that begins there
-    truth, true_step     end A from the common start, along that route, and what it really runs in the cycle
-    next_truth           at a start, where end A is from then on
+    route, next_route    number of the route that the vehicle runs along; at a start, of the one that begins there
+    truth, true_step     place of end A from the common start, along that route, and its true travel in the cycle
+    next_truth           at a start, the new place of end A
     wander, next_wander  the one-off part of the odometer's error: before the cycle and, freely chosen, after it
-    heard, silent        the last distance that it delivered and that can have been run, mm, and the cycles since then
-    sighted, model       where the reflector that is sighted in this cycle stands along the route, and its model
-    course               the course that the vehicle takes at the switch that a turn may be seen at
+    heard, silent        the last distance delivered that a vehicle can have run, mm, and the cycles since then
+    sighted, model       place along the route and model of the reflector that is sighted in this cycle
+    course               the course that the vehicle takes at the switch at which a turn may be seen
     """
 
     route: NumVar
@@ -42,7 +42,7 @@ class Ghosts:
 
 @dataclass(frozen=True)
 class Bounds:
-    """Figures of the configuration that bound the ghosts: what can be run, half the odometer's constant, mm of line, routes."""
+    """Figures of the configuration that bound the ghosts: vehicle, half the odometer's constant, lengths of line, routes."""
 
     physics: Physics
     half_nm: int

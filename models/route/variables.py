@@ -60,7 +60,7 @@ class RouteConfig(Config):
 
     @property
     def limits(self) -> Limits:
-        """What the odometer needs, rounded so that gates are no tighter than physics."""
+        """Limits of the odometer, rounded so that its checks are no tighter than physics."""
         step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
         change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
         gap = self.gap_limit_cycles
@@ -70,7 +70,7 @@ class RouteConfig(Config):
 
     @property
     def physics(self) -> Physics:
-        """What the vehicle can run, as the world has it."""
+        """Limits of the vehicle's movement, for the world."""
         gap = self.gap_limit_cycles
         return Physics(
             self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm, gap, gap + 1
@@ -79,14 +79,14 @@ class RouteConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """One route: whether it is possible, and where on it the vehicle would be.
+    """One route: whether it is possible, and the place of the vehicle on it.
 
-    low, high   nm: bounds of the true distance less the present wander of the odometer's error
-    candidate   input: at a start, the map leads along this route
-    reflector   input, from the map: on this route, the reflector of the sighted model that is nearest to where the
-                sighting would put it, mm from the start
+    low, high   bounds of the true distance less the present wander of the odometer's error, nm
+    candidate   input, from the map: this route begins at the start
+    reflector   input, from the map: place on this route of the reflector of the sighted model that is nearest to the
+                place where the sighting would put it, mm from the start
     model       input, from the map: that reflector's model
-    course      input, from the map: which way this route takes at the switch that a turn was seen at
+    course      input, from the map: the course of this route at the switch at which a turn was seen
     """
 
     number: int

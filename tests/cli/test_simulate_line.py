@@ -111,7 +111,7 @@ def test_faults_tell_what_they_are(call: Call) -> None:
     """`--faults help` lists every name, what it is, and what each machine makes of it."""
     told = call("simulate", "fig1", "--faults", "help")
     assert 0 == told.code
-    assert "  group-missed: a balise group is passed without a word, at group NAME:ID\n" in told.out
+    assert "  group-missed: the vehicle passes a balise group and reads nothing, at group NAME:ID\n" in told.out
     assert "      route: no route fits: nothing is reported until the next start\n" in told.out
 
 
