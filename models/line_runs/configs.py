@@ -19,7 +19,7 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.motion import VehicleConfig
 
 SPEED_SHARE = 0.9
-"""How much of the speed gate a vehicle uses; the rest is for what the odometer measures too much."""
+"""Share of the speed limit that a vehicle uses; the rest is for what the odometer measures too much."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from safeloc.simulation.motion import Motion
 
 Steps = list[dict[str, Cell]]
 OTHER = {"STRAIGHT": "LEFT", "LEFT": "STRAIGHT", "RIGHT": "STRAIGHT"}
-"""What a movement authority says that sends the vehicle the other way."""
+"""Course of a movement authority that sends the vehicle the other way."""
 
 
 @dataclass(frozen=True)
