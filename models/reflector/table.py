@@ -106,7 +106,7 @@ def rows(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transitio
 
 
 def _failures(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The position is withdrawn at once."""
+    """Yield the rows that withdraw the position at once."""
     lost, *located = mode
     view_zone = mode[5:]
     refused = own.contradicted | own.odometer.failed
@@ -126,7 +126,7 @@ def _failures(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
 
 
 def _self_test(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The reference measurement that a balise starts (RFL-6, RFL-8)."""
+    """Yield the rows of the self-test that a balise starts (RFL-6, RFL-8)."""
     _, unready, reference, *_ = mode
     view = mode[5]
     here, unseen = cycle.started & cycle.tolerable, cycle.started & cycle.tolerable & ~cycle.target.accepted
@@ -156,7 +156,7 @@ def _self_test(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]
 
 
 def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """A reflector is measured."""
+    """Yield the rows of a measured reflector."""
     search, view, coast, passing = mode[4:]
     in_zone = (view, coast, passing)
     target, ahead = cycle.target.accepted & ~cycle.started, cycle.ahead.accepted & ~cycle.started
@@ -179,7 +179,7 @@ def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
 
 
 def _withdrawn(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Without an echo the position, or the self-test, is worth too little."""
+    """Yield the rows of an interval, or of a self-test, that has become too uncertain without an echo."""
     lost, unready, reference, *ready = mode
     too_wide, coarse = groups.dropped(TOLERANCE), groups.unready(NO_SELF_TEST)
     yield Transition("tolerance exceeded", mode[1:], lost, ~cycle.tolerable, too_wide, ("RFL-1",), 8)
@@ -188,7 +188,7 @@ def _withdrawn(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterato
 
 
 def _missing(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """A reflector is not where the map has it (RFL-D3)."""
+    """Yield the rows of a reflector that is missing at its place on the map (RFL-D3)."""
     _, unready, reference, odometry, search, *_ = mode
     ended = groups.unready(NOT_FOUND)
     yield Transition(
@@ -199,7 +199,7 @@ def _missing(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[
 
 
 def _zones(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """From zone to zone without a measurement."""
+    """Yield the rows from zone to zone without a measurement."""
     _, _, _, odometry, search, view, coast, passing = mode
     hold, seen = together(groups.hold, groups.drifting), (view, coast)
     sought, none = together(hold, groups.next_target), together(hold, groups.no_target)
@@ -219,7 +219,7 @@ def _zones(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) ->
 
 
 def _going_on(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Nothing happened but distance."""
+    """Yield the rows of a cycle in which the vehicle only ran on."""
     lost, unready, reference, odometry, search, *_ = mode
     hold, idle = together(groups.hold, groups.drifting), together(groups.hold, groups.untested)
     waiting = together(idle, own.anchor.become(cycle.anchored), {own.run: cycle.run})

@@ -128,7 +128,7 @@ def _table(own: Parts, after: tuple[Bounded, ...], table: tuple[Lit, ...]) -> It
 
 
 def _run_on(own: Parts, after: tuple[Bounded, ...]) -> Updates:
-    """Each route that stays possible gets its new bounds, any other one 0."""
+    """Return the updates of every route: new bounds of those that stay possible, 0 of the others."""
     updates: dict[Var, Expr] = {}
     for route, one in zip(own.routes, after, strict=True):
         updates[route.possible] = one.possible
@@ -138,7 +138,7 @@ def _run_on(own: Parts, after: tuple[Bounded, ...]) -> Updates:
 
 
 def _no_route(own: Parts) -> Updates:
-    """No route is possible."""
+    """Return the updates after which no route is possible."""
     updates: dict[Var, Expr] = {}
     for route in own.routes:
         updates[route.possible] = FALSE

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, ceil_to, ite, maximum, minimum, product
 from safeloc.language.units import COUNT, MM, MM_S2, MS
 from safeloc.models.stop_point.variables import Parts
+from safeloc.models.vocabulary.choose import choose
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,11 +125,7 @@ def judge(own: Parts) -> Judged:
     for number, stop in enumerate(own.stops[1:], 2):
         meant = own.selected.value.eq(as_num(number, COUNT))
         known.append(meant & stop.position.present)
-        chosen = Window(
-            ite(meant, stop.position.value, chosen.stop),
-            ite(meant, stop.before, chosen.before),
-            ite(meant, stop.after, chosen.after),
-        )
+        chosen = choose(meant, Window(stop.position.value, stop.before, stop.after), chosen)
     return Judged(
         own,
         own.position - own.below,

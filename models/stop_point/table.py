@@ -32,7 +32,7 @@ def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transiti
 
 
 def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The stop is given up or served, or the position is lost."""
+    """Yield the rows that end a stop, and of a lost position."""
     idle, approach, braking, stopped, short, creeping, overrun, repositioning, held = table
     pending = (approach, braking, stopped, short, creeping, overrun, repositioning)
     over = together(_no_stop(own), {own.served: own.pending, own.reason: NO_REASON})
@@ -43,7 +43,7 @@ def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The mission selects a stop point of the platform; it may change its choice until the brake order."""
+    """Yield the rows of the selection of a stop point; the mission may change it until the brake order."""
     idle, approach, *_ = table
     chosen: Updates = {
         own.stop: cycle.chosen.stop,
@@ -66,7 +66,7 @@ def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tr
 
 
 def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Up to the brake order, and beyond the window."""
+    """Yield the rows up to the brake order, and of an overrun."""
     _, approach, braking, stopped, short, creeping, overrun, *_ = table
     near = together(_to_go(cycle), _fit(cycle))
     ahead, measured_beyond = (approach, braking, creeping), own.precise & cycle.beyond
@@ -80,7 +80,7 @@ def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[
 
 
 def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The vehicle stands in the window, before it or beyond it."""
+    """Yield the rows of a vehicle that stands in the window, before it or beyond it."""
     _, _, braking, stopped, short, _, overrun, _, held = table
     near, measured = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise
     yield Transition("rolls away", stopped, braking, ~cycle.standing, near, REQUIREMENTS, 5)
@@ -97,7 +97,7 @@ def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tra
 
 
 def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The vehicle creeps forward into the window, or repositions backwards into it."""
+    """Yield the rows of creeping forward into the window, and of repositioning backwards into it."""
     _, _, braking, _, short, creeping, overrun, repositioning, _ = table
     near, may = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise & own.permitted
     yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, REQUIREMENTS, 8)
@@ -118,7 +118,7 @@ def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
 
 
 def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The order stays."""
+    """Yield the rows in which the order stays."""
     _, _, _, stopped, short, creeping, overrun, repositioning, held = table
     near = together(_to_go(cycle), _fit(cycle))
     yield Transition("stands in place", stopped, stopped, TRUE, near, REQUIREMENTS, 10)
@@ -133,15 +133,15 @@ def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tran
 
 
 def _to_go(cycle: Judged) -> Updates:
-    """The distance to the stop is shown."""
+    """Return the update of the shown distance."""
     return {cycle.own.distance: cycle.pending.stop - cycle.own.position}
 
 
 def _fit(cycle: Judged) -> Updates:
-    """The reason says whether the interval is too coarse for the window."""
+    """Return the update of the reason: is the interval too coarse for the window?"""
     return {cycle.own.reason: ite(cycle.short & cycle.beyond, TOO_COARSE, NO_REASON)}
 
 
 def _no_stop(own: Parts) -> Updates:
-    """No stop is pending: its place, window and distance are 0."""
+    """Return the updates after which no stop is pending: place, window, distance and number are 0."""
     return {own.stop: 0, own.before: 0, own.after: 0, own.distance: 0, own.pending: 0}
