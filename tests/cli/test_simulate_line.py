@@ -112,7 +112,7 @@ def test_faults_tell_what_they_are(call: Call) -> None:
     told = call("simulate", "fig1", "--faults", "help")
     assert 0 == told.code
     assert "  group-missed: the vehicle passes a balise group and reads nothing, at group NAME:ID\n" in told.out
-    assert "      route: no route fits: nothing is reported until the next start\n" in told.out
+    assert "      route: no route fits: no report until the next start\n" in told.out
 
 
 def test_a_single_group_is_told_to_be_no_more_than_a_candidate(call: Call, tmp_path: Path) -> None:
