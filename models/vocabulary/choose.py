@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import Field, fields, replace
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from safeloc.errors import ModelError
 from safeloc.language.expr import Bool, Expr, Num, ite
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
-Terms = TypeVar("Terms", bound="DataclassInstance")
+class Group(Protocol):
+    """A dataclass."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+
+Terms = TypeVar("Terms", bound=Group)
 
 
 def choose(condition: Bool, then: Terms, other: Terms) -> Terms:
