@@ -140,7 +140,7 @@ class Judged:
     @cached_property
     def agrees(self) -> Bool:
         """The fix and the interval can both be true: they share at least what the odometer's constant takes up."""
-        return self.run_on.meets(self.fix, self.own.config.reader.constant_nm)
+        return self.run_on.overlap(self.fix) >= self.own.config.reader.constant_nm
 
     @cached_property
     def inside(self) -> Bool:

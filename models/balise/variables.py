@@ -31,7 +31,7 @@ from safeloc.models.balise.linking import (
 )
 from safeloc.models.balise.telegram import Reader, telegram
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.interval import Held
+from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Heading, Odometer, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
@@ -302,9 +302,9 @@ def parts(config: BaliseConfig, *, moved: Movement | None = None) -> Parts:
     return Parts(config, moved)
 
 
-def _held(declared: Declared, config: BaliseConfig) -> Held:
+def _held(declared: Declared, config: BaliseConfig) -> StoredInterval:
     place, tolerance = config.position_limit_mm * NM_PER_MM, config.limits.tolerance_nm
-    return Held(
+    return StoredInterval(
         declared.state(number("position_nm", NM, -place, place), first=0),
         declared.state(number("margin_above_nm", NM, 0, tolerance), first=0),
         declared.state(number("margin_below_nm", NM, 0, tolerance), first=0),

@@ -99,11 +99,11 @@ def plainly(machine: Machine) -> Stated:
 
 
 def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = reflecting.parts(config.reflector)
-    ghosts = replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step)
-    if moves.own.ghosts.units is not None:
-        ghosts = replace(ghosts, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
-    own = replace(own, ghosts=ghosts)
+    seen = moves.own.ghosts
+    moving = replace(reflecting.moving(config.reflector), truth=seen.truth, true_step=seen.true_step)
+    if seen.units is not None:
+        moving = replace(moving, wander=seen.units.told, next_wander=seen.units.next_told)
+    own = reflecting.Parts(config.reflector, moving)
     model = reflector.build(own)
     machine = model.machine
     error = machine.output("error")

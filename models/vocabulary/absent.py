@@ -1,4 +1,4 @@
-"""What a machine shows of an interval while it reports none: numbers that cannot be taken for a place or for a margin."""
+"""Outputs of an interval while a machine reports none: numbers that nobody can take for a place or a margin."""
 
 from __future__ import annotations
 
