@@ -18,22 +18,27 @@ class Figures(Protocol):
     @property
     def echo_slots(self) -> int:
         """Echoes in a frame."""
+        ...
 
     @property
     def position_limit_mm(self) -> int:
         """The farthest place on the map."""
+        ...
 
     @property
     def reach_nm(self) -> int:
         """The farthest place that end A may have, nm."""
+        ...
 
     @property
     def range_limit_mm(self) -> int:
         """The greatest range that is measured."""
+        ...
 
     @property
     def radar_scale_ppm(self) -> int:
         """The greatest error in proportion to a range."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,18 +57,22 @@ class CycleLimits(Protocol):
     @property
     def period_ms(self) -> int:
         """Length of the cycle, ms."""
+        ...
 
     @property
     def max_step_mm(self) -> int:
         """The greatest distance that is measured in a cycle at the highest speed, mm."""
+        ...
 
     @property
     def blind_nm(self) -> int:
         """The farthest that the vehicle gets in a cycle, nm."""
+        ...
 
     @property
     def gap_limit(self) -> int:
         """The most cycles without a usable distance."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
