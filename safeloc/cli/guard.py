@@ -12,12 +12,16 @@ from typing import IO, Annotated
 
 import typer
 
+from safeloc.catalogue import read_config
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.files import require_not_read
-from safeloc.cli.guard_input import Way, config_of, deliveries, direction, form_of, line_of, opened, route_of
+from safeloc.cli.options import direction
 from safeloc.errors import InputError
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.fields import columns_of
+from safeloc.railway.guard.figures import find_vehicle, guard_config
 from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.guard.inputs import Way, deliveries, form_of, line_of, opened, route_of
 from safeloc.railway.guard.told import SCHEMA, as_data
 from safeloc.railway.guard.tracks import Tracks
 from safeloc.railway.map.projection import WGS84
@@ -69,7 +73,7 @@ def guard(
         usable(report)
     if where is not None:
         require_not_read(where, line, stream, path, config, vehicle)
-    figures, network = config_of(vehicle, config), line_of(line)
+    figures, network = _config(vehicle, config), line_of(line)
     route = route_of(network, Way(path, edges, direction(first)))
     clear, reach = figures.track_clearance_mm, figures.tolerance_mm
     tracks = Tracks(network, clear_mm=clear, reach_mm=reach, route=route, crs=crs, both_directions=both)
@@ -82,6 +86,12 @@ def guard(
         err.print(f"report: {write_guard_folder(report, kept, made.tracks, figures, stream)}", markup=False)
     _summary(counts, as_json=as_json, to_stderr=where is None)
     raise typer.Exit(0 if counts["PASSED"] else NOTHING_PASSED)
+
+
+def _config(vehicle: str | None, file: Path | None) -> GuardConfig:
+    """Return the guard's configuration; figures of the file override those of the vehicle."""
+    chosen = {} if file is None else read_config(GuardConfig, file).model_dump(exclude_unset=True)
+    return guard_config(None if vehicle is None else find_vehicle(vehicle), chosen)
 
 
 def _written(judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None) -> Counter[str]:

@@ -24,14 +24,11 @@ from safeloc.cli.options import (
 )
 from safeloc.cli.show import Progressing, code, print_summary, result, summed_up
 from safeloc.cli.watching import WatchOption, beside, watch
-from safeloc.language.spec import Property
-from safeloc.proof.cache.answers import kept_in
+from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
-from safeloc.proof.cache.targets import asked, found_before, keep
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
-from safeloc.proof.verification.one import Work, claims, owed
-from safeloc.proof.verification.unasked import nothing_asked
+from safeloc.proof.verification.calls import chosen_properties, expected_of_proof, prove_target
 from safeloc.report.data import report_data
 
 
@@ -82,21 +79,20 @@ class _Proving:
 
     def findings(self, loaded: Target) -> list[Finding]:
         """Prove one target, or return what an earlier run found."""
-        chosen = _chosen(loaded, self.only)
-        question = asked(loaded, "proved", self.limits, self.only)
-        found = None if self.fresh else found_before(self.store, question)
-        if found is None:
-            found = self._proved(loaded, chosen)
-            keep(self.store, question, found)
+        _require_known(loaded, self.only)
+        with Progressing(expected_of_proof(loaded, self.only), quiet=self.quiet) as progress:
+            found = prove_target(
+                loaded,
+                only=self.only,
+                limits=self.limits,
+                jobs=self.jobs,
+                store=self.store,
+                fresh=self.fresh,
+                on_phase=progress.say,
+                on_finding=progress.add,
+            )
         tell_kept(found, quiet=self.quiet)
         return found
-
-    def _proved(self, loaded: Target, chosen: Sequence[Property]) -> list[Finding]:
-        expected = claims(loaded, chosen) + (owed(loaded) if self.only is None else 0)
-        with kept_in(self.store, fresh=self.fresh), Progressing(expected, quiet=self.quiet) as progress:
-            work = Work(loaded, self.jobs, progress.say, progress.add)
-            found = [*nothing_asked(loaded), *work.proved(chosen, self.limits)]
-            return found if self.only is not None else [*found, *work.obliged(self.limits)]
 
     def in_each(self, configured: Iterable[tuple[str, Target]]) -> int:
         """Prove a machine in each of its configurations; return the exit code of the worst finding."""
@@ -126,16 +122,14 @@ class _Proving:
 
 
 def _own_figures(config: BaseModel | None) -> str:
-    """The figures of a configuration that are not the defaults."""
+    """Return the figures of a configuration that differ from the defaults, in words."""
     own = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
     return ", ".join(f"{name} = {value}" for name, value in own.items()) or "no figure is changed"
 
 
-def _chosen(target: Target, names: list[str] | None) -> list[Property]:
-    if names is None:
-        return list(target.properties)
-    known = {prop.name: prop for prop in target.properties}
-    missing = [name for name in names if name not in known]
-    if missing:
-        raise typer.BadParameter(f"{target.name} has no property {missing[0]!r}; it has {', '.join(known)}.")
-    return [known[name] for name in names]
+def _require_known(target: Target, names: Sequence[str] | None) -> None:
+    """Refuse a name in --property that the target has not."""
+    try:
+        chosen_properties(target, names)
+    except InputError as error:
+        raise typer.BadParameter(str(error)) from error

@@ -11,10 +11,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
-from safeloc.cli.time_left import TimeLeft
 from safeloc.language.verdict import WORST_FIRST
 from safeloc.proof.verification.many import Began, Event, Found, Kept, Over, Phase
 from safeloc.proof.verification.one import expected
+from safeloc.proof.verification.time_left import TimeLeft
 
 
 class Verifying:

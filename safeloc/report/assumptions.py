@@ -1,4 +1,7 @@
-"""What `safeloc replay --assumptions` tells: how near each law of the worlds came to being broken, and every breach."""
+"""The result of `safeloc replay --assumptions`, as text and as data.
+
+Each law of the worlds has the least distance to a breach that the recording shows, and every breach.
+"""
 
 from __future__ import annotations
 
@@ -7,33 +10,26 @@ from typing import Any
 
 from safeloc.assurance.register import Assumption, of_border, register
 from safeloc.catalogue import Target
-from safeloc.cli.console import out, print_json
-from safeloc.cli.show import EXIT_CODES
 from safeloc.proof.verification.assumptions import AtCycle, Judged, JudgedLaw
 from safeloc.runtime.breaches import BrokenLaw
 
-SCHEMA = "safeloc-assumptions/1"
-SHOWN_BREACHES = 10
-SHOWN_VALUES = 12
-BY: Mapping[str, str] = {"inputs": "inputs", "part": "inputs, in part", "truth": "truth"}
+_SCHEMA = "safeloc-assumptions/1"
+_SHOWN_BREACHES = 10
+_SHOWN_VALUES = 12
+_BY: Mapping[str, str] = {"inputs": "inputs", "part": "inputs, in part", "truth": "truth"}
 Numbers = Mapping[tuple[str, str], Assumption]
 
 
-def tell(target: Target, recording: str, judged: Judged, *, as_json: bool) -> int:
-    """Print it; return the exit code: 0 nothing was broken, 1 a law was, 3 nothing could be judged."""
-    numbers = {(one.machine, one.name): one for one in (*register(target), of_border())}
-    if as_json:
-        print_json(_as_data(recording, judged, numbers))
-    else:
-        for line in _lines(recording, judged, numbers):
-            out.print(line, markup=False)
-    return EXIT_CODES["violated" if judged.broken else "held" if judged.every else "not asked"]
+def numbers_of(target: Target) -> Numbers:
+    """Return the assumptions of the register, those of the border among them, by machine and name."""
+    return {(one.machine, one.name): one for one in (*register(target), of_border())}
 
 
 # ------------------------------------------------------------------ as text
 
 
-def _lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
+def as_lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
+    """Return the lines for a reader: a table of the laws, every breach, and the laws that the recording does not show."""
     truth = "with the truth" if judged.with_truth else "without the truth: what inputs show is judged"
     yield f"{recording}: {judged.cycles} cycles, {truth}"
     yield from _table(judged, numbers)
@@ -58,7 +54,7 @@ def _table(judged: Judged, numbers: Numbers) -> Iterator[str]:
     for one in judged.every:
         least = "none" if one.least is None else f"{one.least} {one.unit}"
         cycles = f"{len(one.breaches)} cycles" if one.breaches else "-"
-        rows.append((_named(one, numbers), BY[one.by], least, "-" if one.cycle is None else str(one.cycle), cycles))
+        rows.append((_named(one, numbers), _BY[one.by], least, "-" if one.cycle is None else str(one.cycle), cycles))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
@@ -74,10 +70,10 @@ def _breaches(one: JudgedLaw, numbers: Numbers) -> Iterator[str]:
         yield "    at least one of them is broken: they exclude each other"
     for law in one.laws:
         yield f"    {law.statement or 'no statement'}  (owner: {law.owner or 'none'})"
-    for at in one.breaches[:SHOWN_BREACHES]:
+    for at in one.breaches[:_SHOWN_BREACHES]:
         yield f"    cycle {at.cycle}: {_by(one, at)}; {_values(at)}"
-    if len(one.breaches) > SHOWN_BREACHES:
-        more = len(one.breaches) - SHOWN_BREACHES
+    if len(one.breaches) > _SHOWN_BREACHES:
+        more = len(one.breaches) - _SHOWN_BREACHES
         yield f"    and {more} more cycles, the last of them {one.breaches[-1].cycle}; --json has all"
 
 
@@ -89,8 +85,8 @@ def _by(one: JudgedLaw, at: AtCycle) -> str:
 
 def _values(at: AtCycle) -> str:
     told = [f"{name}={_value(value)}" for name, value in at.breach.values.items()]
-    more = f" and {len(told) - SHOWN_VALUES} more" if len(told) > SHOWN_VALUES else ""
-    return " ".join(told[:SHOWN_VALUES]) + more
+    more = f" and {len(told) - _SHOWN_VALUES} more" if len(told) > _SHOWN_VALUES else ""
+    return " ".join(told[:_SHOWN_VALUES]) + more
 
 
 def _value(value: object) -> str:
@@ -100,9 +96,10 @@ def _value(value: object) -> str:
 # ------------------------------------------------------------------ as data
 
 
-def _as_data(recording: str, judged: Judged, numbers: Numbers) -> dict[str, Any]:
+def as_data(recording: str, judged: Judged, numbers: Numbers) -> dict[str, Any]:
+    """Return the same as plain data, schema safeloc-assumptions/1."""
     return {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "target": judged.target,
         "recording": recording,
         "cycles": judged.cycles,
