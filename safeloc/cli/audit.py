@@ -1,4 +1,4 @@
-"""`safeloc audit`: whether a line's layout meets what the proofs assume."""
+"""`safeloc audit`: check the layout of a line against the assumptions of the proofs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ def audit_line(
     vehicles: Annotated[
         list[str] | None,
         typer.Option(
-            "--vehicle", help="file with \\[localization], or a shipped vehicle (repeatable); else the defaults"
+            "--vehicle",
+            help="file with \\[localization], or a shipped vehicle (repeatable); by default, default figures",
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only: a list of safeloc-audit/1")] = False,
@@ -33,8 +34,8 @@ def audit_line(
     if as_json:
         print_json([report.as_data() for report in reports])
     else:
-        for told in (told for report in reports for told in _lines(report)):
-            out.print(told, markup=False)
+        for text in (text for report in reports for text in _lines(report)):
+            out.print(text, markup=False)
     raise typer.Exit(_VIOLATED if any(report.violated for report in reports) else 0)
 
 

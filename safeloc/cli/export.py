@@ -1,4 +1,4 @@
-"""`safeloc export`: a machine in another form, as one text or as a folder."""
+"""`safeloc export`: a machine as code, diagram, table or solver text, in one file or a folder."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _write_file(content: bytes, where: Path) -> None:
 
 
 def _write_folder(files: Mapping[str, str], folder: Path) -> None:
-    """The files into the folder; others in it stay."""
+    """Write the files into the folder; other files there stay."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
@@ -86,7 +86,7 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
 
 
 def _unit(target: Target) -> bytes:
-    """Make a co-simulation unit; its period comes from the configuration, or from its machines."""
+    """Return an FMI co-simulation unit; its period comes from the configuration, or from the machines."""
     on_board = without_ghosts(target.system)
     period_ms = configured_period_ms(target.name, target.config)
     first = first_state(on_board, random.Random(0))
@@ -94,7 +94,7 @@ def _unit(target: Target) -> bytes:
 
 
 def _lasting(target: Target) -> Mapping[str, Bool] | None:
-    """Return the invariants that a restored state must satisfy; warn if not all are proved, since that changes the code."""
+    """Return the invariants that a restored state must satisfy; None, and a warning, if not all ranges are proved."""
     err.print(f"{target.name}: proving the invariants for check_state", markup=False)
     found = lasting(target.system)
     if found is None:

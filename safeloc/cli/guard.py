@@ -1,4 +1,4 @@
-"""`safeloc guard`: of a receiver's positions, only those that map and motion allow."""
+"""`safeloc guard`: filter a receiver's positions by map and motion."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ def guard(
     ] = None,
     both: Annotated[
         bool,
-        typer.Option("--both-directions", help="the vehicle may also run back on the route (set back, change cabs)"),
+        typer.Option(
+            "--both-directions", help="the vehicle may also run back on the route (setting back, change of cab)"
+        ),
     ] = False,
     form: Annotated[str | None, typer.Option("--format", help="csv, jsonl or nmea; by default from the suffix")] = None,
     column: Annotated[
@@ -58,12 +60,14 @@ def guard(
     crs: Annotated[str, typer.Option(help="coordinate system of the positions")] = WGS84,
     sentence: Annotated[str, typer.Option(help="NMEA sentence to take: RMC, GGA, GNS or GLL")] = "RMC",
     where: Annotated[Path | None, typer.Option("--out", help="JSONL to write; else standard output")] = None,
-    report: Annotated[Path | None, typer.Option("--report", help="folder for a page with map and intervals")] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", help="write a page with map and intervals into this folder")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print counts as JSON only; needs --out")] = False,
 ) -> None:
-    """Filter a receiver's positions: pass on each with its interval along the track, or with the reason why it is withheld.
+    """Filter a receiver's positions: pass each on with its interval along the track, or withhold it with a reason.
 
-    Exit code 0: positions were passed on; 3: not one was; 2: wrong input.
+    Exit code 0: at least one position was passed on; 3: none was; 2: wrong input.
     """
     if as_json and where is None:
         raise typer.BadParameter("--json prints the counts; give the positions a file with --out.")
@@ -95,7 +99,7 @@ def _config(vehicle: str | None, file: Path | None) -> GuardConfig:
 
 
 def _written(judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None) -> Counter[str]:
-    """Write each report at once, and count the reasons; `kept` collects all reports."""
+    """Write each judgement at once and count the reasons; all judgements are appended to `kept`, if it is given."""
     counts: Counter[str] = Counter()
     for judgement in judgements:
         target.write(json.dumps(as_data(judgement)) + "\n")
@@ -123,5 +127,5 @@ def _summary(counts: Counter[str], *, as_json: bool, to_stderr: bool) -> None:
     if as_json:
         print_json({"schema": SCHEMA, "deliveries": counts.total(), "reasons": dict(counts.most_common())})
         return
-    told = ", ".join(f"{reason} {number}" for reason, number in counts.most_common())
-    (err if to_stderr else out).print(f"{counts.total()} deliveries: {told or 'none'}", markup=False)
+    reasons = ", ".join(f"{reason} {number}" for reason, number in counts.most_common())
+    (err if to_stderr else out).print(f"{counts.total()} deliveries: {reasons or 'none'}", markup=False)

@@ -1,4 +1,4 @@
-"""`safeloc drive`: a recorded train over a network, as records that `replay` takes."""
+"""`safeloc drive`: turn the log of a recorded train into records for `replay`."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ def drive(
     at_mm: Annotated[list[int] | None, typer.Option("--balise-at-mm", help="place a group there (repeatable)")] = None,
     satellites: Annotated[
         list[str] | None,
-        typer.Option("--satellite", help="FLAG=MM: fixes of this quality are markers of this accuracy"),
+        typer.Option("--satellite", help="FLAG=MM: fixes with this quality flag become markers of this accuracy"),
     ] = None,
     length_mm: Annotated[int, typer.Option("--vehicle-length-mm", min=0)] = 100_000,
     accuracy_mm: Annotated[int, typer.Option("--balise-accuracy-mm", min=0)] = 1_000,
     offset_limit_mm: Annotated[int, typer.Option(help="a fix farther off the track is not trusted", min=0)] = 15_000,
     max_speed_mm_s: Annotated[int, typer.Option(help="a fix that needs more is not trusted", min=1)] = 44_445,
 ) -> None:
-    """Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth.
+    """Drive a recorded train over a network: write records of odometers, balise readers, satellites and the true position.
 
     Only fixes that the guard (`safeloc guard`) passes on this route become truth, markers or balise readings.
     """

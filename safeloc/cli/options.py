@@ -27,13 +27,13 @@ def _finite(seconds: float) -> float:
 SecondsOption = Annotated[
     float,
     typer.Option(
-        help="limit for each property: seconds of an idle machine, as solvers count them; the clock ends it after six times that",
+        help="limit of effort for each property, in seconds of an idle computer; the clock ends it after six times that",
         min=0.1,
         callback=_finite,
     ),
 ]
 JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
-SeedOption = Annotated[int, typer.Option(help="seed of the solvers and of random runs")]
+SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
 SingleOption = Annotated[bool, typer.Option("--single-file", help="write one self-contained page")]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]

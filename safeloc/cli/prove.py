@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from safeloc.catalogue import Target, configured, load_target
 from safeloc.cli.console import out, print_json
-from safeloc.cli.keeping import CacheOption, FreshOption, store_in, tell_kept
+from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import (
     ConfigOption,
     DepthOption,
@@ -40,7 +40,7 @@ def prove(
         list[str] | None,
         typer.Option(
             "--configurations",
-            help="instead of the defaults: `all` declared configurations of a shipped machine, or one by name (repeatable)",
+            help="instead of the defaults: `all` declared configurations of a shipped machine, or the name of one (repeatable)",
         ),
     ] = None,
     depth: DepthOption = 25,
@@ -61,14 +61,14 @@ def prove(
         raise typer.Exit(result(proving.findings(loaded), [loaded], as_json=as_json))
     if config is not None:
         raise typer.BadParameter(
-            "--config and --configurations exclude each other; name the declared ones, or give a file."
+            "--config and --configurations exclude each other: give a file, or names of declared configurations."
         )
     raise typer.Exit(proving.in_each(configured(target, configurations)))
 
 
 @dataclass(frozen=True)
 class _Proving:
-    """How a machine is proved: which properties, within which limits."""
+    """The options of a proof: properties, limits, processes and cache."""
 
     only: list[str] | None
     limits: Limits
@@ -91,7 +91,7 @@ class _Proving:
                 on_phase=progress.say,
                 on_finding=progress.add,
             )
-        tell_kept(found, quiet=self.quiet)
+        print_cached(found, quiet=self.quiet)
         return found
 
     def in_each(self, configured: Iterable[tuple[str, Target]]) -> int:
@@ -99,7 +99,7 @@ class _Proving:
         every: dict[str, list[Finding]] = {}
         reports: dict[str, Any] = {}
         for name, loaded in configured:
-            self._head(name, loaded)
+            self._print_head(name, loaded)
             every[name] = self.findings(loaded)
             if self.quiet:
                 reports[name] = report_data(every[name], [loaded])
@@ -108,23 +108,23 @@ class _Proving:
         if self.quiet:
             print_json({"configurations": reports})
         else:
-            self._table(every)
+            self._print_table(every)
         return code([finding for findings in every.values() for finding in findings])
 
-    def _head(self, name: str, loaded: Target) -> None:
+    def _print_head(self, name: str, loaded: Target) -> None:
         if not self.quiet:
-            out.print(f"\n{loaded.name}, {name}: {_own_figures(loaded.config)}", markup=False)
+            out.print(f"\n{loaded.name}, {name}: {_changed_figures(loaded.config)}", markup=False)
 
-    def _table(self, every: Mapping[str, Sequence[Finding]]) -> None:
+    def _print_table(self, every: Mapping[str, Sequence[Finding]]) -> None:
         out.print("")
         for name, findings in every.items():
             out.print(f"{name:30}  {summed_up(findings)}", markup=False)
 
 
-def _own_figures(config: BaseModel | None) -> str:
+def _changed_figures(config: BaseModel | None) -> str:
     """Return the figures of a configuration that differ from the defaults, in words."""
-    own = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
-    return ", ".join(f"{name} = {value}" for name, value in own.items()) or "no figure is changed"
+    changed = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
+    return ", ".join(f"{name} = {value}" for name, value in changed.items()) or "all figures are defaults"
 
 
 def _require_known(target: Target, names: Sequence[str] | None) -> None:

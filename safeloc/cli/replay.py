@@ -1,4 +1,4 @@
-"""The command `safeloc replay`: a recorded stream, judged by the properties or by the laws of the worlds."""
+"""The command `safeloc replay`: check properties, or the laws of the worlds, on a recorded stream."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ def replay(
         bool,
         typer.Option(
             "--assumptions",
-            help="judge the laws of the worlds instead: how near each came to being broken, and every breach",
+            help="check the laws of the worlds instead: the least distance of each to a breach, and every breach",
         ),
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world."""
+    """Run a recorded stream through a machine; check every property on it, or the proofs' assumptions about the world."""
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
     if run is not None and period is not None:
-        raise typer.BadParameter("--period-ms is for single records; the run of --run has steps already.")
+        raise typer.BadParameter("--period-ms groups single records; the run of --run consists of steps.")
     loaded = load_target(target, config)
     if assumptions:
         if folder is not None or form != "table":
-            raise typer.BadParameter("--assumptions goes with neither --out nor --format; give --json for data.")
+            raise typer.BadParameter("--assumptions excludes --out and --format; give --json for data.")
         judged = judge_recording(loaded, stream, period_ms=period, run=run)
         _print_judged(loaded, stream.name, judged, as_json=as_json)
         raise typer.Exit(_exit_code(judged))

@@ -1,4 +1,4 @@
-"""`safeloc run`: a machine as a process of its own, fed with lines (MRK-3)."""
+"""`safeloc run`: a machine as a separate process that reads lines (MRK-3)."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def run(
         int,
         typer.Option(
             "--longest-gap-ms",
-            help="longest gap bridged by widening the interval; after a longer one the vehicle starts again",
+            help="longest gap bridged by widening the interval; after a longer one the vehicle restarts",
             min=1,
         ),
     ] = LONGEST_GAP_MS,
@@ -95,7 +95,7 @@ def run(
         bool,
         typer.Option(
             "--assumptions/--no-assumptions",
-            help="judge in each cycle what of the proofs' assumptions can be seen; a breach stands in the cycle's report",
+            help="check the proofs' assumptions in each cycle, as far as inputs show them; report breaches",
         ),
     ] = True,
     to_its_end: Annotated[
@@ -112,10 +112,10 @@ def run(
         period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
         first=_first(first), assumptions=assumptions,
     )  # fmt: skip
-    fleet, journal = Fleet(program, ways, _own(target, vehicles)), Journal(STDERR)
+    fleet, journal = Fleet(program, ways, _programs(target, vehicles)), Journal(STDERR)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
-    )()  # the only ones that take a file for stdin
+    )()  # no other kind of selector accepts a file as standard input
     feed = _feed(source, journal, to_its_end=to_its_end)
     watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
     outlet, supervised = _outlet(sink, feed, selector), Supervised(alive)
@@ -124,7 +124,7 @@ def run(
         if snapshot is None:
             Loop(parts).run()
         else:
-            _go_on(replace(parts, saver=Saver(snapshot)), snapshot, fresh=fresh)
+            _run_from(snapshot, replace(parts, saver=Saver(snapshot)), fresh=fresh)
     raise typer.Exit(exit_code(fleet))
 
 
@@ -132,13 +132,14 @@ def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: 
     """Raise InputError if one file has two roles among input, output, snapshot and sign of life."""
     kinds = {"--from": source, "--to": sink or ""}
     kinds |= {name: f"file:{path}" for name, path in (("--snapshot", snapshot), ("--alive", alive)) if path is not None}
-    files = {option: Path(told[5:]) for option, told in kinds.items() if told.startswith("file:") and told[5:]}
+    files = {option: Path(name[5:]) for option, name in kinds.items() if name.startswith("file:") and name[5:]}
     for (one, file), (other, same) in combinations(files.items(), 2):
         if same_file(file, same):
             raise InputError(f"{file}: given for {one} and for {other}; give each its own file.")
 
 
-def _go_on(parts: Parts, snapshot: Path, *, fresh: bool) -> None:
+def _run_from(snapshot: Path, parts: Parts, *, fresh: bool) -> None:
+    """Run, from the state in the snapshot if there is one and `fresh` does not ignore it."""
     saved = None if fresh else read_saved(snapshot)
     loop = Loop(parts)
     if saved is not None:
@@ -194,9 +195,10 @@ def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> O
             )
 
 
-def _own(target: str, told: list[str] | None) -> Mapping[str, Program]:
+def _programs(target: str, given: list[str] | None) -> Mapping[str, Program]:
+    """Return the program of each vehicle that has its own configuration (--vehicle)."""
     programs = {}
-    for one in told or ():
+    for one in given or ():
         name, _, file = one.partition("=")
         if not VEHICLE.fullmatch(name) or not file:
             raise InputError(f"--vehicle {one!r}: give ID=FILE, for instance 12=freight.toml.")
@@ -204,9 +206,9 @@ def _own(target: str, told: list[str] | None) -> Mapping[str, Program]:
     return programs
 
 
-def _expected(told: list[str] | None) -> Mapping[str, int]:
+def _expected(given: list[str] | None) -> Mapping[str, int]:
     expected = {}
-    for one in told or ():
+    for one in given or ():
         channel, _, count = one.partition("=")
         if not channel or not (count.isascii() and count.isdecimal()):
             raise InputError(f"--expect {one!r}: give CHANNEL=N, for instance front_wheel=1.")
@@ -214,9 +216,9 @@ def _expected(told: list[str] | None) -> Mapping[str, int]:
     return expected
 
 
-def _first(told: list[str] | None) -> Mapping[str, Value]:
+def _first(given: list[str] | None) -> Mapping[str, Value]:
     values: dict[str, Value] = {}
-    for one in told or ():
+    for one in given or ():
         name, _, value = one.partition("=")
         truths = {"true": True, "false": False}
         try:

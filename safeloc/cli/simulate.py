@@ -1,4 +1,4 @@
-"""`safeloc simulate`: a machine by itself, or vehicles on a line, as streams that `replay` takes."""
+"""`safeloc simulate`: write streams for `replay`, of one machine or of vehicles on a line."""
 
 from __future__ import annotations
 
@@ -44,9 +44,7 @@ def simulate(
     ] = None,
     trust_first: Annotated[
         bool,
-        typer.Option(
-            "--trust-first", help="of a line: the first balise group of a run is trusted without a second one"
-        ),
+        typer.Option("--trust-first", help="of a line: accept the first balise group of a run without a second one"),
     ] = False,
     unaudited: Annotated[
         bool, typer.Option("--unaudited", help="drive the line although its audit finds violated rules")
@@ -73,7 +71,7 @@ def simulate(
 
 
 def is_line(target: str) -> bool:
-    """Return whether the target is a shipped line or the file of a line."""
+    """Return whether the target names a shipped line or a file of a line."""
     return target in shipped_lines() or (target not in ENTRIES and Path(target).suffix in (".toml", ".json"))
 
 

@@ -51,7 +51,7 @@ def test_list_assumptions(call: Call) -> None:
     """The register of a machine, as lines and as data: each law with what is said of it, and the figures to confirm."""
     listed = call("list", "assumptions", "--machine", "delocalized").out
     assert "delocalized  delocalized/A1  " in listed
-    assert "figures are from memory, for the operator to confirm." in listed
+    assert "figures are from memory: the operator has to confirm them." in listed
     data = json.loads(call("list", "assumptions", "--machine", "delocalized", "--json").out)
     assert ["delocalized/A1", "border/B1"] == [one["id"] for one in data["assumptions"]]
     assert ["no", "whole"] == [one["observable"] for one in data["assumptions"]]

@@ -89,4 +89,4 @@ def test_what_does_not_go_with_it(call: Call, tmp_path: Path) -> None:
     """A report has no place for it, nor have rows."""
     for more in (("--out", str(tmp_path / "drawn")), ("--format", "jsonl")):
         done = call("replay", "turn_off", LAWFUL, "--assumptions", *more)
-        assert done.code == 2 and "goes with neither --out nor --format" in " ".join(done.err.replace("│", " ").split())
+        assert done.code == 2 and "--assumptions excludes --out and --format" in " ".join(done.err.replace("│", " ").split())
