@@ -20,7 +20,7 @@ from safeloc.runtime.embedding.arguments import period_of
 from safeloc.runtime.service.address import address
 from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.loop import Loop, Parts, exit_code
 from safeloc.runtime.service.messages import VEHICLE
@@ -108,11 +108,11 @@ def run(
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
     most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
-    ways = Ways(
+    settings = FleetSettings(
         period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
         first=_first(first), assumptions=assumptions,
     )  # fmt: skip
-    fleet, journal = Fleet(program, ways, _programs(target, vehicles)), Journal(STDERR)
+    fleet, journal = Fleet(program, settings, _programs(target, vehicles)), Journal(STDERR)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
     )()  # no other kind of selector accepts a file as standard input

@@ -13,7 +13,7 @@ from safeloc.cli.console import err, out, print_json
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.results import Finding
 from safeloc.report.data import report_data
-from safeloc.report.headline import Said, counted, headline
+from safeloc.report.headline import KindAndVerdict, counted, headline
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
 COLOURS: Mapping[str, str] = {
@@ -106,7 +106,7 @@ def print_summary(findings: Sequence[Finding]) -> None:
 
 def summed_up(findings: Sequence[Finding]) -> str:
     """Return one line with the overall verdict and the number of findings of each verdict."""
-    verdicts = [Said(finding.kind, word(finding.result)) for finding in findings]
+    verdicts = [KindAndVerdict(finding.kind, word(finding.result)) for finding in findings]
     return ": ".join(part for part in (headline(verdicts), counted(verdicts)) if part)
 
 

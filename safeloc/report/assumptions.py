@@ -30,7 +30,7 @@ def numbers_of(target: Target) -> Numbers:
 
 def as_lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
     """Return the lines for a reader: a table of the laws, every breach, and the laws that the recording does not show."""
-    truth = "with the truth" if judged.with_truth else "without the truth: what inputs show is judged"
+    truth = "with the truth" if judged.with_truth else "without the truth: only laws that inputs show are checked"
     yield f"{recording}: {judged.cycles} cycles, {truth}"
     yield from _table(judged, numbers)
     for one in judged.clocks:
@@ -42,15 +42,15 @@ def as_lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
         yield from _breaches(law, numbers)
     for left in judged.unjudged:
         known = numbers[left.machine, left.name]
-        yield f"not judged: {known.id}  {left.name}; owner: {known.owner or 'none'}; check: {known.check or 'none'}"
+        yield f"not checked: {known.id}  {left.name}; owner: {known.owner or 'none'}; check: {known.check or 'none'}"
     yield (
-        f"judged: {len(judged.every)}, of them broken: {len(judged.broken)}; laws that this recording does not show: "
+        f"checked: {len(judged.every)}, of them broken: {len(judged.broken)}; laws that this recording does not show: "
         f"{len(judged.unjudged)}"
     )
 
 
 def _table(judged: Judged, numbers: Numbers) -> Iterator[str]:
-    rows = [("law", "judged by", "least distance", "cycle", "broken in")]
+    rows = [("law", "checked by", "least distance", "cycle", "broken in")]
     for one in judged.every:
         least = "none" if one.least is None else f"{one.least} {one.unit}"
         cycles = f"{len(one.breaches)} cycles" if one.breaches else "-"
@@ -84,9 +84,9 @@ def _by(one: JudgedLaw, at: AtCycle) -> str:
 
 
 def _values(at: AtCycle) -> str:
-    told = [f"{name}={_value(value)}" for name, value in at.breach.values.items()]
-    more = f" and {len(told) - _SHOWN_VALUES} more" if len(told) > _SHOWN_VALUES else ""
-    return " ".join(told[:_SHOWN_VALUES]) + more
+    values = [f"{name}={_value(value)}" for name, value in at.breach.values.items()]
+    more = f" and {len(values) - _SHOWN_VALUES} more" if len(values) > _SHOWN_VALUES else ""
+    return " ".join(values[:_SHOWN_VALUES]) + more
 
 
 def _value(value: object) -> str:

@@ -1,6 +1,6 @@
-"""Terms written out in full, however large: parts that occur more than once are named and written once.
+"""Terms written in full, whatever their size: parts that occur more than once are named and written once.
 
-A term is a graph. As one line of text, the updates of a machine would fill books; shortened, they are no evidence.
+A term is a graph. As single lines of text, the updates of a machine would fill books; shortened, they would be no evidence.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from safeloc.language.terms import Sharing, children, in_order
 UNBOUNDED = 10**9
 A_FEW_LINES = 600
 SHORT = 24
-"""A part of no more characters is written where it stands."""
+"""A part of at most so many characters is not named, but written in place."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """`name` stands for `text`."""
+    """A named part of a term."""
 
     name: str
     text: str
 
 
 class Exact:
-    """Writes the given terms; `lines` are the named parts, each before it is used."""
+    """The given terms as text; `lines` are the named parts, each before its first use."""
 
     def __init__(self, terms: Mapping[str, Expr], definitions: Mapping[str, Expr]) -> None:
         share = Sharing()
@@ -54,7 +54,7 @@ class Exact:
         }
 
     def spelled(self, term: Expr) -> str:
-        """Return the term with nothing but the model's own definitions by name, unless that fills more than a few lines."""
+        """Return a term in which only the definitions of the model are named; other parts too if it fills many lines."""
         whole = self._share(term)
         text = infix(whole, A_FEW_LINES, self._given, deepest=UNBOUNDED)
         return infix(whole, UNBOUNDED, self._names, deepest=UNBOUNDED) if text.endswith("…") else text

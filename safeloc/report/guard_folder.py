@@ -31,7 +31,7 @@ JUDGEMENTS = "judgements.jsonl"
 def write_guard_folder(
     folder: Path, judgements: Sequence[Judgement], tracks: Tracks, config: GuardConfig, stream: str
 ) -> Path:
-    """Write page and judgements, and return the path of the page. InputError where the folder cannot be written."""
+    """Write page and judgements, and return the path of the page. InputError if the folder cannot be written."""
     page = folder / "index.html"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
 
 
 def _style() -> str:
-    """The style of every report."""
+    """Return the style sheet of all reports."""
     text = STYLE.read_text(encoding="utf-8")
     return text[text.index("<style>") + len("<style>") : text.index("</style>")]
 
@@ -75,13 +75,13 @@ def _way(tracks: Tracks) -> Iterable[str]:
 
 
 def _map(judgements: Iterable[Judgement], tracks: Tracks, title: str) -> str:
-    """The whole line, also where only a route on it is guarded."""
+    """Draw the entire line, even if only a route on it is guarded."""
     plane = Projector(tracks.topology.line)
     return guard_map(plane.courses(), _way(tracks), list(_spots(judgements, plane, tracks.crs)), title)
 
 
 def _spots(judgements: Iterable[Judgement], plane: Projector, crs: str) -> Iterator[Spot]:
-    """Every fix that has a place on the map."""
+    """Yield every fix with a place on the map."""
     for one in judgements:
         if one.place is not None:
             assert one.delivery.x is not None and one.delivery.y is not None
@@ -89,7 +89,7 @@ def _spots(judgements: Iterable[Judgement], plane: Projector, crs: str) -> Itera
 
 
 def _moments(judgements: Iterable[Judgement], tracks: Tracks) -> Iterator[Moment]:
-    """Deliveries over time; one that is late stands where it came. Without a route a place is on a way while one is held."""
+    """Yield deliveries by their time of arrival. Without a route, a position counts only while the guard has a way."""
     start: int | None = None
     now = 0
     for one in judgements:

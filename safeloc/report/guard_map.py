@@ -16,7 +16,7 @@ Course = Sequence[tuple[float, float]]
 
 
 class Spot(NamedTuple):
-    """A fix in the plane, metres, and what became of it."""
+    """A fix in the plane, in metres, and the reason why it was passed on or withheld."""
 
     east: float
     north: float
@@ -25,7 +25,7 @@ class Spot(NamedTuple):
 
 @dataclass(frozen=True)
 class Frame:
-    """The part of the plane that is shown, at one scale both ways."""
+    """The part of the plane that is shown, at the same scale in both directions."""
 
     east: Axis
     north: Axis
@@ -40,12 +40,12 @@ class Frame:
 
     @property
     def scale(self) -> float:
-        """Units of the page a metre."""
+        """Units of the page per metre."""
         return (self.east.end - self.east.begin) / (self.east.high - self.east.low)
 
 
 def guard_map(courses: Mapping[str, Course], way: Iterable[str], spots: Sequence[Spot], title: str) -> str:
-    """Return the drawing of all spots; empty where there are none."""
+    """Return the drawing of all spots; empty if there are none."""
     if not spots:
         return ""
     frame = _frame([(spot.east, spot.north) for spot in spots])
@@ -65,7 +65,7 @@ def _name(title: str) -> str:
 
 
 def _frame(places: Sequence[tuple[float, float]]) -> Frame:
-    """All places with room around them, as tall as one scale asks for, within what a page shows well."""
+    """Return a frame around all places, with a margin; its height follows from the scale, within limits."""
     east, north = [place[0] for place in places], [place[1] for place in places]
     width, height = max(max(east) - min(east), 50.0) * 1.06, max(max(north) - min(north), 50.0) * 1.06
     across = RIGHT - LEFT
@@ -80,7 +80,7 @@ def _frame(places: Sequence[tuple[float, float]]) -> Frame:
 
 
 def _tracks(courses: Iterable[Course], frame: Frame, colour: str, width: float) -> str:
-    """Courses that come into the frame; what lies outside is cut off by the page."""
+    """Draw the courses that touch the frame; the page clips the parts outside."""
     shown = [course for course in courses if _comes_in(course, frame)]
     return line([[frame.at(*point) for point in course] for course in shown], colour, kind="track", width=width)
 
@@ -92,7 +92,7 @@ def _comes_in(course: Course, frame: Frame) -> bool:
 
 
 def _marks(spots: Sequence[Spot], frame: Frame) -> str:
-    """A mark for each spot, one at most for a reason in a unit of the page; withheld ones on top."""
+    """Draw a mark for each spot, at most one per reason and unit of the page; withheld ones on top."""
     found: dict[tuple[int, int, str], str] = {}
     for spot in sorted(spots, key=lambda one: one.reason != PASSED):
         at = frame.at(spot.east, spot.north)
@@ -101,7 +101,7 @@ def _marks(spots: Sequence[Spot], frame: Frame) -> str:
 
 
 def _scale_bar(frame: Frame) -> str:
-    """A length of the map, and where north is."""
+    """Draw the scale bar, with the direction of north."""
     length = next(one for one in (5000, 2000, 1000, 500, 200, 100, 50, 20, 10, 5) if one * frame.scale <= 260)
     y, end = frame.north.begin + 14, LEFT + length * frame.scale
     bar = f'<path d="M{LEFT} {y - 4:.1f}v8m0 -4H{end:.1f}m0 -4v8" class="ink" fill="none"/>'

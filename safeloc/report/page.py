@@ -1,7 +1,7 @@
-"""The report as an HTML page, from the report's data alone: text in, text out.
+"""The report as an HTML page, made from the report's data alone.
 
-A small report is one page that stands alone. Of a large one the page holds what is looked at first; the rest are parts,
-each a script beside it (`page.js` opens them), unless one single page is asked for.
+A small report is one self-contained page. The page of a large one holds the overview; the other parts are scripts beside it,
+which `page.js` opens, unless a single page is wanted.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, Said, counted, headline
+from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.streams.gzipped import name_of
 
 HERE = Path(__file__).parent
 PARTS = "page"
-"""The folder, beside the page, of what it loads."""
+"""The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
-"""Characters of a page that has no parts: it opens within a second."""
+"""Most characters of a page without parts: such a page opens within a second."""
 LONGEST_NAME = 150
 MANY_ROWS = 4
-"""More transitions than that, on which a claim rests, are told by their number."""
+"""If a claim rests on more transitions, only their number is shown."""
 LONGEST_RUN, LAST_STEPS = 40, 20
-"""A longer run is folded but for its last steps."""
+"""Of a longer run, only the last steps are shown unfolded."""
 SUMMARY: Mapping[str, tuple[str, ...]] = {
     "properties": ("property",),
     "obligations and lemmas": ("obligation", "lemma"),
@@ -44,14 +44,14 @@ Data = Mapping[str, Any]
 
 
 def to_pages(data: Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
-    """Return the page and its parts by file name; no parts where it is small, or `single`."""
+    """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
     rendering = _Rendering(data)
     whole = rendering.page()
     return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
 
 
 def to_html(data: Data) -> str:
-    """Return the whole page of what `report_data` returned, or of a report that was read back."""
+    """Return the complete page for the result of `report_data`, or for a report that was read from a folder."""
     return _Rendering(data).page()
 
 
@@ -71,8 +71,8 @@ class _Rendering:
         files = file_names([*machines, *(row["machine"] for row in results)])
         self._given: dict[str, Any] = {
             "data": data,
-            "headline": headline(_said(results)),
-            "counted": counted(_said(results), ALWAYS_COUNTED),
+            "headline": headline(_verdicts(results)),
+            "counted": counted(_verdicts(results), ALWAYS_COUNTED),
             "undecided": [row for row in results if row["verdict"] == "unknown"],
             "empty": [row for row in results if row["verdict"] in ("vacuous", "not asked")],
             "violated": [
@@ -82,12 +82,12 @@ class _Rendering:
         }
 
     def page(self) -> str:
-        """All in one page."""
+        """Return one self-contained page."""
         machines = [{**one, "beside": ""} for one in self._machines]
         return self._filled("page", **self._given, machines=machines, items_beside="", made="", script="")
 
     def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
-        """The page that loads its parts, and these by file name; all carry the digest of the whole page."""
+        """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
         made = hashlib.sha256(whole.encode()).hexdigest()[:16]
         files = file_names(["beside", "trace back", *(one["name"] for one in self._machines)])
         html = {
@@ -112,13 +112,13 @@ class _Rendering:
 
 
 def _part(name: str, made: str, html: str) -> str:
-    """A script that hands over a part: its name, the report that it is of, and its HTML packed with gzip, in base64."""
+    """Return a script with a part: its name, the digest of its report, and its HTML, packed with gzip, in base64."""
     content = base64.b64encode(gzip.compress(html.encode(), mtime=0)).decode()
     return f"safelocPart({json.dumps(name)}, {json.dumps(made)}, {json.dumps(content)});\n"
 
 
 def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
-    """Return a file name for each finding's trace: readable, and never the same for two, also where case does not count."""
+    """Return a readable file name for each id. Two names always differ, even if the file system ignores case."""
     names: dict[str, str] = {}
     taken: set[str] = set()
     for one in dict.fromkeys(finding_ids):
@@ -135,7 +135,7 @@ def _numbered(plain: str) -> Iterator[str]:
 
 
 def _shown_before(machines: Sequence[Data]) -> dict[tuple[str, int], str]:
-    """(target, number of its part) -> the target under which the very same machine is shown already."""
+    """Return, for a target and the number of its part, the earlier target that shows an identical machine."""
     first: dict[str, str] = {}
     again: dict[tuple[str, int], str] = {}
     for machine in machines:
@@ -170,7 +170,7 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
 
 
 def _rests(evidence: Data | None) -> dict[str, Any] | None:
-    """What each claim rests on as rows of a table, and the picture of the cut sets; None where it was not asked."""
+    """Return the cores of all claims as rows of a table, and the picture of the cut sets; None without evidence."""
     if evidence is None:
         return None
     return {
@@ -181,7 +181,7 @@ def _rests(evidence: Data | None) -> dict[str, Any] | None:
 
 
 def _core(one: Data) -> dict[str, Any]:
-    """Rows by their number where there are many; else elements by name."""
+    """Return the core of a claim by kinds of elements; of many rows, only the number."""
     named: dict[str, list[str]] = {"clause": [], "contract": [], "lemma": [], "range": [], "row": []}
     for element in one["rests_on"]:
         named[element["kind"]].append(element["name"])
@@ -195,23 +195,23 @@ def _core(one: Data) -> dict[str, Any]:
     }
 
 
-def _said(rows: Sequence[Data]) -> list[Said]:
-    return [Said(row["kind"], row["verdict"]) for row in rows]
+def _verdicts(rows: Sequence[Data]) -> list[KindAndVerdict]:
+    return [KindAndVerdict(row["kind"], row["verdict"]) for row in rows]
 
 
 def _counted(rows: Sequence[Data], kinds: Sequence[str]) -> str:
-    """Such as `21 proved, 1 unknown`."""
+    """Return the number of each verdict, such as `21 proved, 1 unknown`."""
     found = Counter(row["verdict"] for row in rows if row["kind"] in kinds)
     return ", ".join(f"{found[verdict]} {verdict}" for verdict in BEST_FIRST if found[verdict]) or "none"
 
 
 def _named(row: Data) -> dict[str, Any]:
-    """`notes_text` groups tests that were made in the same runs."""
+    """Return the row with a short name and with `notes_text`, by which tests of the same runs are grouped."""
     return {**row, "name": row["id"].split("/", 2)[-1], "notes_text": json.dumps(row["notes"])}
 
 
 def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
-    """Return tests and replays as one table: a row a statement, a column a campaign or recording, a cell its result."""
+    """Return tests and replays as one table: a row for each statement, a column for the tests and for each recording."""
     sources = list(dict.fromkeys(_source(row) for row in rows))
     statements: dict[str, dict[str, Any]] = {}
     for row in rows:
@@ -228,7 +228,7 @@ def _source(row: Data) -> str:
 
 
 def _requirements(data: Data) -> dict[str, Any]:
-    """Rows of the machines in this report, and of those that something in it names; the others are only counted."""
+    """Return the requirements of machines in this report and of its results; the others are only counted."""
     present = {
         name for machine in data["machines"] for name in (machine["name"], *(p["name"] for p in machine["parts"]))
     }
@@ -242,7 +242,7 @@ def _requirements(data: Data) -> dict[str, Any]:
 
 
 def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
-    """(what, verdict): each property, and whatever did not hold; tests and replays that held as a number."""
+    """Return name and verdict of each property and of everything that did not hold; of tests that held, the number."""
     single = [row for row in rows if row["kind"] == "property" or row["verdict"] not in ("proved", "held")]
     listed = [(row["id"].replace("/property/", ": "), row["verdict"]) for row in single]
     for kind, word in (("test", "property tests"), ("replay", "replays")):

@@ -1,4 +1,4 @@
-"""A small line chart as SVG text: whole-number series over steps, one band, one scale."""
+"""A small line chart as SVG text: series over steps, with one band and one scale."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _dot(scale: _Scale, step: int, value: float, colour: str) -> str:
 
 
 def _lone(series: Series) -> list[tuple[int, float]]:
-    """Values between two gaps: a line would not show them."""
+    """Return single values between two gaps, which a line would not show."""
     around = [None, *series, None]
     return [
         (step, value)
@@ -76,7 +76,7 @@ def _lone(series: Series) -> list[tuple[int, float]]:
 
 
 def _band(scale: _Scale, lower: Series, upper: Series) -> str:
-    """The shaded band, interrupted where it is None."""
+    """Return the shaded band; None is a gap."""
     text, run = "", list[tuple[int, float, float]]()
     for step, (low, high) in enumerate([*zip(lower, upper, strict=True), (None, None)]):
         if low is not None and high is not None:
@@ -90,7 +90,7 @@ def _band(scale: _Scale, lower: Series, upper: Series) -> str:
 
 
 def _widened(scale: _Scale, run: Sequence[tuple[int, float, float]]) -> list[tuple[float, float, float]]:
-    """Steps as places on the page; a run of one step is four wide, or nobody would see it."""
+    """Return steps as places on the page; a single step is four units wide, so that it can be seen."""
     places = [(scale.x(step), low, high) for step, low, high in run]
     if len(run) > 1:
         return places

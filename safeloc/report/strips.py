@@ -1,4 +1,4 @@
-"""A strip along an axis, coloured by what a signal says, with its name or its number in each piece."""
+"""A strip along an axis, coloured by the value of a signal, with the value's name or number in each piece."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from safeloc.report.drawing import DARK, LEFT, PALETTE, Axis, Swatch, box, box_swatch, wide, word
-from safeloc.report.told import Series
+from safeloc.report.recorded_run import Series
 
 TALL = 20
 
@@ -21,7 +21,8 @@ class Piece(NamedTuple):
 
 
 def strip(axis: Axis, places: Series, words: Sequence[str], members: Sequence[str], y: float, label: str) -> str:
-    """Return the strip at `y`; `members` give colour and number of what `words` say at each place. Gaps stay empty."""
+    """Return the strip at `y`. `words` are the values at the places; `members` define their colours and numbers. Gaps stay
+    empty."""
     made = [word(LEFT - 8, y + TALL - 6, label, anchor="end")]
     found = sorted(_thinned(_pieces(axis, places, words)), key=lambda piece: piece.begin - piece.end)
     for piece in found:
@@ -37,7 +38,7 @@ def colour_of(members: Sequence[str], name: str) -> str:
 
 
 def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
-    """List the values that occur, with their numbers."""
+    """Return the legend of the values that occur, with their numbers."""
     present = set(words)
     return [
         box_swatch(colour_of(members, name), f"{number} {name}")
@@ -47,7 +48,7 @@ def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
 
 
 def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[Piece]:
-    """Each reaches up to where the next begins, unless there is a gap between."""
+    """Yield the pieces; each reaches to the begin of the next one, unless there is a gap between."""
     known = [None if place is None else (axis.at(place), said) for place, said in zip(places, words, strict=True)]
     for gap, run in groupby(known, lambda one: one is None):
         stretch = [one for one in run if one is not None]
@@ -62,7 +63,7 @@ def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[Piece]
 
 
 def _thinned(found: Iterator[Piece]) -> list[Piece]:
-    """Of those that are narrower than a unit, one of a kind in each column."""
+    """Return the pieces; of those narrower than a unit, one of each kind in each column."""
     kept: dict[tuple[object, ...], Piece] = {}
     for piece in found:
         narrow = piece.end - piece.begin < 1

@@ -34,9 +34,9 @@ from safeloc.report.drawing import (
     word,
 )
 from safeloc.report.png import Colour, data_address, png
+from safeloc.report.recorded_run import RecordedRun
 from safeloc.report.strips import strip, strip_legend
 from safeloc.report.thinning import Point, Span, pieces, spans
-from safeloc.report.told import Told
 from safeloc.report.violations import head, violations
 
 HEIGHT, ROW = 430, 26
@@ -62,10 +62,10 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Fall:
-    """A run over the loudness of its fibre."""
+    """A run and the loudness along its fibre."""
 
     one: Waterfall
-    told: Told
+    recorded: RecordedRun
     loud: LoudFibre
 
     @property
@@ -81,7 +81,9 @@ class Fall:
     @cached_property
     def times_ms(self) -> list[float]:
         """The time of each step of the run."""
-        return [float(self.loud.first_ms + number * self.loud.step_ms) for number in range(len(self.told.trace.steps))]
+        return [
+            float(self.loud.first_ms + number * self.loud.step_ms) for number in range(len(self.recorded.trace.steps))
+        ]
 
     @property
     def time(self) -> Axis:
@@ -95,18 +97,18 @@ class Fall:
 
     def ends(self, interval: Interval) -> list[tuple[int, int] | None]:
         """Return the reported interval after each step."""
-        return [interval.reported.interval_mm(step.outputs) for step in self.told.trace.steps]
+        return [interval.reported.interval_mm(step.outputs) for step in self.recorded.trace.steps]
 
     def spoken(self, name: str) -> tuple[list[str], tuple[str, ...]]:
         """Return a signal's values in words after each step, and all its possible values; a truth value is yes or no."""
-        members = self.told.members(name)
+        members = self.recorded.members(name)
         if members:
-            return self.told.words(name), members
-        return ["yes" if told else "no" for told in self.told.flags(name)], ("no", "yes")
+            return self.recorded.words(name), members
+        return ["yes" if flag else "no" for flag in self.recorded.flags(name)], ("no", "yes")
 
     def states(self, section: SectionState) -> list[Piece]:
         """Return a virtual section's states in time."""
-        words, made, at = self.told.words(section.mode), list[Piece](), 0
+        words, made, at = self.recorded.words(section.mode), list[Piece](), 0
         for state, group in groupby(words):
             length = len(list(group))
             begin = self.times_ms[at] - self.loud.step_ms
@@ -115,8 +117,8 @@ class Fall:
         return made
 
     def virtual(self) -> Iterator[tuple[str, float, float, list[Piece]]]:
-        """Virtual sections: name, bounds in mm, states in time; those of the machine itself, and the recording's others."""
-        row, known = self.told.rows[0], set[tuple[float, float]]()
+        """Yield virtual sections of the machine and of the recording: name, bounds in mm, states in time."""
+        row, known = self.recorded.rows[0], set[tuple[float, float]]()
         for section in self.one.sections:
             low, high = float(row[section.low]), float(row[section.high])
             known.add((low, high))
@@ -133,12 +135,12 @@ class Fall:
         ]
 
 
-def waterfall_picture(one: Waterfall, told: Told) -> str:
-    """Return the drawing; empty for a recording of which nothing was kept."""
-    loud = one.loud(told.name)
+def waterfall_picture(one: Waterfall, recorded: RecordedRun) -> str:
+    """Return the drawing; empty for a recording without loudness."""
+    loud = one.loud(recorded.name)
     if loud is None:
         return ""
-    fall, top = Fall(one, told, loud), head(told) + 14
+    fall, top = Fall(one, recorded, loud), head(recorded) + 14
     time, distance = fall.time, fall.distance(top)
     made = [_image(fall, distance), upright_axis(distance, "place in km", unit=1_000_000)]
     made += [_section(fall, low, high, states, distance) for _, low, high, states in fall.virtual()]
@@ -155,25 +157,25 @@ def waterfall_picture(one: Waterfall, told: Told) -> str:
         made.append(strip(time, known, words, members, y, label))
         y += ROW
     made.append(across_axis(time, y + 4, "time in s"))
-    made.append(violations(told, fall.times_ms, time, y))
+    made.append(violations(recorded, fall.times_ms, time, y))
     keys, y = _legends(fall, y + 58)
-    return picture([*made, keys], y, described(one, told))
+    return picture([*made, keys], y, described(one, recorded))
 
 
-def described(one: Waterfall, told: Told) -> str:
+def described(one: Waterfall, recorded: RecordedRun) -> str:
     """Describe the picture in text: the scene, and the modes of each machine over time."""
-    loud = one.loud(told.name)
+    loud = one.loud(recorded.name)
     if loud is None:
         return ""
-    fall = Fall(one, told, loud)
+    fall = Fall(one, recorded, loud)
     length = len(loud.rows) * loud.row_mm / 1e6
-    told_of = [
-        f"{one.title}, recording {told.name}: {length:.1f} km of fibre over {fall.columns * fall.column_ms // 1_000} s."
+    sentences = [
+        f"{one.title}, recording {recorded.name}: {length:.1f} km of fibre over {fall.columns * fall.column_ms // 1_000} s."
     ]
-    told_of.append(loud.says)
+    sentences.append(loud.says)
     for label, name in one.modes.items():
-        told_of.append(f"{label}: {', '.join(_courses(fall, name))}.")
-    return " ".join(told_of)
+        sentences.append(f"{label}: {', '.join(_courses(fall, name))}.")
+    return " ".join(sentences)
 
 
 def _courses(fall: Fall, name: str) -> Iterator[str]:
@@ -183,16 +185,16 @@ def _courses(fall: Fall, name: str) -> Iterator[str]:
         at += len(list(group))
 
 
-def waterfall_table(one: Waterfall, told: Told) -> dict[str, list[str] | list[list[str]]] | None:
-    """Return the numbers of the picture, a few of its times; None where there is no picture."""
-    loud = one.loud(told.name)
+def waterfall_table(one: Waterfall, recorded: RecordedRun) -> dict[str, list[str] | list[list[str]]] | None:
+    """Return the numbers of the picture for some of its times; None if there is no picture."""
+    loud = one.loud(recorded.name)
     if loud is None:
         return None
-    fall = Fall(one, told, loud)
+    fall = Fall(one, recorded, loud)
     many = len(loud.trains) > 1
     trains = [f"train {number} in m" if many else "train in m" for number in range(1, len(loud.trains) + 1)]
     head_ = ["time in s", *trains, *(f"{one.name} in m" for one in one.intervals), *one.modes]
-    steps = range(0, len(told.trace.steps), -(-len(told.trace.steps) // MOST_ROWS))
+    steps = range(0, len(recorded.trace.steps), -(-len(recorded.trace.steps) // MOST_ROWS))
     return {
         "head": [*head_, *(section.name for section in one.sections)],
         "rows": [_cells(fall, step) for step in steps],
@@ -218,7 +220,7 @@ def _from_to(low_mm: float, high_mm: float) -> str:
 
 
 def _image(fall: Fall, distance: Axis) -> str:
-    """The loudness, the greatest place on top."""
+    """Draw the loudness, with the greatest position on top."""
     shades = [_between(QUIET, LOUD, level / (len(DIGITS) - 1)) for level in range(len(DIGITS))]
     numbers = {digit: number for number, digit in enumerate(DIGITS)} | {".": len(DIGITS)}
     rows = [bytes(numbers[digit] for digit in row) for row in reversed(fall.loud.rows)]
@@ -235,7 +237,7 @@ def _between(one: Colour, other: Colour, share: float) -> Colour:
 
 
 def _train(fall: Fall, train: TrueEnds, distance: Axis) -> str:
-    """Both ends, where they are on the fibre; light beside the ink, for any ground."""
+    """Draw both ends of a train where they are on the fibre, with a light edge, visible on any background."""
     made = ""
     for ends, dash in ((train.high_mm, ""), (train.low_mm, "6 4")):
         points = [_on(fall, distance, column, place) for column, place in enumerate(ends)]
@@ -251,7 +253,7 @@ def _on(fall: Fall, distance: Axis, column: int, place_mm: float) -> Point | Non
 
 
 def _interval(fall: Fall, interval: Interval, distance: Axis, colour: str) -> str:
-    """A band with its edges; gaps where nothing is reported."""
+    """Draw an interval as a band with edges; there are gaps while nothing is reported."""
     found = [
         None
         if ends is None
@@ -270,12 +272,12 @@ def _interval(fall: Fall, interval: Interval, distance: Axis, colour: str) -> st
 
 
 def _kept(place_mm: float, distance: Axis) -> float:
-    """The part of an interval that lies on the fibre is drawn."""
+    """Return the part of an interval that lies on the fibre."""
     return min(max(place_mm, distance.low), distance.high)
 
 
 def _section(fall: Fall, low_mm: float, high_mm: float, states: Sequence[Piece], distance: Axis) -> str:
-    """A virtual section: its bounds, and its state in each stretch of time, with a letter."""
+    """Draw a virtual section: its bounds, and its state over time, with a letter."""
     top, bottom = distance.at(high_mm), distance.at(low_mm)
     made = [
         f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{INK}" stroke-opacity=".45" stroke-width="1" class="bound"/>'
@@ -296,7 +298,7 @@ def _state(fall: Fall, piece: Piece, top: float, bottom: float) -> str:
 
 
 def _stretch(section: Stretch, distance: Axis) -> str:
-    """A localization section, as surveyed: two dotted lines with what it does between them, at the right."""
+    """Draw a surveyed localization section: two dotted lines, with its effect between them at the right."""
     low, high = distance.at(section.low_mm), distance.at(section.high_mm)
     lines = "".join(
         f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{RED}" stroke-dasharray="2 4" class="section"/>'
@@ -311,7 +313,7 @@ def _marked(name: str, place_mm: int, distance: Axis) -> str:
 
 
 def _plate(y: float, text: str) -> str:
-    """Words at the image's right edge, readable on any ground."""
+    """Write words at the right edge of the image, readable on any background."""
     return (
         f'<text x="{RIGHT - 6}" y="{y:.1f}" class="word" text-anchor="end" paint-order="stroke" '
         f'style="fill:{INK};stroke:#fff;stroke-width:3">{html.escape(text)}</text>'
@@ -319,12 +321,12 @@ def _plate(y: float, text: str) -> str:
 
 
 def _signal(fall: Fall, name: str, distance: Axis) -> str:
-    """Position signals: a mark at the time on the upper edge."""
+    """Draw position signals: a mark on the upper edge at the time of each."""
     y = distance.end
     return "".join(
         f'<path d="M{fall.time.at(at):.1f} {y + 1:.1f}l-6 12h12z" fill="{RED}" class="position-signal"/>'
-        for at, told in zip(fall.times_ms, fall.told.flags(name), strict=True)
-        if told
+        for at, flag in zip(fall.times_ms, fall.recorded.flags(name), strict=True)
+        if flag
     )
 
 
@@ -354,13 +356,13 @@ def _keys(fall: Fall) -> Sequence[Swatch]:
     if fall.one.signals:
         keys.append(Swatch(f'<path d="M13 -6l-6 12h12z" fill="{RED}"/>', "position signal counted"))
     if any("." in row for row in fall.loud.rows):
-        keys.append(box_swatch("#ffd6cc", "nothing told"))
+        keys.append(box_swatch("#ffd6cc", "no data"))
     present = {piece.state for *_, states in fall.virtual() for piece in states}
     return [*keys, *(_state_key(state) for state in STATES if state in present)]
 
 
 def _on_light(key: Swatch) -> Swatch:
-    """As in the picture, whose ground is light in every scheme."""
+    """Return a legend's swatch with the light background of the picture, in every colour scheme."""
     red, green, blue = QUIET
     return Swatch(
         f'<rect x="-2" y="-8" width="30" height="15" fill="rgb({red},{green},{blue})"/>{key.drawn}', key.words
@@ -373,7 +375,7 @@ def _state_key(state: str) -> Swatch:
 
 
 def _ramp() -> str:
-    """Quiet to loud, in a few shades."""
+    """Return a swatch with some shades from quiet to loud."""
     shades = [_between(QUIET, LOUD, share / 4) for share in range(5)]
     return "".join(
         f'<rect x="{number * 5.2:.1f}" y="-7" width="5.4" height="13" fill="rgb{colour}"/>'

@@ -199,13 +199,13 @@ def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> No
     path.write_text(RECORDS + late, encoding="utf-8")
     called = call("replay", DOOR, str(path), "--period-ms", "100")
     assert called.code == 0
-    assert "front_wheel: older than one delivered before: 1" in called.out
+    assert "front_wheel: older than the last one delivered: 1" in called.out
     data = json.loads(call("replay", DOOR, str(path), "--period-ms", "100", "--json").out)
     jsonschema.validate(data, schema())
     (border,) = [row for row in data["results"] if row["id"] == "door/replay/run: border"]
     assert border["notes"] == {
         "front_wheel: no channel of this machine": "1",
-        "front_wheel: older than one delivered before": "1",
+        "front_wheel: older than the last one delivered": "1",
     }
 
 

@@ -95,5 +95,5 @@ def test_the_report_has_both_where_it_is_asked(call: Call) -> None:
     assert "--evidence</code>" in page
     assert 0 == call(*asked, "--out", "both", "--evidence").code
     page = Path("both/index.html").read_text(encoding="utf-8")
-    assert "What the proofs of door rest on" in page
+    assert "Proof cores of door" in page
     assert "Every clause of the world broken, alone" in page

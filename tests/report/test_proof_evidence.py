@@ -15,9 +15,9 @@ from safeloc.proof.cores.cores import Core
 from safeloc.proof.cores.elements import Element
 from safeloc.report.data import report_data, schema
 from safeloc.report.folder import render_folder, write_folder
-from safeloc.report.kept import read_for_page
 from safeloc.report.page import to_html
 from safeloc.report.proof_evidence import evidence_data
+from safeloc.report.stored import read_for_page
 
 TRUE_SENT = "a position that is sent holds the truth"
 CLAUSE = Element("clause", "transmission", TRUE_SENT)

@@ -1,6 +1,6 @@
-"""Streams packed with gzip: `NAME.jsonl.gz` is read and written wherever `NAME.jsonl` is, and CSV likewise.
+"""Streams packed with gzip: wherever `NAME.jsonl` is read or written, `NAME.jsonl.gz` is too, and CSV likewise.
 
-Parquet packs its columns itself and is not packed once more. A damaged file is refused by name: gzip keeps a check sum.
+Parquet packs its columns itself, so it is not packed again. A damaged file is refused by name: gzip files contain a checksum.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from safeloc.runtime.outside import LARGEST_FILE, cut_lines, reading, refuse_bey
 SUFFIX = ".gz"
 PACKABLE = (".jsonl", ".ndjson", ".csv")
 SMALLEST = 9
-"""How hard to pack: a recording is written once, and reading takes the same time."""
+"""Level of gzip: a recording is written once, and the time to read it does not depend on the level."""
 
 
 def is_packed(path: PurePath) -> bool:
-    """Tell whether the name is that of a packed stream."""
+    """Return whether the name ends in .gz."""
     return path.suffix == SUFFIX
 
 
@@ -34,16 +34,16 @@ def kind_of(path: PurePath) -> str:
 
 
 def name_of(path: PurePath) -> str:
-    """Return what findings and pictures call the stream: `run`, packed or not."""
+    """Return the stream's name for findings and pictures: `run` for `run.jsonl` and `run.jsonl.gz`."""
     return path.stem.removesuffix(kind_of(path)) if is_packed(path) else path.stem
 
 
 def unpacked_lines(path: Path, longest: int) -> Iterator[tuple[int, str]]:
-    """Give every line of a packed file as `read_lines` does of a plain one; StreamError for a file that is damaged."""
+    """Yield the lines of a packed file, as `read_lines` does for a plain one; StreamError for a damaged file."""
     with reading(path):
         size = path.stat().st_size
         refuse_beyond(path, size, LARGEST_FILE, "bytes")
-        if size == 0:  # which Python takes for a packed file with nothing in it
+        if size == 0:  # Python would accept it as an empty packed file
             raise _damaged(path, "it is empty")
         try:
             with gzip.open(path) as file:
@@ -58,8 +58,7 @@ def _damaged(path: Path, why: str) -> StreamError:
 
 @contextmanager
 def created(path: Path) -> Iterator[TextIO]:
-    """Open a stream to write text to, packed where the path ends in .gz: without name and time, so equal text gives equal
-    bytes."""
+    """Open a stream for writing text, packed if the path ends in .gz. Equal text gives equal bytes, without name and time."""
     if not is_packed(path):
         with path.open("w", newline="", encoding="utf-8") as text:
             yield text

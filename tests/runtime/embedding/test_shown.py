@@ -98,7 +98,7 @@ def test_the_first_command_of_the_page() -> None:
     for line in shown.splitlines():
         assert any(one.startswith(line.removesuffix("...").rstrip()) for one in printed), line
     modes = [one["mode"]["odometry"] for one in said if "mode" in one]
-    assert all("believed once lines of 2 cycles agree" in one["reason"] for one in said if "mode" not in one)
+    assert all("accepted as soon as lines of 2 cycles agree" in one["reason"] for one in said if "mode" not in one)
     assert (len(modes), len(said)) == (40, 48)
     assert set(modes) == {"DELOCALIZED", "FRONT"}
     assert modes[-1] == "DELOCALIZED"

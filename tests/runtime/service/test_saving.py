@@ -124,7 +124,7 @@ def test_of_several_that_wait_the_newest_is_written(tmp_path: Path) -> None:
 def test_a_file_is_claimed_once(tmp_path: Path) -> None:
     """And again when the first one has let go."""
     path = tmp_path / "snapshot.json"
-    with claimed(path), pytest.raises(InputError, match="another process keeps its snapshots there"), claimed(path):
+    with claimed(path), pytest.raises(InputError, match="another process saves its snapshots there"), claimed(path):
         pass
     with claimed(path), claimed(None):
         pass
