@@ -96,4 +96,4 @@ def test_the_report_has_both_where_it_is_asked(call: Call) -> None:
     assert 0 == call(*asked, "--out", "both", "--evidence").code
     page = Path("both/index.html").read_text(encoding="utf-8")
     assert "Proof cores of door" in page
-    assert "Every clause of the world broken, alone" in page
+    assert "Effects of each broken clause of the world, alone" in page

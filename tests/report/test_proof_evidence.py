@@ -56,7 +56,7 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
     assert "2-induction" in shown
     assert f"<td>5 of {len(transmission().machines[0].transitions)}" in shown
     assert "inside &lt;b&gt;" in shown
-    assert "not decided whether it can do without: row 0" in shown
+    assert "perhaps not needed, undecided: row 0" in shown
     assert "not proved by induction within the limits" in shown
     assert "<b>a run</b>" not in shown
     machine = transmission().machines[0]

@@ -1,4 +1,4 @@
-"""Wrong worlds: each clause with one term changed, and each clause left out.
+"""Mutants of the world: each clause with one term changed, and each clause left out.
 
 The machine and its claims stay as they are. Whether the world asks for more or for less then is decided when the mutant is
 judged, by proof: the kinds of change are those of any other term.
@@ -34,7 +34,7 @@ LEFT_OUT = "clause left out"
 
 
 def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """All mutants of the world's clauses, in their order; each form of a wrong term once."""
+    """Return all mutants of the world's clauses, in order; each form of a wrong term occurs once."""
     roots = [root for root in whole.roots if root.part is Part.CLAUSE]
     return numbered([*_left_out(whole, roots, places), *_bare(whole, roots, places), *_of_terms(whole, roots, places)])
 

@@ -28,7 +28,7 @@ from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
 LONGEST = 600
-"""Steps of a recording that are run."""
+"""Most steps of a recording that are run."""
 DRAWN, STRETCHES, STRETCH = 60, 4, 12
 """Drawn runs, stretches of each, and steps of a stretch at most."""
 Row = tuple[Value, ...]
@@ -65,13 +65,13 @@ def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, 
 
 
 def run_of(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
-    """A trace as a run, for as many steps as are run."""
+    """Return a trace as a run, cut to the steps that are run."""
     rows = tuple(tuple(step.inputs[var.name] for var in system.inputs) for step in trace.steps[:LONGEST])
     return Run(name, trace.initial, rows, recorded)
 
 
 def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
-    """What ships with a target."""
+    """Return the recordings that ship with a target, as runs."""
     for path in target.streams:
         whole = whole_run(target, path)
         if whole is not None:
@@ -81,7 +81,7 @@ def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
 
 
 def _on_board(system: TransitionSystem, path: Path) -> Run:
-    """A recording without the world: what the world was stays open."""
+    """Return a recording without ghosts; the values of the world stay open."""
     stream, names = read_steps(path), {var.name for var in system.inputs}
     ghosts = {var.name: _rest(var) for var in system.inputs if var in system.ghosts}
     steps = [{**ghosts, **{name: value for name, value in step.items() if name in names}} for step in stream.steps]
@@ -99,7 +99,7 @@ def _rest(var: Var) -> Value:
 
 
 def _witnesses(target: Target, system: TransitionSystem, limits: Limits) -> list[Trace]:
-    """Runs that show that modes are come to and that rows fire, each once."""
+    """Return the runs that show that modes are reached and rows fire, each once."""
     recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
     shown = [one.verdict.witness for one in reached(system, limits, recordings) if isinstance(one.verdict, Proved)]
     kept = {str([step.inputs for step in trace.steps]): trace for trace in shown if trace is not None}

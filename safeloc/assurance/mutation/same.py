@@ -1,4 +1,4 @@
-"""Which terms of a declaration are one term: written at one place, in one form.
+"""Terms of a declaration that count as the same term: written at one place, in one form.
 
 A claim that calls the function which a guard calls gets a term of its own, and often one that looks back at the state before
 the step. Both are written by the same expression, and an edit of it changes both. Terms of one form that are written
@@ -32,7 +32,7 @@ class Term:
 
     @property
     def on_board(self) -> tuple[Root, ...]:
-        """The roots of the machine itself."""
+        """Return the roots of the machine itself."""
         return tuple(root for root in self.roots if root.part in ON_BOARD)
 
     @property

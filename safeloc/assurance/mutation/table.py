@@ -1,4 +1,4 @@
-"""What became of the mutants, as lines for a person: the score, what each claim notices alone, and the questions that are left."""
+"""The results of mutants as text: the score, the mutants that a single claim notices, and the open questions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def lines(
     machine_only: bool,
     reasons: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[str]:
-    """All lines of a result; those with a written reason last."""
+    """Return all lines of a result; mutants with a written reason come last."""
     machine = of_part(judged, "machine")
     yield f"{target}: {len(judged)} of {of} mutants"
     if machine:

@@ -44,7 +44,7 @@ Relation = Literal["same", "weaker", "stronger", "other"]
 
 
 def claim_mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """All mutants of the claims, one claim after the other; each form of a wrong term once."""
+    """Return all mutants of the claims, claim by claim; each form of a wrong term occurs once."""
     made: list[Mutant] = []
     for prop in whole.properties:
         made += _of_claim(whole, prop, places)
@@ -135,7 +135,7 @@ def _with(name: str, change: Callable[[Property], Property], whole: Declared) ->
 
 
 def relation(old: Property, new: Property, canon: Canon, seconds: float) -> Relation:
-    """How a claim stands to the one that it was made of; "other" also where that is not decided within the limits."""
+    """Return the relation of a claim to the one it was made of; "other" also if it is undecided within the limits."""
     follows, returns = (_follows(*pair, canon, seconds) for pair in ((old, new), (new, old)))
     if follows:
         return "same" if returns else "weaker"
@@ -143,7 +143,7 @@ def relation(old: Property, new: Property, canon: Canon, seconds: float) -> Rela
 
 
 def _follows(strong: Property, weak: Property, canon: Canon, seconds: float) -> bool:
-    """Whether the second claim follows from the first, whatever the machine does."""
+    """Return whether the second claim follows from the first, for any machine."""
     if strong.steps > weak.steps:
         return False
     wanted = [(strong.response, weak.response)]

@@ -1,4 +1,4 @@
-"""What becomes of a composition one of whose machines, or wires, is wrong: its recordings, its contracts and its own claims.
+"""Judging of a composition with a wrong machine or wire: by its recordings, its contracts and its own claims.
 
 Each contract (what a machine may hear, and what it is owed) and each claim is one question: from the facts of the machines
 before it, before and after the step, and of all machines before the step. Facts of the wrong machine are used too, since all
@@ -29,7 +29,7 @@ from safeloc.proof.provers.relevance import Relevance
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """Whether a contract or a claim follows."""
+    """A question about a composition: does a contract or a claim follow?"""
 
     name: str
     given: tuple[Bool, ...]
@@ -38,7 +38,7 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class WholeBench:
-    """All that is known of a composition before a mutant is judged.
+    """All facts about a composition that are needed to judge its mutants.
 
     asked  by name, the goals that are proved of it as it is
     told   outputs along its recordings, as it is
@@ -62,7 +62,7 @@ def whole_bench(whole: Composed, limits: Limits) -> WholeBench:
 
 
 def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
-    """What becomes of the composition with this machine wrong, if its own claims do not notice."""
+    """Return the outcome for the composition with this machine wrong, if the machine's own claims do not notice."""
     make = mutant.everywhere if everywhere and mutant.everywhere is not None else mutant.alone
     try:
         wrong = make(on.whole.members[mutant.machine])
@@ -72,7 +72,7 @@ def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
 
 
 def of_wire(on: WholeBench, edit: WireEdit) -> Outcome:
-    """What becomes of the composition with this wire wrong."""
+    """Return the outcome for the composition with this wire wrong."""
     first = on.whole.plan.machines[0]
     try:
         return _judged(on, joined(on.whole, first, edit.wires), on.whole.claims)
@@ -116,7 +116,7 @@ def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
 
 
 def questions(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Iterator[Question]:
-    """All contracts, in the order of the machines, then the claims."""
+    """Return the questions for all contracts, in the order of the machines, then for the claims."""
     facts = [_facts(system, number) for number in range(len(system.parts))]
     relevant, after = Relevance(system), Substitution(dict(system.next))
     before = [term for own in facts for term in own]

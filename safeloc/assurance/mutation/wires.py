@@ -1,4 +1,4 @@
-"""Wrong wires of a composition: another wire of the same unit, and a wire that is cut."""
+"""Mutants of the wires of a composition: another wire of the same unit, and a wire that is cut."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CUT = "wire cut"
 
 @dataclass(frozen=True, eq=False)
 class WireEdit:
-    """A wrong wire: what its input hears now."""
+    """A wrong wire: the term that its input gets instead."""
 
     mutant: Mutant
     wires: Mapping[Var, Expr]

@@ -1,7 +1,7 @@
-"""Branches of the Python code that declares a machine: which of them a configuration takes.
+"""The branches that a configuration takes in the Python code that declares a machine.
 
-A configured flag decides what is declared at all (`if config.single_fault_safe: ...`), so that no term tells of it. What is
-looked at are the steps from one instruction to the next while the machine is built.
+A configured flag can decide what is declared (`if config.single_fault_safe: ...`), and no term shows that. So the steps from
+one instruction to the next are recorded while the machine is built.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Deciding = ast.If | ast.IfExp
 
 
 def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
-    """Return what `make` returns, and the steps between instructions of machine, world and claims meanwhile."""
+    """Call `make`; return its result, and the steps between instructions of machine, world and claims during the call."""
     steps: set[Step] = set()
 
     def enter(frame: FrameType, event: str, _: Any) -> Callable[..., Any] | None:
@@ -52,7 +52,7 @@ def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
 
 
 def taken(steps: set[Step]) -> tuple[set[Split], set[Split]]:
-    """Return the branches that were taken, and those beside them that were not; where nothing was decided, neither."""
+    """Return the branches that were taken, and the other branches of the same decisions."""
     live: set[Split] = set()
     met: set[Split] = set()
     for code, before, now in steps:
@@ -70,12 +70,12 @@ def taken(steps: set[Step]) -> tuple[set[Split], set[Split]]:
 
 
 def _returns(code: CodeType, offset: int) -> bool:
-    """A function that ends behind a test that fails returns from the test's own place."""
+    """Return whether an instruction returns: after a failed test at the end of a function, it has the place of the test."""
     return code.co_code[offset] == dis.opmap["RETURN_VALUE"]
 
 
 def _decides(place: Place, decision: Deciding) -> bool:
-    """Whether an instruction is of the test; the jump of `a if test else b` is marked with the whole of it."""
+    """Return whether an instruction belongs to the test; the jump of `a if test else b` has the place of the whole."""
     whole = (decision.lineno, decision.end_lineno, decision.col_offset, decision.end_col_offset)
     return _within(place, decision.test) or (place.line, place.end_line, place.column, place.end_column) == whole
 
@@ -91,7 +91,7 @@ def _body(decision: Deciding) -> list[Any]:
 
 
 def _sides(decision: Deciding, file: str) -> tuple[Split, Split]:
-    """The side where the test holds, and the other one."""
+    """Return the side where the test holds, and the other side."""
     test = decision.test
     place = Place(file, test.lineno, test.end_lineno or test.lineno, test.col_offset, test.end_col_offset or 0)
     other = decision.orelse if isinstance(decision, ast.If) else [decision.orelse]
@@ -108,7 +108,7 @@ def _refuses(side: list[Any]) -> bool:
 
 @cache
 def _decided_in(code: CodeType) -> tuple[Deciding, ...]:
-    """The decisions that this piece of code makes itself."""
+    """Return the decisions of this piece of code, without those of functions in it."""
     if not declares(code):
         return ()
     places = {place_of(code, 2 * number) for number in range(len(code.co_code) // 2)}
@@ -127,5 +127,5 @@ def _found(tree: ast.AST) -> Iterator[Deciding]:
 
 
 def _about_kinds(test: ast.expr) -> bool:
-    """`isinstance(...)`: about what a term is, not about a configuration."""
+    """Return whether a test is an `isinstance(...)`: that is about a term, not about a configuration."""
     return any(isinstance(node, ast.Name) and node.id == "isinstance" for node in ast.walk(test))

@@ -1,7 +1,6 @@
-"""What the language was asked for while a machine is built: every comparison, minimum, choice and charge, live or folded.
+"""The case splits that occur while a machine is built: every comparison, minimum, choice and charge, live or folded.
 
-The language is watched from outside, by Python's own hook for returning functions: nothing of it is written for this, so
-what is watched is what is proved.
+Calls of the language are observed from outside, through Python's profiling hook, so the observed code is the proved code.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ from safeloc.language.terms import Sharing
 Made = TypeVar("Made")
 Locals = Mapping[str, Any]
 Judged = tuple[str, str] | None
-"""The kind of split, and why it is folded ("" where it is not); None where there is nothing to split."""
+"""The kind of split, and the reason why it is folded ("" if it is not); None if the call makes no split."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """A place where a machine, its world or a claim tells cases apart, or charges a configured figure.
+    """A place where a machine, its world or a claim distinguishes cases, or adds a configured figure.
 
     kind  comparison, minimum, maximum, choice, condition, charge, rounding
     way   the expression, and the calls that led to it, the innermost first
@@ -38,24 +37,24 @@ class Split:
 
     @property
     def place(self) -> Place:
-        """Where it stands."""
+        """The place of the expression."""
         return self.way[0]
 
 
 @dataclass(eq=False)
 class Observed:
-    """Every split met; `live` maps it to its terms as far as these were not folded, `folded` says why others were."""
+    """All splits that occurred: `live` maps a split to its terms that were not folded, `folded` to the reason for folding."""
 
     live: dict[Split, list[Expr]] = field(default_factory=dict)
     folded: dict[Split, str] = field(default_factory=dict)
     share: Sharing = field(default_factory=Sharing)
 
     def alike(self, one: Expr, other: Expr) -> bool:
-        """Whether two terms have the same structure."""
+        """Return whether two terms have the same structure."""
         return self.share(one) is self.share(other)
 
     def add(self, split: Split, term: Expr, folded: str) -> None:
-        """One call of the language."""
+        """Record one call of the language."""
         if folded:
             self.folded.setdefault(split, folded)
         else:
@@ -63,7 +62,7 @@ class Observed:
 
 
 def observe(make: Callable[[], Made]) -> tuple[Made, Observed]:
-    """Return what `make` returns, and what the language was asked for meanwhile."""
+    """Call `make`; return its result, and the splits that occurred during the call."""
     observed = Observed()
 
     def returned(frame: FrameType, event: str, result: Any) -> None:
@@ -91,7 +90,7 @@ def _watching(hook: Callable[[FrameType, str, Any], None]) -> Iterator[None]:
         sys.setprofile(before)
 
 
-# ------------------------------------------------------------------ what a call of the language says
+# ------------------------------------------------------------------ the split of a call of the language
 
 
 def _compared(_: Locals, result: Expr, __: Observed) -> Judged:
@@ -107,7 +106,7 @@ def _chosen(given: Locals, result: Expr, observed: Observed) -> Judged:
 
 
 def _computed(given: Locals, _: Expr, observed: Observed) -> Judged:
-    """A minimum or maximum; a sum or difference with a figure."""
+    """Return the split of a minimum or maximum, or of a sum or difference with a figure."""
     kind, left, right = given["kind"], given["left"], given["right"]
     constant = isinstance(left, Lit) and isinstance(right, Lit)
     if kind in EXTREMES:
@@ -141,4 +140,4 @@ JUDGES: Mapping[CodeType, Callable[[Locals, Expr, Observed], Judged]] = {
     expr.ite.__code__: _chosen,
     expr.floor_div.__code__: _divided,
 }
-"""The functions of the language that every term goes through, by their code."""
+"""The functions of the language that make every term, by their code."""
