@@ -18,7 +18,7 @@ from safeloc.language.terms import Sharing, Substitution, children, in_order, te
 from safeloc.language.units import Enumeration
 from safeloc.target import Target
 
-LEAST_NODES = 6
+_LEAST_NODES = 6
 """Least number of nodes: smaller terms, such as a comparison with a figure, occur in every formula of the same rule."""
 
 
@@ -57,7 +57,7 @@ def shared_terms(target: Target) -> list[Shared]:
 
 
 @dataclass(frozen=True)
-class Follows:
+class _Follows:
     """A clause or a ghost's move that reads values computed by its machine.
 
     of      the clause or move ("clause 'the vehicle stays on the line' of odometry")
@@ -70,10 +70,10 @@ class Follows:
     reason: str
 
 
-def follows_machine(target: Target) -> list[Follows]:
+def follows_machine(target: Target) -> list[_Follows]:
     """Return each clause and each ghost's move that reads values computed by its machine."""
     return [
-        Follows(f"{what} of {machine.name}", tuple(var.name for var in read), machine.world.reads_machine)
+        _Follows(f"{what} of {machine.name}", tuple(var.name for var in read), machine.world.reads_machine)
         for machine in target.machines
         for what, read in read_of_machine(machine).items()
     ]
@@ -104,7 +104,7 @@ class _Comparison:
                 continue
             seen.add(node)
             nodes = len(in_order([node]))
-            if node in self._used and nodes >= LEAST_NODES:
+            if node in self._used and nodes >= _LEAST_NODES:
                 yield Shared(of, nodes, text(node), tuple(dict.fromkeys(self._used[node])), src)
             else:
                 waiting += children(node)

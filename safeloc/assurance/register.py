@@ -21,13 +21,13 @@ from safeloc.runtime.source_clocks import BORDER, LAW, ONE_CLOCK
 from safeloc.target import Target
 
 Observed = Literal["whole", "part", "no"]
-CLOCK_TERM = "(< lag_ms period_ms)"
+_CLOCK_TERM = "(< lag_ms period_ms)"
 FROM_MEMORY = "[M]"
 """Beginning of the source of a figure that was not read in any document."""
 
 
 @dataclass(frozen=True)
-class Figure:
+class _Figure:
     """A configured figure that a law uses: its place in the configuration, value, unit and source."""
 
     name: str
@@ -56,7 +56,7 @@ class Assumption:
     name: str
     statement: str
     term: str
-    figures: tuple[Figure, ...]
+    figures: tuple[_Figure, ...]
     source: str
     owner: str
     check: str
@@ -93,7 +93,7 @@ def register(target: Target) -> list[Assumption]:
 
 def of_border() -> Assumption:
     """Return the assumption of every target that runs on records: a record belongs to the cycle of its time stamp."""
-    fields = BORDER, ONE_CLOCK, LAW.statement, CLOCK_TERM, (), LAW.source, LAW.owner, LAW.check
+    fields = BORDER, ONE_CLOCK, LAW.statement, _CLOCK_TERM, (), LAW.source, LAW.owner, LAW.check
     return Assumption(f"{BORDER}/B1", *fields, guaranteed=False, observable="whole")
 
 
@@ -110,7 +110,7 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
     return observed
 
 
-def to_confirm(targets: Iterable[Target]) -> dict[str, Figure]:
+def to_confirm(targets: Iterable[Target]) -> dict[str, _Figure]:
     """Return every configured figure of the targets that is from memory, by machine and name."""
     return {
         f"{target.name}.{one.name}": one
@@ -137,14 +137,14 @@ def _of_machine(machine: Machine, config: BaseModel | None, guaranteed: tuple[st
         )
 
 
-def _figures(config: BaseModel) -> list[Figure]:
-    return [Figure(**one) for one in figures(config)]
+def _figures(config: BaseModel) -> list[_Figure]:
+    return [_Figure(**one) for one in figures(config)]
 
 
-def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[Figure]:
+def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[_Figure]:
     """Yield the figures that the law names; if several parts of a configuration have one of that name, that of the machine."""
     every = [] if config is None else _figures(config)
     for name in law.figures:
         found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
         own = [one for one in found if machine in one.name.split(".")]
-        yield from own or found or [Figure(name, "", "", "not found in the configuration")]
+        yield from own or found or [_Figure(name, "", "", "not found in the configuration")]

@@ -18,7 +18,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 
 FILE = Path(__file__).with_name("requirements.toml")
-STATUSES = ("done", "planned")
+_STATUSES = ("done", "planned")
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def requirements() -> tuple[Requirement, ...]:
     found = []
     for row in content["requirement"]:
         family = row["id"].partition("-")[0]
-        if family not in sources or row["status"] not in STATUSES or not row["text"].strip():
+        if family not in sources or row["status"] not in _STATUSES or not row["text"].strip():
             raise ModelError(f"{FILE.name}: requirement {row['id']} has no source, an unknown status or no text.")
         found.append(Requirement(source=sources[family], **row))
     names = [one.id for one in found]
@@ -59,7 +59,7 @@ def requirement(name: str) -> Requirement:
     raise KeyError(f"no requirement {name!r} in {FILE.name}")
 
 
-class Traced(Protocol):
+class _Traced(Protocol):
     """A traced item: a target of the catalogue, or anything with a name, machines and properties."""
 
     @property
@@ -111,7 +111,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Traceability:
+class _Traceability:
     """Traceability in both directions: `links` from every requirement, `items` from every transition and property."""
 
     links: tuple[Link, ...]
@@ -133,7 +133,7 @@ class Traceability:
         return tuple(wrong)
 
 
-def traceability(traced: Iterable[Traced]) -> Traceability:
+def traceability(traced: Iterable[_Traced]) -> _Traceability:
     """Link requirements with these machines and properties; a machine of two targets counts once."""
     targets = list(traced)
     items = dict.fromkeys(
@@ -148,7 +148,7 @@ def traceability(traced: Iterable[Traced]) -> Traceability:
     links = [
         Link(one, _naming(items, "transition", one.id), _naming(items, "property", one.id)) for one in requirements()
     ]
-    return Traceability(tuple(links), tuple(items))
+    return _Traceability(tuple(links), tuple(items))
 
 
 def _naming(items: Iterable[Item], kind: str, name: str) -> tuple[str, ...]:

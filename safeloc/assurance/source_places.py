@@ -10,7 +10,7 @@ from types import CodeType
 
 import safeloc
 
-PACKAGE = Path(safeloc.__file__).parent.resolve()
+_PACKAGE = Path(safeloc.__file__).parent.resolve()
 DECLARING = ("models", "properties")
 
 
@@ -43,9 +43,9 @@ class Place:
 def shown(file: str) -> str:
     """Return the path of a file of the package or its checkout relative to the root, any other path unchanged."""
     path = Path(file)
-    for root in (*(PACKAGE.parent / room for room in DECLARING), PACKAGE):
+    for root in (*(_PACKAGE.parent / room for room in DECLARING), _PACKAGE):
         if path.is_relative_to(root):
-            return path.relative_to(PACKAGE if root == PACKAGE else PACKAGE.parent).as_posix()
+            return path.relative_to(_PACKAGE if root == _PACKAGE else _PACKAGE.parent).as_posix()
     return file
 
 

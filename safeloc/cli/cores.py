@@ -17,7 +17,7 @@ from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 
 KINDS = {"clause": "clauses", "contract": "contracts", "lemma": "lemmas", "range": "ranges of ghosts", "row": "rows"}
-MANY_ROWS = 4
+_MANY_ROWS = 4
 """More rows than that are given by their number only; --json has their names."""
 
 
@@ -86,7 +86,7 @@ def _of_claim(one: Core, rows: int) -> Iterator[str]:
     for kind, words in KINDS.items():
         names = [element.name for element in one.rests_on if element.kind == kind]
         if names:
-            many = kind == "row" and len(names) > MANY_ROWS
+            many = kind == "row" and len(names) > _MANY_ROWS
             shown = f"{len(names)} of {rows}" if many else "; ".join(names)
             yield f"    {words}: {shown}"
     if one.open_:

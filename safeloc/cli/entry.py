@@ -22,10 +22,10 @@ from safeloc.cli.commands import COMMANDS, loaded
 from safeloc.cli.console import err
 from safeloc.errors import SafelocError
 
-NO_RESULT, INTERRUPTED, CLOSED_PIPE = 2, 130, 141
+_NO_RESULT, INTERRUPTED, CLOSED_PIPE = 2, 130, 141
 
 
-class Commands(TyperGroup):
+class _Commands(TyperGroup):
     """The commands. Only names and summaries are known until one is called.
 
     An exception gives exit code 2: Python's own code for it, 1, means `violated` here.
@@ -49,7 +49,7 @@ class Commands(TyperGroup):
                 sys.stdout.flush()  # here, where a closed pipe can still be distinguished from other errors
         except SafelocError as error:
             err.print(f"safeloc: {error}", markup=False)
-            raise typer.Exit(NO_RESULT) from error
+            raise typer.Exit(_NO_RESULT) from error
         except BrokenPipeError as error:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python prints an error at exit
             raise typer.Exit(CLOSED_PIPE) from error
@@ -61,10 +61,10 @@ class Commands(TyperGroup):
                 raise  # these end a command, or report wrong usage
             traceback.print_exception(error)
             err.print("safeloc: failed, as printed above; no result. Please report it.", markup=False)
-            raise typer.Exit(NO_RESULT) from error
+            raise typer.Exit(_NO_RESULT) from error
 
 
-app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(cls=_Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _print_version(wanted: bool) -> None:

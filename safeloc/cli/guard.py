@@ -28,7 +28,7 @@ from safeloc.railway.map.projection import WGS84
 from safeloc.report.folder import usable
 from safeloc.report.guard_folder import write_guard_folder
 
-NOTHING_PASSED = 3
+_NOTHING_PASSED = 3
 
 
 def guard(
@@ -89,7 +89,7 @@ def guard(
     if report is not None:
         err.print(f"report: {write_guard_folder(report, kept, made.tracks, figures, stream)}", markup=False)
     _summary(counts, as_json=as_json, to_stderr=where is None)
-    raise typer.Exit(0 if counts["PASSED"] else NOTHING_PASSED)
+    raise typer.Exit(0 if counts["PASSED"] else _NOTHING_PASSED)
 
 
 def _config(vehicle: str | None, file: Path | None) -> GuardConfig:

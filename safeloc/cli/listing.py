@@ -25,11 +25,11 @@ from safeloc.errors import InputError
 from safeloc.language.spec import Property
 from safeloc.proof.cache.store import Store
 
-SHOWN = 3
-TERM_CHARACTERS = 200
-NO_REASON = "no reason is declared"
-HIDDEN = "live in no configuration"
-Listed = tuple[Any, Sequence[str]]
+_SHOWN = 3
+_TERM_CHARACTERS = 200
+_NO_REASON = "no reason is declared"
+_HIDDEN = "live in no configuration"
+_Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines of text."""
 
 
@@ -89,7 +89,7 @@ def list_(
     configuration folds away, and the configurations in which they are live.
     """
     chosen = _Chosen(machines or (), requirement, text)
-    kinds: Mapping[str, Callable[[], Listed]] = {
+    kinds: Mapping[str, Callable[[], _Listed]] = {
         "machines": _machines,
         "properties": lambda: _properties(chosen),
         "assumptions": lambda: _assumptions(chosen),
@@ -112,12 +112,12 @@ def list_(
         out.print(line, markup=False)
 
 
-def _machines() -> Listed:
+def _machines() -> _Listed:
     rows = [{"name": entry.name, "summary": entry.summary} for entry in ENTRIES.values()]
     return rows, _lines(rows)
 
 
-def _properties(chosen: _Chosen) -> Listed:
+def _properties(chosen: _Chosen) -> _Listed:
     """Return the chosen properties. InputError if there is none."""
     rows = [
         {
@@ -135,7 +135,7 @@ def _properties(chosen: _Chosen) -> Listed:
     return rows, _lines(rows)
 
 
-def _assumptions(chosen: _Chosen) -> Listed:
+def _assumptions(chosen: _Chosen) -> _Listed:
     """Return the register: every law with its figures, owner and missing fields."""
     targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
     found = [(target.name, one) for target in targets for one in register(target)]
@@ -165,7 +165,7 @@ def _assumption_lines(target: str, one: Assumption) -> Iterator[str]:
         yield f"    missing: {', '.join(one.lacks)}"
 
 
-def _shared(chosen: _Chosen) -> Listed:
+def _shared(chosen: _Chosen) -> _Listed:
     """Return the sub-terms that claims and clauses share with rows, and the clauses that read computed values of their machine."""
     targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
     shared = [{"machine": target.name, **asdict(one)} for target in targets for one in shared_terms(target)]
@@ -185,19 +185,19 @@ def _shared_lines(target: Target) -> Iterator[str]:
     for one in shared_terms(target):
         by_term.setdefault(one.term, []).append(one)
     for term, speakers in sorted(by_term.items(), key=lambda item: -item[1][0].nodes):
-        yield f"{target.name}  {speakers[0].nodes} nodes  {shorten(term, TERM_CHARACTERS, placeholder=' ...')}"
+        yield f"{target.name}  {speakers[0].nodes} nodes  {shorten(term, _TERM_CHARACTERS, placeholder=' ...')}"
         yield f"    computed for  {_first_few(speakers[0].used)}"
         yield f"    shared by     {_first_few(list(dict.fromkeys(one.of for one in speakers)))}"
-        yield from (f"    because       {one}" for one in dict.fromkeys(one.reason or NO_REASON for one in speakers))
+        yield from (f"    because       {one}" for one in dict.fromkeys(one.reason or _NO_REASON for one in speakers))
 
 
 def _first_few(names: Sequence[str]) -> str:
     """Return the first three names, and the number of further ones; the JSON has all of them."""
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return ", ".join(names[:SHOWN]) + more
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return ", ".join(names[:_SHOWN]) + more
 
 
-def _splits(chosen: _Chosen) -> Listed:
+def _splits(chosen: _Chosen) -> _Listed:
     """Return the cases that the defaults of a machine fold away, each with the configurations in which it is live."""
     unknown = [name for name in chosen.machines if name not in ENTRIES]
     if unknown:
@@ -205,7 +205,7 @@ def _splits(chosen: _Chosen) -> Listed:
     folders = dict.fromkeys(map(folder_of, chosen.machines or ENTRIES))
     rows = [row for folder in folders for row in _split_rows(covered(folder))]
     lines = [f"{row['split']}  {row['at']}  {row['source']}\n    {row['folded']}; {row['live']}" for row in rows]
-    hidden = sum(row["live"] == HIDDEN for row in rows)
+    hidden = sum(row["live"] == _HIDDEN for row in rows)
     return rows, [
         *lines,
         f"{len(rows)} cases are folded away by defaults; {hidden} of them are live in no configuration.",
@@ -236,11 +236,13 @@ def _not_live(found: Covered, split: Split, figures: Mapping[Split, Change]) -> 
     if split in found.shared:
         return "in a folder that several machines use"
     return (
-        f"{HIDDEN}; {figures[split]} makes it live" if split in figures else f"{HIDDEN}; no figure alone makes it live"
+        f"{_HIDDEN}; {figures[split]} makes it live"
+        if split in figures
+        else f"{_HIDDEN}; no figure alone makes it live"
     )
 
 
-def _shipped_lines() -> Listed:
+def _shipped_lines() -> _Listed:
     from safeloc.railway.map.toml_files import load_line, shipped_lines  # loaded only if lines are listed
 
     lines = [load_line(path) for path in shipped_lines().values()]
@@ -252,7 +254,7 @@ def _lines(rows: Sequence[dict[str, str]]) -> list[str]:
     return ["  ".join(value for value in row.values() if value) for row in rows]
 
 
-def _requirements(store: Store) -> Listed:
+def _requirements(store: Store) -> _Listed:
     """Return every requirement with its transitions, properties and their strength, and the links back."""
     targets = [load_target(name) for name in ENTRIES]
     traced, found = traceability(targets), strengths_of(store, targets)

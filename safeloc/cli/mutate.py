@@ -32,7 +32,7 @@ from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 
 
-class Part(Enum):
+class _Part(Enum):
     """The part of a declaration that is made wrong."""
 
     MACHINE = "machine"
@@ -44,7 +44,7 @@ def mutate(
     target: TargetArgument,
     config: ConfigOption = None,
     of: Annotated[
-        list[Part] | None,
+        list[_Part] | None,
         typer.Option("--of", help="what is made wrong: machine (the default), world or claims (repeatable)"),
     ] = None,
     most: Annotated[
@@ -82,7 +82,7 @@ def mutate(
     with noted() as places:
         loaded = load_target(target, config)
     store, plan = store_in(cache), Plan(Limits(seconds=seconds, seed=seed), seed, jobs)
-    parts: list[Of] = [one.value for one in of or [Part.MACHINE]]
+    parts: list[Of] = [one.value for one in of or [_Part.MACHINE]]
     with Progressing(1, quiet=as_json) as progress:
         known = _reasons(loaded, reasons, changed=config is not None)
         job = _Job(loaded, places, plan, most, tuple(only or ()), known, progress, None if fresh else store, store)
@@ -132,7 +132,7 @@ class _Job:
 
     def of_composition(self, asked: Sequence[Of]) -> tuple[list[Judged], int, dict[str, str]]:
         whole = composed(self.target, self.places)
-        if [*asked] != [Part.MACHINE.value]:
+        if [*asked] != [_Part.MACHINE.value]:
             raise InputError(
                 f"{self.target.name} is a composition: only its machines and wires are made wrong. For worlds and claims "
                 f"give one of its machines: {', '.join(whole.members)}."

@@ -37,10 +37,10 @@ SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
 SingleOption = Annotated[bool, typer.Option("--single-file", help="write one self-contained page")]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]
-Direction = Literal["increasing", "decreasing"]
+_Direction = Literal["increasing", "decreasing"]
 
 
-def direction(given: str | None) -> Direction | None:
+def direction(given: str | None) -> _Direction | None:
     """Return the value of --first: increasing, decreasing or None. InputError for anything else."""
     match given:
         case None | "increasing" | "decreasing":

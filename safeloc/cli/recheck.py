@@ -16,8 +16,8 @@ from safeloc.checker.unsat import Survey, survey
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.show import Progressing
 
-SCHEMA = "safeloc-recheck/1"
-EVERY = 100  # certificates to a line of progress in a pipe
+_SCHEMA = "safeloc-recheck/1"
+_EVERY = 100  # certificates to a line of progress in a pipe
 
 
 def recheck(
@@ -30,7 +30,7 @@ def recheck(
             "--proofs", help="also produce and check cvc5's proof of every goal, step by step (8 times slower)"
         ),
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {_SCHEMA})")] = False,
 ) -> None:
     """Check every proof of a report again, from the report's files and the declaration alone.
 
@@ -53,7 +53,7 @@ def recheck(
 
 
 def _print_progress(done: int, total: int, *, quiet: bool) -> None:
-    if not quiet and (done == total or done % EVERY == 0 or sys.stderr.isatty()):
+    if not quiet and (done == total or done % _EVERY == 0 or sys.stderr.isatty()):
         err.print(f"{done} of {total} certificates", markup=False, end="\r" if sys.stderr.isatty() else "\n")
 
 
@@ -100,7 +100,7 @@ def _step_data(found: Survey) -> dict[str, Any]:
 
 def _data(found: Checking) -> dict[str, Any]:
     return {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "exit_code": found.exit_code,
         "results": [vars(row) for row in found.rows],
         "wrong": found.wrong,

@@ -32,9 +32,9 @@ from safeloc.runtime.service.udp import UdpPort
 from safeloc.runtime.service.watchdog import Watchdog
 from safeloc.runtime.streams.gzipped import is_packed
 
-STDOUT, STDERR = 1, 2
-VEHICLES_PER_PEER = 250
-BACK = "back"
+_STDOUT, STDERR = 1, 2
+_VEHICLES_PER_PEER = 250
+_BACK = "back"
 
 
 def run(
@@ -87,7 +87,7 @@ def run(
             help="largest number of vehicles for which one peer may send, over tcp and udp",
             min=1,
         ),
-    ] = VEHICLES_PER_PEER,
+    ] = _VEHICLES_PER_PEER,
     alive: Annotated[
         Path | None, typer.Option("--alive", help="file to touch every second while the process is healthy")
     ] = None,
@@ -180,11 +180,11 @@ def _plain(path: Path) -> Path:
 
 def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> Outlet:
     if sink is None:
-        sink = BACK if isinstance(feed, Outlet) else "stdout"
+        sink = _BACK if isinstance(feed, Outlet) else "stdout"
     kind, _, where = sink.partition(":")
     match kind, where:
         case "stdout", "":
-            return Stdout(selector, STDOUT)
+            return Stdout(selector, _STDOUT)
         case "file", where if where:
             return ToFile(Path(where))
         case "back", "" if isinstance(feed, Outlet):

@@ -16,7 +16,7 @@ from safeloc.report.data import report_data
 from safeloc.report.headline import KindAndVerdict, counted, headline
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
-COLOURS: Mapping[str, str] = {
+_COLOURS: Mapping[str, str] = {
     "proved": "green",
     "held": "cyan",
     "violated": "bold red",
@@ -120,7 +120,7 @@ def _table(findings: Sequence[Finding]) -> None:
     for finding in findings:
         verdict = word(finding.result)
         table.add_row(
-            f"[{COLOURS[verdict]}]{verdict}[/]",
+            f"[{_COLOURS[verdict]}]{verdict}[/]",
             f"{_escape(finding.id)}\n[dim]{_escape(finding.statement)}[/]",
             _escape(finding.method),
             " ".join(finding.requirements),

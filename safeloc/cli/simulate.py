@@ -62,7 +62,7 @@ def simulate(
         out.print(told(), markup=False)
     elif where is None:
         raise typer.BadParameter("give an output: --out FILE for a machine, --out FOLDER for a line.")
-    elif not is_line(target):
+    elif not _is_line(target):
         _machine(target, where, config, options.named(), seed)
     elif config is not None:
         raise typer.BadParameter("--config applies to one machine; on a line, --vehicle configures the machines.")
@@ -70,7 +70,7 @@ def simulate(
         simulate_line(target, where, options)
 
 
-def is_line(target: str) -> bool:
+def _is_line(target: str) -> bool:
     """Return whether the target names a shipped line or a file of a line."""
     return target in shipped_lines() or (target not in ENTRIES and Path(target).suffix in (".toml", ".json"))
 

@@ -24,11 +24,11 @@ from safeloc.language.verdict import WORST_FIRST
 
 WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
 PACKAGE = Path(__file__).parents[1]
-LOOKS_EVERY_S = 0.3
-SETTLES_S = 0.2
+_LOOKS_EVERY_S = 0.3
+_SETTLES_S = 0.2
 """Seconds without a change before a run: an editor may write a file in several steps, or several files in a row."""
-SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".jsonl.gz", ".csv")
-Seen = Mapping[Path, tuple[int, int]]
+_SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".jsonl.gz", ".csv")
+_Seen = Mapping[Path, tuple[int, int]]
 
 
 @dataclass(frozen=True)
@@ -107,18 +107,18 @@ def changes(places: Sequence[Path]) -> Iterator[None]:
     seen = looked_at(places)
     yield
     while True:
-        time.sleep(LOOKS_EVERY_S)
+        time.sleep(_LOOKS_EVERY_S)
         now = looked_at(places)
         while now != seen:
             seen = now
-            time.sleep(SETTLES_S)
+            time.sleep(_SETTLES_S)
             now = looked_at(places)
             if now == seen:
                 yield
                 now = looked_at(places)
 
 
-def looked_at(places: Sequence[Path]) -> Seen:
+def looked_at(places: Sequence[Path]) -> _Seen:
     """Return the files in these places, each with the time of its last change (ns) and its size (bytes)."""
     found: dict[Path, tuple[int, int]] = {}
     for path in (path for place in places for path in _files(place)):
@@ -136,4 +136,4 @@ def _files(place: Path) -> Iterator[Path]:
         return
     for folder, folders, names in os.walk(place, followlinks=True):
         folders[:] = [name for name in folders if not name.startswith((".", "__pycache__"))]
-        yield from (Path(folder, name) for name in names if name.endswith(SUFFIXES))
+        yield from (Path(folder, name) for name in names if name.endswith(_SUFFIXES))

@@ -17,10 +17,10 @@ _SCHEMA = "safeloc-assumptions/1"
 _SHOWN_BREACHES = 10
 _SHOWN_VALUES = 12
 _BY: Mapping[str, str] = {"inputs": "inputs", "part": "inputs, in part", "truth": "truth"}
-Numbers = Mapping[tuple[str, str], Assumption]
+_Numbers = Mapping[tuple[str, str], Assumption]
 
 
-def numbers_of(target: Target) -> Numbers:
+def numbers_of(target: Target) -> _Numbers:
     """Return the assumptions of the register, those of the border among them, by machine and name."""
     return {(one.machine, one.name): one for one in (*register(target), of_border())}
 
@@ -28,7 +28,7 @@ def numbers_of(target: Target) -> Numbers:
 # ------------------------------------------------------------------ as text
 
 
-def as_lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
+def as_lines(recording: str, judged: Judged, numbers: _Numbers) -> Iterator[str]:
     """Return the lines for a reader: a table of the laws, every breach, and the laws that the recording does not show."""
     truth = "with the truth" if judged.with_truth else "without the truth: only laws that inputs show are checked"
     yield f"{recording}: {judged.cycles} cycles, {truth}"
@@ -49,7 +49,7 @@ def as_lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
     )
 
 
-def _table(judged: Judged, numbers: Numbers) -> Iterator[str]:
+def _table(judged: Judged, numbers: _Numbers) -> Iterator[str]:
     rows = [("law", "checked by", "least distance", "cycle", "broken in")]
     for one in judged.every:
         least = "none" if one.least is None else f"{one.least} {one.unit}"
@@ -60,11 +60,11 @@ def _table(judged: Judged, numbers: Numbers) -> Iterator[str]:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
-def _named(one: JudgedLaw, numbers: Numbers) -> str:
+def _named(one: JudgedLaw, numbers: _Numbers) -> str:
     return " against ".join(f"{numbers[law.machine, law.name].id} {law.name}" for law in one.laws)
 
 
-def _breaches(one: JudgedLaw, numbers: Numbers) -> Iterator[str]:
+def _breaches(one: JudgedLaw, numbers: _Numbers) -> Iterator[str]:
     yield f"BROKEN  {_named(one, numbers)}"
     if len(one.laws) > 1:
         yield "    at least one of them is broken: they exclude each other"
@@ -96,7 +96,7 @@ def _value(value: object) -> str:
 # ------------------------------------------------------------------ as data
 
 
-def as_data(recording: str, judged: Judged, numbers: Numbers) -> dict[str, Any]:
+def as_data(recording: str, judged: Judged, numbers: _Numbers) -> dict[str, Any]:
     """Return the same as plain data, schema safeloc-assumptions/1."""
     return {
         "schema": _SCHEMA,
@@ -113,7 +113,7 @@ def as_data(recording: str, judged: Judged, numbers: Numbers) -> dict[str, Any]:
     }
 
 
-def _law_data(one: JudgedLaw, numbers: Numbers) -> dict[str, Any]:
+def _law_data(one: JudgedLaw, numbers: _Numbers) -> dict[str, Any]:
     return {
         "laws": [_of(law, numbers) for law in one.laws],
         "by": one.by,
@@ -132,7 +132,7 @@ def _law_data(one: JudgedLaw, numbers: Numbers) -> dict[str, Any]:
     }
 
 
-def _of(law: BrokenLaw, numbers: Numbers) -> dict[str, str]:
+def _of(law: BrokenLaw, numbers: _Numbers) -> dict[str, str]:
     return {
         "id": numbers[law.machine, law.name].id,
         "machine": law.machine,

@@ -26,7 +26,7 @@ from safeloc.report.machines import machine_data
 from safeloc.report.pictures import pictures_data
 
 SCHEMA = "safeloc-report/4"
-SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
+_SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 NOT_ASKED: Mapping[str, Any] = MappingProxyType({})
 MOST_CELLS = 10_000  # most values of a witness in the data; the localizer has 500 in every step
@@ -34,7 +34,7 @@ MOST_CELLS = 10_000  # most values of a witness in the data; the localizer has 5
 
 def schema() -> dict[str, Any]:
     """Return the published JSON schema."""
-    loaded: dict[str, Any] = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
+    loaded: dict[str, Any] = json.loads(_SCHEMA_FILE.read_text(encoding="utf-8"))
     return loaded
 
 

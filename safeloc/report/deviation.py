@@ -41,12 +41,12 @@ from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.thinning import Point, Span, pieces, spans
 from safeloc.report.violations import head, violations
 
-WHOLE, ENLARGED, BETWEEN = 230, 150, 44
-ENLARGED_WHERE = 6
+_WHOLE, ENLARGED, BETWEEN = 230, 150, 44
+_ENLARGED_WHERE = 6
 """There is an enlarged panel if the tolerable error is more than this many times the narrowest margin."""
 
 
-class Thing(NamedTuple):
+class _Thing(NamedTuple):
     """Something beside the line: kind, position, name, and view zone."""
 
     kind: str
@@ -55,7 +55,7 @@ class Thing(NamedTuple):
     zone: tuple[int, int] | None
 
 
-class Off(NamedTuple):
+class _Off(NamedTuple):
     """One step in mm: position, deviation (None if the truth is unknown), and the bounds of the deviation by the interval."""
 
     place: float
@@ -70,16 +70,16 @@ class Off(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Offs:
+class _Offs:
     """A run as positions and deviations."""
 
     one: Deviation
     recorded: RecordedRun
 
     @cached_property
-    def steps(self) -> list[Off | None]:
+    def steps(self) -> list[_Off | None]:
         """Each step; None if nothing is reported."""
-        made: list[Off | None] = []
+        made: list[_Off | None] = []
         for step, truth in zip(self.recorded.trace.steps, self.truth, strict=True):
             ends = self.one.reported.interval_mm(step.outputs)
             if ends is None:
@@ -87,7 +87,7 @@ class Offs:
                 continue
             position = step.outputs[self.one.reported.position]
             off = None if truth is None else position - truth
-            made.append(Off(position if truth is None else truth, off, position - ends[1], position - ends[0]))
+            made.append(_Off(position if truth is None else truth, off, position - ends[1], position - ends[0]))
         return made
 
     @cached_property
@@ -102,7 +102,7 @@ class Offs:
         return [truth if truth is not None or off is None else off.place for truth, off in pairs]
 
     @property
-    def reported(self) -> list[Off]:
+    def reported(self) -> list[_Off]:
         """The steps with a reported position."""
         return [off for off in self.steps if off is not None]
 
@@ -114,16 +114,16 @@ class Offs:
 
 def deviation_picture(one: Deviation, recorded: RecordedRun) -> str:
     """Return the drawing; empty for a run without any position."""
-    offs = Offs(one, recorded)
+    offs = _Offs(one, recorded)
     places = [place for place in offs.places if place is not None]
     if not places:
         return ""
     axis = across(places)
     furthest = max([one.tolerance_mm, *(max(abs(off.low), off.high, abs(off.deviation or 0)) for off in offs.reported)])
-    upper = Axis(-furthest * 1.1, furthest * 1.1, head(recorded) + WHOLE, head(recorded))
+    upper = Axis(-furthest * 1.1, furthest * 1.1, head(recorded) + _WHOLE, head(recorded))
     made = [_panel(offs, axis, upper, "deviation in m"), _tolerance(one, upper)]
     bottom = upper.begin
-    if 0 < offs.narrowest * ENLARGED_WHERE < one.tolerance_mm:
+    if 0 < offs.narrowest * _ENLARGED_WHERE < one.tolerance_mm:
         near = Axis(-4 * offs.narrowest, 4 * offs.narrowest, bottom + BETWEEN + ENLARGED, bottom + BETWEEN)
         made.append(_clipped(recorded.name, near, _panel(offs, axis, near, "")))
         made.append(upright_axis(near, "enlarged, in m"))
@@ -140,7 +140,7 @@ def deviation_picture(one: Deviation, recorded: RecordedRun) -> str:
     return picture([*made, first, second], y, f"{one.title}, recording {recorded.name}")
 
 
-def _panel(offs: Offs, axis: Axis, height: Axis, label: str) -> str:
+def _panel(offs: _Offs, axis: Axis, height: Axis, label: str) -> str:
     """Draw interval, deviation, stretches without a report, and wrong intervals, at one scale."""
     grid = upright_axis(height, label) if label else ""
     inside = [None if off is None else _span(axis, height, off) for off in offs.steps]
@@ -154,11 +154,11 @@ def _panel(offs: Offs, axis: Axis, height: Axis, label: str) -> str:
     return grid + _silence(offs, axis, height) + shaded + zero + line(pieces(run), "", kind="deviation") + wrong
 
 
-def _span(axis: Axis, height: Axis, off: Off) -> Span:
+def _span(axis: Axis, height: Axis, off: _Off) -> Span:
     return Span(axis.at(off.place), height.at(off.high), height.at(off.low))
 
 
-def _wrong(offs: Offs, axis: Axis, height: Axis) -> list[Point]:
+def _wrong(offs: _Offs, axis: Axis, height: Axis) -> list[Point]:
     """Return the places of crosses for wrong intervals, at most one in eight units across."""
     found: dict[int, Point] = {}
     for off in offs.reported:
@@ -168,7 +168,7 @@ def _wrong(offs: Offs, axis: Axis, height: Axis) -> list[Point]:
     return list(found.values())
 
 
-def _silence(offs: Offs, axis: Axis, height: Axis) -> str:
+def _silence(offs: _Offs, axis: Axis, height: Axis) -> str:
     """Draw the stretches without a report, which cost availability, not safety."""
     steps = zip(offs.places, offs.steps, strict=True)
     silent = [None if off is not None or place is None else Span(axis.at(place), 0, 0) for place, off in steps]
@@ -197,12 +197,12 @@ def _clipped(name: str, height: Axis, drawn: str) -> str:
 # ------------------------------------------------------------------ things beside the line
 
 
-def _things(one: Deviation, recorded: RecordedRun) -> Iterator[Thing]:
+def _things(one: Deviation, recorded: RecordedRun) -> Iterator[_Thing]:
     for things in one.things:
         yield from _of_kind(things, recorded)
 
 
-def _of_kind(things: Things, recorded: RecordedRun) -> Iterator[Thing]:
+def _of_kind(things: Things, recorded: RecordedRun) -> Iterator[_Thing]:
     """Yield each place once, with its first values in the run."""
     called, done = things.called.get(recorded.name, {}), set[int]()
     for given in recorded.given:
@@ -212,7 +212,7 @@ def _of_kind(things: Things, recorded: RecordedRun) -> Iterator[Thing]:
         done.add(at)
         label = recorded.word(things.label, given[things.label]) if things.label in given else ""
         words = f"{called[at]} ({label})" if at in called else label
-        yield Thing(things.kind, at, words, _zone(things, given, at))
+        yield _Thing(things.kind, at, words, _zone(things, given, at))
 
 
 def _zone(things: Things, given: Mapping[str, Value], at: int) -> tuple[int, int] | None:
@@ -222,7 +222,7 @@ def _zone(things: Things, given: Mapping[str, Value], at: int) -> tuple[int, int
     return at - given[begin], at - given[end]
 
 
-def _along(things: list[Thing], axis: Axis, y: float) -> str:
+def _along(things: list[_Thing], axis: Axis, y: float) -> str:
     """Draw the track, and everything beside it."""
     made = [word(LEFT - 8, y + 4, "track", anchor="end")]
     made.append(f'<path d="M{LEFT} {y:.1f}H{RIGHT}" class="ink track" stroke-width="3"/>')
@@ -241,14 +241,14 @@ def _side(x: float) -> str:
     return "end" if x > RIGHT - 60 else "start" if x < LEFT + 60 else "middle"
 
 
-def _lines(things: list[Thing], axis: Axis, top: float, bottom: float) -> str:
+def _lines(things: list[_Thing], axis: Axis, top: float, bottom: float) -> str:
     colours = {"balise": ORANGE, "reflector": SKY, "marker": ORANGE}
     return "".join(
         upright(axis.at(thing.at_mm), top, bottom, colours[thing.kind], kind=f"at-{thing.kind}") for thing in things
     )
 
 
-def _keys(offs: Offs, things: list[Thing]) -> list[Swatch]:
+def _keys(offs: _Offs, things: list[_Thing]) -> list[Swatch]:
     keys = [stroke_swatch("", "deviation: reported position less true position")]
     keys.append(
         box_swatch(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from safeloc.report.thinning import Point, Span, thinned, thinned_band
 
-WIDTH, LEFT, RIGHT = 1_000, 150, 985
+_WIDTH, LEFT, RIGHT = 1_000, 150, 985
 """Width of a picture, and the begin and end of its axis."""
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BROWN, GREY = (
     "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#7f6a3f", "#98a1a9",
@@ -202,6 +202,6 @@ def picture(parts: Iterable[str], height: float, title: str) -> str:
     """Return the whole drawing; the title is read out by screen readers."""
     label = html.escape(title)
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0f}" width="{WIDTH}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height:.0f}" width="{_WIDTH}" '
         f'height="{height:.0f}" role="img" aria-label="{label}" class="picture">{"".join(parts)}</svg>'
     )

@@ -13,9 +13,9 @@ from safeloc.language.nodes import BoolVar, Expr, Lit, NumVar, Truth
 from safeloc.language.render import infix
 from safeloc.language.terms import Sharing, children, in_order
 
-UNBOUNDED = 10**9
-A_FEW_LINES = 600
-SHORT = 24
+_UNBOUNDED = 10**9
+_A_FEW_LINES = 600
+_SHORT = 24
 """A part of at most so many characters is not named, but written in place."""
 
 
@@ -43,18 +43,18 @@ class Exact:
         for node in order:
             if isinstance(node, (Lit, NumVar, BoolVar, Truth)) or (node not in given and uses[id(node)] < 2):
                 continue
-            text = infix(node, UNBOUNDED, self._names, deepest=UNBOUNDED)
-            if node in given or len(text) > SHORT:
+            text = infix(node, _UNBOUNDED, self._names, deepest=_UNBOUNDED)
+            if node in given or len(text) > _SHORT:
                 self._names[node] = given.get(node, f"#{len(lines) + 1}")
                 lines.append(Line(self._names[node], text))
         self.lines = tuple(lines)
         self.texts = {
-            name: infix(root, UNBOUNDED, self._names, deepest=UNBOUNDED)
+            name: infix(root, _UNBOUNDED, self._names, deepest=_UNBOUNDED)
             for name, root in zip(terms, roots, strict=True)
         }
 
     def spelled(self, term: Expr) -> str:
         """Return a term in which only the definitions of the model are named; other parts too if it fills many lines."""
         whole = self._share(term)
-        text = infix(whole, A_FEW_LINES, self._given, deepest=UNBOUNDED)
-        return infix(whole, UNBOUNDED, self._names, deepest=UNBOUNDED) if text.endswith("…") else text
+        text = infix(whole, _A_FEW_LINES, self._given, deepest=_UNBOUNDED)
+        return infix(whole, _UNBOUNDED, self._names, deepest=_UNBOUNDED) if text.endswith("…") else text

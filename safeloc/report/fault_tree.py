@@ -9,8 +9,8 @@ from safeloc.assurance.evidence.cut_sets import TOP, CutSets
 from safeloc.proof.cores.clauses import ClauseId
 from safeloc.report.drawing import GREY, ORANGE, RED
 
-WIDTH, LEFT, ROW, BOX = 1_000, 250, 34, 26
-LETTERS = 96
+_WIDTH, LEFT, ROW, BOX = 1_000, 250, 34, 26
+_LETTERS = 96
 """Number of letters that fit into a box."""
 
 
@@ -26,9 +26,9 @@ def fault_tree(title: str, sets: CutSets, numbers: Mapping[ClauseId, str]) -> st
     for number, (clauses, colour, note) in enumerate(rows, 1):
         parts += _row(number * ROW + 12, clauses, colour, note, numbers)
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" role="img" '
         f'font-family="sans-serif" font-size="13"><title>{html.escape(title)}: {TOP}</title>'
-        f'<rect width="{WIDTH}" height="{height}" fill="#ffffff"/>{"".join(parts)}</svg>'
+        f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>{"".join(parts)}</svg>'
     )
 
 
@@ -44,12 +44,12 @@ def _top(height: int) -> Iterator[str]:
 
 def _row(y: float, clauses: Sequence[ClauseId], colour: str, note: str, numbers: Mapping[ClauseId, str]) -> list[str]:
     words = " AND ".join(f"{numbers[one]} {one.name}" for one in clauses) + note
-    shown = words if len(words) <= LETTERS else f"{words[: LETTERS - 1]}…"
+    shown = words if len(words) <= _LETTERS else f"{words[: _LETTERS - 1]}…"
     middle = y + BOX / 2
     edge = colour if len(clauses) == 1 else ORANGE
     return [
         f'<line x1="210" y1="{middle:g}" x2="{LEFT - 10}" y2="{middle:g}" stroke="#333333"/>',
-        f"<g><title>{html.escape(words)}</title>{_box(LEFT - 10, y, WIDTH - LEFT, BOX, edge)}{_text(LEFT, y + 18, shown, 'normal')}</g>",
+        f"<g><title>{html.escape(words)}</title>{_box(LEFT - 10, y, _WIDTH - LEFT, BOX, edge)}{_text(LEFT, y + 18, shown, 'normal')}</g>",
     ]
 
 

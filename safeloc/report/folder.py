@@ -33,14 +33,14 @@ from safeloc.report.page import PARTS, to_pages
 from safeloc.runtime.streams.columns import Shown, runs_file
 
 PAGE, JUNIT = "index.html", "junit.xml"
-OWN = {
+_OWN = {
     certificates.FOLDER: f"*{certificates.SUFFIX}",
     stored.TRACES: f"*{stored.SUFFIX}",
     stored.MACHINES: f"*{stored.SUFFIX}",
     PARTS: "*.js",
 }
 """Folders of a report, and the pattern of its files in each."""
-OLD = {"certificates": "*.smt2", "traces": "*.jsonl"}
+_OLD = {"certificates": "*.smt2", "traces": "*.jsonl"}
 """Files of reports before safeloc-report/3."""
 
 
@@ -113,7 +113,7 @@ def _alone(folder: Path) -> Iterator[None]:
 
 def files_of(folder: Path) -> list[str]:
     """Return the names of a report's files within its folder, report.json last: without it there is no report."""
-    own = [path for name, pattern in OWN.items() for path in sorted((folder / name).glob(pattern))]
+    own = [path for name, pattern in _OWN.items() for path in sorted((folder / name).glob(pattern))]
     return [path.relative_to(folder).as_posix() for path in (*own, folder / JUNIT, folder / PAGE, folder / stored.DATA)]
 
 
@@ -155,7 +155,7 @@ def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
 
 def _write_page(folder: Path, data: Mapping[str, Any], *, single: bool) -> Path:
     page, parts = to_pages(data, single=single)
-    for path in (folder / PARTS).glob(OWN[PARTS]):
+    for path in (folder / PARTS).glob(_OWN[PARTS]):
         path.unlink()
     for name, text in parts.items():
         (folder / PARTS).mkdir(exist_ok=True)
@@ -168,7 +168,7 @@ def _clear(folder: Path) -> None:
     """Remove the files of an earlier report, if there is one."""
     if not (folder / stored.DATA).is_file():
         return
-    for name, pattern in (*OWN.items(), *OLD.items()):
+    for name, pattern in (*_OWN.items(), *_OLD.items()):
         for path in (folder / name).glob(pattern):
             path.unlink()
 

@@ -23,9 +23,9 @@ from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot
 from safeloc.report.guard_words import WORDS
 
-TEMPLATE = Path(__file__).with_name("guard.html.jinja")
-STYLE = Path(__file__).with_name("page.html.jinja")
-JUDGEMENTS = "judgements.jsonl"
+_TEMPLATE = Path(__file__).with_name("guard.html.jinja")
+_STYLE = Path(__file__).with_name("page.html.jinja")
+_JUDGEMENTS = "judgements.jsonl"
 
 
 def write_guard_folder(
@@ -36,7 +36,7 @@ def write_guard_folder(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         lines = (json.dumps(as_data(judgement)) + "\n" for judgement in judgements)
-        (folder / JUDGEMENTS).write_text("".join(lines), encoding="utf-8")
+        (folder / _JUDGEMENTS).write_text("".join(lines), encoding="utf-8")
         page.write_text(guard_page(judgements, tracks, config, stream), encoding="utf-8")
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
@@ -48,7 +48,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     name = Path(stream).name
     counts = counted(judgements)
-    return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+    return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(
         style=Markup(_style()),
         name=name,
         total=len(judgements),
@@ -59,14 +59,14 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
         plot=Markup(guard_plot(list(_moments(judgements, tracks)), config.tolerance_mm, f"intervals of {name}")),
         figures=list(figures(config)),
         law=machine(config).doc,
-        judgements=JUDGEMENTS,
+        judgements=_JUDGEMENTS,
         version=version("safeloc"),
     )
 
 
 def _style() -> str:
     """Return the style sheet of all reports."""
-    text = STYLE.read_text(encoding="utf-8")
+    text = _STYLE.read_text(encoding="utf-8")
     return text[text.index("<style>") + len("<style>") : text.index("</style>")]
 
 

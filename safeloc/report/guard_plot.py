@@ -25,8 +25,8 @@ from safeloc.report.drawing import (
 from safeloc.report.guard_words import PASSED, WORDS, mark
 from safeloc.report.thinning import Span, spans
 
-Value = Callable[["Moment"], float | None]
-UPPER, LOWER, BETWEEN, TOP = 250, 230, 44, 40
+_Value = Callable[["Moment"], float | None]
+_UPPER, LOWER, BETWEEN, TOP = 250, 230, 44, 40
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def _places(moments: Sequence[Moment]) -> Axis:
     known += [end for one in moments if one.interval_mm is not None for end in one.interval_mm]
     low, high = min(known, default=0.0), max(known, default=1_000.0)
     room = (high - low) * 0.03 or 1_000.0
-    return Axis(low - room, high + room, TOP + UPPER, TOP)
+    return Axis(low - room, high + room, TOP + _UPPER, TOP)
 
 
 def _run(moments: Sequence[Moment], across: Axis, upper: Axis) -> str:
@@ -109,7 +109,7 @@ def _bounds(near: Axis, tolerance_mm: int) -> str:
     )
 
 
-def _spots(moments: Sequence[Moment], across: Axis, height: Axis, value: Value) -> str:
+def _spots(moments: Sequence[Moment], across: Axis, height: Axis, value: _Value) -> str:
     """Draw the fixes, at most one per reason and unit of the page; one beyond the edge is drawn at the edge."""
     found: dict[tuple[int, int, str], str] = {}
     for one in sorted(moments, key=lambda each: each.reason != PASSED):

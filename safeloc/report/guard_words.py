@@ -28,7 +28,7 @@ WORDS: Mapping[str, str] = {
     "OUT_OF_ORDER": "older than an earlier one",
     "NOTHING": "nothing was delivered",
 }
-COLOURS: Mapping[str, str] = {
+_COLOURS: Mapping[str, str] = {
     "PASSED": BLUE,
     "UNCONFIRMED": SKY,
     "OFF_TRACK": RED,
@@ -39,14 +39,14 @@ COLOURS: Mapping[str, str] = {
 }
 
 
-def colour(reason: str) -> str:
+def _colour(reason: str) -> str:
     """Return the colour of a reason; grey for reasons that leave no place on the map."""
-    return COLOURS.get(reason, GREY)
+    return _COLOURS.get(reason, GREY)
 
 
 def mark(x: float, y: float, reason: str, size: float = 3) -> str:
     """Return a dot for a fix that is passed on, a cross for one that is withheld."""
     if reason == PASSED:
-        return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{size * 0.8:.1f}" fill="{colour(reason)}" class="passed"/>'
+        return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{size * 0.8:.1f}" fill="{_colour(reason)}" class="passed"/>'
     arms = f"M{x - size:.1f} {y - size:.1f}l{2 * size} {2 * size}m0 {-2 * size}l{-2 * size} {2 * size}"
-    return f'<path d="{arms}" stroke="{colour(reason)}" stroke-width="1.3" fill="none" class="withheld"/>'
+    return f'<path d="{arms}" stroke="{_colour(reason)}" stroke-width="1.3" fill="none" class="withheld"/>'

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from safeloc.language.verdict import WORST_FIRST, worst
 
-COUNTED = {
+_COUNTED = {
     "proved": "proved",
     "held": "held in tests and replays",
     "not asked": "not asked",
@@ -36,7 +36,7 @@ class KindAndVerdict:
 def counted(found: Sequence[KindAndVerdict], always: Sequence[str] = ()) -> str:
     """Count each verdict that occurs, and those in `always`, such as `21 proved, 1 undecided`."""
     number = Counter(one.verdict for one in found)
-    return ", ".join(f"{number[word]} {COUNTED[word]}" for word in BEST_FIRST if number[word] or word in always)
+    return ", ".join(f"{number[word]} {_COUNTED[word]}" for word in BEST_FIRST if number[word] or word in always)
 
 
 def headline(found: Sequence[KindAndVerdict]) -> str:

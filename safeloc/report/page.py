@@ -24,33 +24,33 @@ from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, 
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.streams.gzipped import name_of
 
-HERE = Path(__file__).parent
+_HERE = Path(__file__).parent
 PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
-LONGEST_NAME = 150
-MANY_ROWS = 4
+_LONGEST_NAME = 150
+_MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
-LONGEST_RUN, LAST_STEPS = 40, 20
+_LONGEST_RUN, LAST_STEPS = 40, 20
 """Of a longer run, only the last steps are shown unfolded."""
-SUMMARY: Mapping[str, tuple[str, ...]] = {
+_SUMMARY: Mapping[str, tuple[str, ...]] = {
     "properties": ("property",),
     "obligations and lemmas": ("obligation", "lemma"),
     "property tests": ("test",),
     "replayed recordings": ("replay",),
 }
-Data = Mapping[str, Any]
+_Data = Mapping[str, Any]
 
 
-def to_pages(data: Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
+def to_pages(data: _Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
     """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
     rendering = _Rendering(data)
     whole = rendering.page()
     return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
 
 
-def to_html(data: Data) -> str:
+def to_html(data: _Data) -> str:
     """Return the complete page for the result of `report_data`, or for a report that was read from a folder."""
     return _Rendering(data).page()
 
@@ -58,9 +58,9 @@ def to_html(data: Data) -> str:
 class _Rendering:
     """The templates and their data."""
 
-    def __init__(self, data: Data) -> None:
+    def __init__(self, data: _Data) -> None:
         self._environment = Environment(
-            loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+            loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
         )  # fmt: skip
         results = data["results"]
         machines = {machine["name"]: machine for machine in data["machines"]}
@@ -103,7 +103,7 @@ class _Rendering:
             machines=[{**one, "beside": f"{PARTS}/{files[one['name']]}.js"} for one in self._machines],
             items_beside=f"{PARTS}/{files['trace back']}.js",
             made=made,
-            script=Markup((HERE / "page.js").read_text(encoding="utf-8")),  # our own text
+            script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),  # our own text
         )
         return page, parts
 
@@ -122,7 +122,7 @@ def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
     names: dict[str, str] = {}
     taken: set[str] = set()
     for one in dict.fromkeys(finding_ids):
-        plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in one)[:LONGEST_NAME]
+        plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in one)[:_LONGEST_NAME]
         name = next(name for name in _numbered(plain) if name.casefold() not in taken)
         taken.add(name.casefold())
         names[one] = name
@@ -134,7 +134,7 @@ def _numbered(plain: str) -> Iterator[str]:
     yield from (f"{plain}-{number}" for number in count(2))
 
 
-def _shown_before(machines: Sequence[Data]) -> dict[tuple[str, int], str]:
+def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
     """Return, for a target and the number of its part, the earlier target that shows an identical machine."""
     first: dict[str, str] = {}
     again: dict[tuple[str, int], str] = {}
@@ -146,18 +146,18 @@ def _shown_before(machines: Sequence[Data]) -> dict[tuple[str, int], str]:
     return again
 
 
-def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, int], str]) -> dict[str, Any]:
+def _machine(machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str]) -> dict[str, Any]:
     own = [_named(row) for row in results if row["machine"] == machine["name"]]
     evidence = [row for row in own if row["kind"] in ("test", "replay")]
     return {
         **machine,
         "rows": [row for row in own if row["kind"] == "property"],
-        "evidence": runs_table(evidence),
+        "evidence": _runs_table(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
-        "counts": [(name, _counted(own, kinds)) for name, kinds in SUMMARY.items()],
+        "counts": [(name, _counted(own, kinds)) for name, kinds in _SUMMARY.items()],
         "parts": [
             {
                 **part,
@@ -169,7 +169,7 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
     }
 
 
-def _rests(evidence: Data | None) -> dict[str, Any] | None:
+def _rests(evidence: _Data | None) -> dict[str, Any] | None:
     """Return the cores of all claims as rows of a table, and the picture of the cut sets; None without evidence."""
     if evidence is None:
         return None
@@ -180,7 +180,7 @@ def _rests(evidence: Data | None) -> dict[str, Any] | None:
     }
 
 
-def _core(one: Data) -> dict[str, Any]:
+def _core(one: _Data) -> dict[str, Any]:
     """Return the core of a claim by kinds of elements; of many rows, only the number."""
     named: dict[str, list[str]] = {"clause": [], "contract": [], "lemma": [], "range": [], "row": []}
     for element in one["rests_on"]:
@@ -190,27 +190,27 @@ def _core(one: Data) -> dict[str, Any]:
         **one,
         "clauses": named["clause"],
         "others": [*named["contract"], *named["lemma"], *named["range"]],
-        "rows": f"{len(rows)} of {one['rows_of']}" if len(rows) > MANY_ROWS else "; ".join(rows),
+        "rows": f"{len(rows)} of {one['rows_of']}" if len(rows) > _MANY_ROWS else "; ".join(rows),
         "open_names": [element["name"] for element in one["undecided"]],
     }
 
 
-def _verdicts(rows: Sequence[Data]) -> list[KindAndVerdict]:
+def _verdicts(rows: Sequence[_Data]) -> list[KindAndVerdict]:
     return [KindAndVerdict(row["kind"], row["verdict"]) for row in rows]
 
 
-def _counted(rows: Sequence[Data], kinds: Sequence[str]) -> str:
+def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:
     """Return the number of each verdict, such as `21 proved, 1 unknown`."""
     found = Counter(row["verdict"] for row in rows if row["kind"] in kinds)
     return ", ".join(f"{found[verdict]} {verdict}" for verdict in BEST_FIRST if found[verdict]) or "none"
 
 
-def _named(row: Data) -> dict[str, Any]:
+def _named(row: _Data) -> dict[str, Any]:
     """Return the row with a short name and with `notes_text`, by which tests of the same runs are grouped."""
     return {**row, "name": row["id"].split("/", 2)[-1], "notes_text": json.dumps(row["notes"])}
 
 
-def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
+def _runs_table(rows: Sequence[_Data]) -> dict[str, Any]:
     """Return tests and replays as one table: a row for each statement, a column for the tests and for each recording."""
     sources = list(dict.fromkeys(_source(row) for row in rows))
     statements: dict[str, dict[str, Any]] = {}
@@ -223,11 +223,11 @@ def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
     return {"sources": [(source, steps[source]) for source in sources], "rows": list(statements.values())}
 
 
-def _source(row: Data) -> str:
+def _source(row: _Data) -> str:
     return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else "property tests"
 
 
-def _requirements(data: Data) -> dict[str, Any]:
+def _requirements(data: _Data) -> dict[str, Any]:
     """Return the requirements of machines in this report and of its results; the others are only counted."""
     present = {
         name for machine in data["machines"] for name in (machine["name"], *(p["name"] for p in machine["parts"]))
@@ -241,7 +241,7 @@ def _requirements(data: Data) -> dict[str, Any]:
     }
 
 
-def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
+def _shown_by(rows: Sequence[_Data]) -> list[tuple[str, str]]:
     """Return name and verdict of each property and of everything that did not hold; of tests that held, the number."""
     single = [row for row in rows if row["kind"] == "property" or row["verdict"] not in ("proved", "held")]
     listed = [(row["id"].replace("/property/", ": "), row["verdict"]) for row in single]
@@ -251,7 +251,7 @@ def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
     return listed
 
 
-def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, Any]:
+def _violated(row: _Data, machine: _Data, files: Mapping[str, str]) -> dict[str, Any]:
     trace = row["trace"]
     charts = "" if trace is None else trace_charts(trace, machine)
     steps = [] if trace is None else trace_rows(trace, machine["signals"])
@@ -259,6 +259,6 @@ def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, A
         "row": row,
         "charts": Markup(charts),  # our own text, every label in it is escaped
         "steps": steps,
-        "groups": [steps] if len(steps) <= LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
+        "groups": [steps] if len(steps) <= _LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
         "file": f"traces/{files[row['machine']]}.json.xz --run {shlex.quote(row['id'])}",
     }

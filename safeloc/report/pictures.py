@@ -31,7 +31,7 @@ def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str,
         }
         for recorded in recorded_runs(target, findings)
         for declared in target.pictures
-        if (svg := drawn(declared, recorded))
+        if (svg := _drawn(declared, recorded))
     ]
 
 
@@ -51,7 +51,7 @@ def _beside_sources(declared: Sources, recorded: RecordedRun) -> dict[str, Any]:
     return {"title": declared.title, **({"says": says} if says else {}), **table}
 
 
-def drawn(declared: Picture, recorded: RecordedRun) -> str:
+def _drawn(declared: Picture, recorded: RecordedRun) -> str:
     """Return one picture as SVG text; empty for a run without any position."""
     match declared:
         case Deviation():

@@ -8,7 +8,7 @@ from safeloc.railway.pictures import PlanMark, TrackPlan
 from safeloc.report.drawing import BLUE, GREY, SKY, Axis, cross, line, triangle, word
 from safeloc.report.thinning import Point
 
-LANE, HEAD = 74, 30
+_LANE, HEAD = 74, 30
 
 
 class Seen(NamedTuple):
@@ -25,7 +25,7 @@ class Seen(NamedTuple):
 
 def plan_height(plan: TrackPlan) -> float:
     """Return the height of the plan on the page."""
-    return plan.lanes * LANE + HEAD
+    return plan.lanes * _LANE + HEAD
 
 
 def plan_drawing(plan: TrackPlan, axis: Axis, top: float, seen: Seen) -> str:
@@ -53,7 +53,7 @@ def _leaves_down(plan: TrackPlan, mark: PlanMark) -> bool:
 
 
 def _y(top: float, lane: float) -> float:
-    return top + HEAD / 2 + LANE / 2 + lane * LANE
+    return top + HEAD / 2 + _LANE / 2 + lane * _LANE
 
 
 def _mark(mark: PlanMark, axis: Axis, top: float, seen: Seen, down: bool) -> str:

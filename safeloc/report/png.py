@@ -8,8 +8,8 @@ import zlib
 from collections.abc import Sequence
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
-BITS, BY_PALETTE = 8, 3
-MOST_COLOURS = 256
+_BITS, BY_PALETTE = 8, 3
+_MOST_COLOURS = 256
 Colour = tuple[int, int, int]
 
 
@@ -19,9 +19,9 @@ def png(rows: Sequence[bytes], palette: Sequence[Colour]) -> bytes:
     width = len(rows[0]) if rows else 0
     if not width or any(len(row) != width for row in rows):
         raise ValueError("a picture needs rows of equal length, and at least one pixel.")
-    if not len(palette) <= MOST_COLOURS or max(map(max, rows)) >= len(palette):
-        raise ValueError(f"a picture has up to {MOST_COLOURS} colours, and each pixel is one of them.")
-    head = struct.pack(">IIBBBBB", width, len(rows), BITS, BY_PALETTE, 0, 0, 0)
+    if not len(palette) <= _MOST_COLOURS or max(map(max, rows)) >= len(palette):
+        raise ValueError(f"a picture has up to {_MOST_COLOURS} colours, and each pixel is one of them.")
+    head = struct.pack(">IIBBBBB", width, len(rows), _BITS, BY_PALETTE, 0, 0, 0)
     data = zlib.compress(b"".join(b"\0" + row for row in rows), 9)
     parts = (
         (b"IHDR", head),

@@ -39,10 +39,10 @@ from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.thinning import Point
 from safeloc.report.violations import head, violations
 
-ROW = 26
+_ROW = 26
 
 
-class Refuted(NamedTuple):
+class _Refuted(NamedTuple):
     """The end of a route's possibility: the step (from 0), and the reason: what was seen, and what the route has instead."""
 
     step: int
@@ -50,7 +50,7 @@ class Refuted(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Hunt:
+class _Hunt:
     """A run as positions (mm from the common start), possible routes and refutations."""
 
     one: Recognition
@@ -88,12 +88,12 @@ class Hunt:
         seen = {given[route.place] for given in self.recorded.given if route is not None and route.place in given}
         return Seen(self.stated, frozenset(seen), furthest)
 
-    def refutations(self, route: Hypothesis) -> Iterator[Refuted]:
+    def refutations(self, route: Hypothesis) -> Iterator[_Refuted]:
         """Yield each step in which the route ceases to be possible."""
         possible = self.recorded.flags(route.possible)
         for step in range(1, len(possible)):
             if possible[step - 1] and not possible[step]:
-                yield Refuted(step, self._why(route, step))
+                yield _Refuted(step, self._why(route, step))
 
     def _why(self, route: Hypothesis, step: int) -> str:
         given, seen = self.recorded.given[step], self.one.sighting
@@ -121,7 +121,7 @@ class Hunt:
 
 def recognition_picture(one: Recognition, recorded: RecordedRun) -> str:
     """Return the drawing; empty for a run without any position."""
-    hunt = Hunt(one, recorded, one.plan(recorded.name))
+    hunt = _Hunt(one, recorded, one.plan(recorded.name))
     places = [place for place in hunt.places if place is not None]
     if not places:
         return ""
@@ -133,12 +133,12 @@ def recognition_picture(one: Recognition, recorded: RecordedRun) -> str:
     made = list[str]()
     if plan is not None:
         made.append(plan_drawing(plan, axis, top, hunt.missed))
-    bottom = y + (len(one.hypotheses) + 2) * ROW
+    bottom = y + (len(one.hypotheses) + 2) * _ROW
     made += [_switches(plan, axis, y, bottom), _sightings(hunt, axis, y)]
     for number, route in enumerate(one.hypotheses, 1):
-        made.append(_route(hunt, route, axis, y + number * ROW))
+        made.append(_route(hunt, route, axis, y + number * _ROW))
     modes, members = recorded.words(one.mode), recorded.members(one.mode)
-    made.append(strip(axis, hunt.places, modes, members, bottom - ROW, "mode"))
+    made.append(strip(axis, hunt.places, modes, members, bottom - _ROW, "mode"))
     made.append(across_axis(axis, bottom + 4, "distance from the common start in m"))
     made.append(violations(recorded, hunt.places, axis, bottom))
     first, y = legend(strip_legend(modes, members), bottom + 62, "mode")
@@ -156,7 +156,7 @@ def _switches(plan: TrackPlan | None, axis: Axis, top: float, bottom: float) -> 
     )
 
 
-def _sightings(hunt: Hunt, axis: Axis, y: float) -> str:
+def _sightings(hunt: _Hunt, axis: Axis, y: float) -> str:
     """Draw the strip of the reflector model in view."""
     seen = hunt.one.sighting
     words = [
@@ -167,7 +167,7 @@ def _sightings(hunt: Hunt, axis: Axis, y: float) -> str:
     return strip(axis, places, words, hunt.recorded.members(seen.model), y, "reflector in view")
 
 
-def _route(hunt: Hunt, route: Hypothesis, axis: Axis, y: float) -> str:
+def _route(hunt: _Hunt, route: Hypothesis, axis: Axis, y: float) -> str:
     """Draw one route: where it is possible, where it is the only one, and where and why it is refuted."""
     label = f"route {route.number}"
     if hunt.plan is not None and route.number in hunt.plan.routes:
@@ -193,7 +193,7 @@ def _bold(wanted: bool) -> str:
     return "font-weight:700" if wanted else ""
 
 
-def _bars(hunt: Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str, float, float]]:
+def _bars(hunt: _Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str, float, float]]:
     """Yield the bars of a route: a text, with start and end on the page."""
     begin: float | None = None
     last = 0.0
@@ -211,7 +211,7 @@ def _bars(hunt: Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str
         last = x
 
 
-def _refutation(x: float, y: float, number: int, refuted: Refuted, place: float) -> str:
+def _refutation(x: float, y: float, number: int, refuted: _Refuted, place: float) -> str:
     text = f"{metres(place)}: {refuted.why}"
     right = x + 12 + wide(text) < RIGHT
     said = word(x + 12 if right else x - 12, y + 4, text, anchor="start" if right else "end", style=_on_bar(right))
@@ -223,7 +223,7 @@ def _on_bar(right: bool) -> str:
     return "" if right else "fill:#101418"
 
 
-def _keys(hunt: Hunt) -> list[Swatch]:
+def _keys(hunt: _Hunt) -> list[Swatch]:
     keys = [
         box_swatch(SKY, "route is possible"),
         box_swatch(GREEN, "it is the only possible one"),

@@ -10,11 +10,11 @@ from safeloc.railway.pictures import Refusals, Sources
 from safeloc.report.drawing import number
 from safeloc.report.recorded_run import RecordedRun
 
-MOST_ROWS = 400
+_MOST_ROWS = 400
 
 
 @dataclass(frozen=True)
-class Refused:
+class _Refused:
     """A reason that applied from step `begin` up to, not including, `end`; steps are counted from 0."""
 
     of: str
@@ -24,18 +24,18 @@ class Refused:
     end: int
 
 
-def refused(one: Sources, recorded: RecordedRun) -> list[Refused]:
+def refused(one: Sources, recorded: RecordedRun) -> list[_Refused]:
     """Return all refusals of the run, in order of time."""
     found = [run for verdict in one.refusals for run in _of_verdict(verdict, recorded)]
     return sorted(found, key=lambda run: run.begin)
 
 
-def _of_verdict(verdict: Refusals, recorded: RecordedRun) -> Iterator[Refused]:
+def _of_verdict(verdict: Refusals, recorded: RecordedRun) -> Iterator[_Refused]:
     begin = 0
     for reason, group in groupby(_reasons(verdict, recorded)):
         end = begin + len(list(group))
         if reason:
-            yield Refused(verdict.of, verdict.signal, reason, begin, end)
+            yield _Refused(verdict.of, verdict.signal, reason, begin, end)
         begin = end
 
 
@@ -54,13 +54,13 @@ def _reasons(verdict: Refusals, recorded: RecordedRun) -> Iterator[str]:
 def refusals_table(one: Sources, recorded: RecordedRun) -> dict[str, list[str] | list[list[str]]]:
     """Return the table for the page; if rows are omitted, the last row gives their number."""
     found, truth = refused(one, recorded), recorded.truth(one.fused.truth)
-    rows = [_row(one, run, truth[run.begin]) for run in found[:MOST_ROWS]]
-    if len(found) > MOST_ROWS:
-        rows.append(["", "", "", "", "", f"and {len(found) - MOST_ROWS} more"])
+    rows = [_row(one, run, truth[run.begin]) for run in found[:_MOST_ROWS]]
+    if len(found) > _MOST_ROWS:
+        rows.append(["", "", "", "", "", f"and {len(found) - _MOST_ROWS} more"])
     return {"head": ["from s", "to s", "front end at m", "of", "signal", "reason"], "rows": rows}
 
 
-def _row(one: Sources, run: Refused, place_mm: float | None) -> list[str]:
+def _row(one: Sources, run: _Refused, place_mm: float | None) -> list[str]:
     begin, end = (number(step * one.period_ms / 1_000) for step in (run.begin, run.end))
     place = "unknown" if place_mm is None else number(round(place_mm / 1_000, 1))
     return [begin, end, place, run.of, run.signal, run.reason]

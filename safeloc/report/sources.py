@@ -39,11 +39,11 @@ from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.thinning import Point, Span, spans
 from safeloc.report.violations import head, violations
 
-ROW, APART, LEAST_MM = 74, 16, 2_000
+_ROW, APART, LEAST_MM = 74, 16, 2_000
 
 
 @dataclass(frozen=True)
-class Passed:
+class _Passed:
     """Something beside the line, with the time in s at which the front end passes it."""
 
     kind: ThingKind
@@ -63,7 +63,7 @@ def sources_picture(one: Sources, recorded: RecordedRun) -> str:
     y = top + 62
     for interval in (*one.sources, Interval("passed on", one.fused)):
         made.append(_row(one, interval, recorded, axis, zero, y))
-        y += ROW + APART
+        y += _ROW + APART
     leads = recorded.words(one.lead)
     made.append(strip(axis, times, leads, recorded.members(one.lead), y, "leads"))
     y += TALL + 10
@@ -112,12 +112,12 @@ def _drawn(kind: ThingKind, x: float, y: float) -> str:
             return upright(x, y - 9, y + 9, GREEN, kind="marker", dash="")
 
 
-def _all_passed(one: Sources, recorded: RecordedRun, zero: Series) -> Iterator[Passed]:
+def _all_passed(one: Sources, recorded: RecordedRun, zero: Series) -> Iterator[_Passed]:
     for things in one.beside:
         yield from _passed(one, things, recorded, zero)
 
 
-def _passed(one: Sources, things: Things, recorded: RecordedRun, zero: Series) -> Iterator[Passed]:
+def _passed(one: Sources, things: Things, recorded: RecordedRun, zero: Series) -> Iterator[_Passed]:
     """Yield each thing once: a reflector when the front end reaches it, anything else when it is first read."""
     first = {given[things.at]: step for step, given in reversed(list(enumerate(recorded.given))) if things.at in given}
     for at, read in first.items():
@@ -125,7 +125,7 @@ def _passed(one: Sources, things: Things, recorded: RecordedRun, zero: Series) -
         if step is not None:
             label = recorded.given[read].get(things.label)
             said = "" if label is None else recorded.word(things.label, label)
-            yield Passed(things.kind, said, at, step * one.period_ms / 1_000)
+            yield _Passed(things.kind, said, at, step * one.period_ms / 1_000)
 
 
 def _reached(zero: Series, at: int) -> int | None:
@@ -147,7 +147,7 @@ def _row(one: Sources, interval: Interval, recorded: RecordedRun, axis: Axis, ze
     ]
     widest = max([LEAST_MM, *(abs(side) for off in offs if off is not None for side in off)])
     widest = -(-widest // 1_000) * 1_000
-    height, fused = Axis(-widest, widest, top + ROW, top), interval.reported == one.fused
+    height, fused = Axis(-widest, widest, top + _ROW, top), interval.reported == one.fused
     drawn = [
         None if off is None else Span(axis.at(step * one.period_ms / 1_000), height.at(off[0]), height.at(off[1]))
         for step, off in enumerate(offs)
@@ -175,7 +175,7 @@ def _silent(one: Sources, axis: Axis, ends: list[tuple[int, int] | None], top: f
         if step == len(ends) or (ends[step] is None) is not (ends[begin] is None):
             if ends[begin] is None:
                 x = axis.at(begin * second)
-                made += box(x, top, axis.at(step * second) - x, ROW, colour, kind="silent", faint=True)
+                made += box(x, top, axis.at(step * second) - x, _ROW, colour, kind="silent", faint=True)
             begin = step
     return made
 

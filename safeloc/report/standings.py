@@ -10,7 +10,7 @@ from safeloc.report.recorded_run import RecordedRun, Series
 from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.violations import head, violations
 
-APART = TALL + 8
+_APART = TALL + 8
 
 
 def standings_picture(one: Standings, recorded: RecordedRun) -> str:
@@ -23,8 +23,8 @@ def standings_picture(one: Standings, recorded: RecordedRun) -> str:
     words = {row: recorded.words(row.signal) for row in one.rows}
     made, members = [], recorded.members(one.rows[0].signal)
     for number, row in enumerate(one.rows):
-        made.append(strip(axis, places, words[row], members, top + APART * number, _label(recorded, row.called, one)))
-    bottom = top + APART * len(one.rows)
+        made.append(strip(axis, places, words[row], members, top + _APART * number, _label(recorded, row.called, one)))
+    bottom = top + _APART * len(one.rows)
     made.append(across_axis(axis, bottom + 4, "distance along the line in m"))
     made.append(violations(recorded, places, axis, bottom))
     said = [name for row in one.rows for name in words[row]]

@@ -39,9 +39,9 @@ from safeloc.report.violations import FIRST, ROW, head
 
 Region = Literal["nominal", "unavailable", "misleading", "hazardous"]
 REGIONS: tuple[Region, ...] = get_args(Region)
-TALL, CELL = 420, 6
-COLOURS: Mapping[Region, str] = {"nominal": BLUE, "unavailable": GREY, "misleading": ORANGE, "hazardous": RED}
-MEANT: Mapping[Region, str] = {
+_TALL, CELL = 420, 6
+_COLOURS: Mapping[Region, str] = {"nominal": BLUE, "unavailable": GREY, "misleading": ORANGE, "hazardous": RED}
+_MEANT: Mapping[Region, str] = {
     "nominal": "error within the margin, margin within the limit",
     "unavailable": "margin beyond the limit, or nothing reported",
     "misleading": "error beyond the margin, within the limit",
@@ -80,7 +80,7 @@ class Reports:
         return found
 
 
-def reports(one: Stanford, recorded: RecordedRun) -> Reports:
+def _reports(one: Stanford, recorded: RecordedRun) -> Reports:
     """Collect the reports of the run, with the numbers of steps without report or without known truth."""
     made, silent, unknown = list[Report](), 0, 0
     for step, truth in zip(recorded.trace.steps, recorded.truth(one.reported.truth), strict=True):
@@ -99,7 +99,7 @@ def reports(one: Stanford, recorded: RecordedRun) -> Reports:
 def stanford_picture(one: Stanford, recorded: RecordedRun) -> str:
     """Return the drawing; empty for a run without any reported position of known truth."""
     top, title = head(recorded) + 10, f"{one.title}, recording {recorded.name}"
-    return stanford_diagram(reports(one, recorded), one.limit_mm, title, top=top, above=_violated(recorded))
+    return stanford_diagram(_reports(one, recorded), one.limit_mm, title, top=top, above=_violated(recorded))
 
 
 def stanford_diagram(
@@ -113,7 +113,7 @@ def stanford_diagram(
         return ""
     farthest = max(limit_mm, *(report.error for report in found.made)) * 1.15
     widest = max(limit_mm, *(report.margin for report in found.made)) * 1.15
-    across, up = Axis(0, farthest, LEFT, RIGHT), Axis(0, widest, top + TALL, top)
+    across, up = Axis(0, farthest, LEFT, RIGHT), Axis(0, widest, top + _TALL, top)
     counts = found.counts(limit_mm)
     made = [
         style,
@@ -148,7 +148,7 @@ def _areas(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
     }
     for name, points in corners.items():
         text = " ".join(f"{across.at(x):.1f},{up.at(y):.1f}" for x, y in points)
-        yield f'<polygon points="{text}" fill="{COLOURS[name]}" fill-opacity=".10" class="region-{name}"/>'
+        yield f'<polygon points="{text}" fill="{_COLOURS[name]}" fill-opacity=".10" class="region-{name}"/>'
 
 
 def _lines(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
@@ -169,7 +169,7 @@ def _cells(limit_mm: int, found: Reports, across: Axis, up: Axis) -> Iterator[st
             yield cross(x + CELL / 2, y + CELL / 2, kind=f"step {name}", size=4)
         else:
             opacity = 0.3 + 0.7 * math.log1p(count) / most
-            drawn = box(x, y, CELL, CELL, COLOURS[name], kind=f"step {name}")
+            drawn = box(x, y, CELL, CELL, _COLOURS[name], kind=f"step {name}")
             yield f'<g fill-opacity="{opacity:.2f}">{drawn}</g>'
 
 
@@ -193,7 +193,7 @@ def _words(limit_mm: int, counts: Counter[Region], across: Axis, up: Axis) -> It
 
 def _keys(limit_mm: int, found: Reports, counts: Counter[Region]) -> list[Swatch]:
     total = sum(counts.values())
-    keys = [box_swatch(COLOURS[name], f"{name}: {MEANT[name]}, {_share(counts[name], total)}") for name in REGIONS]
+    keys = [box_swatch(_COLOURS[name], f"{name}: {_MEANT[name]}, {_share(counts[name], total)}") for name in REGIONS]
     keys.append(stroke_swatch(RED, f"alert limit, {metres(limit_mm)}", "9 4"))
     if found.silent:
         keys.append(Swatch("", f"nothing reported in {found.silent} of {total} steps"))

@@ -24,9 +24,9 @@ from safeloc.runtime.streams.columns import Runs, read_runs
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX = ".json.xz"
-BULKY = ("parts", "pictures", "signals", "figures", "evidence")
+_BULKY = ("parts", "pictures", "signals", "figures", "evidence")
 Data = dict[str, Any]
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 
 def split_data(
@@ -42,7 +42,7 @@ def split_data(
     files = machine_files(data)
     small = {
         **data,
-        "machines": [{key: part for key, part in one.items() if key not in BULKY} for one in data["machines"]],
+        "machines": [{key: part for key, part in one.items() if key not in _BULKY} for one in data["machines"]],
         "results": [
             {
                 **row,
@@ -54,7 +54,7 @@ def split_data(
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
         "certificates": {file: list(names) for file, names in certificates.items()},
     }
-    bulky = {files[one["name"]]: packed(_text({key: one[key] for key in BULKY})) for one in data["machines"]}
+    bulky = {files[one["name"]]: packed(_text({key: one[key] for key in _BULKY})) for one in data["machines"]}
     return small, bulky
 
 
@@ -100,7 +100,7 @@ def read_report(folder: Path) -> Data:
     return checked(path, lambda: _named(data))
 
 
-def checked(path: Path, read: Callable[[], T]) -> T:
+def checked(path: Path, read: Callable[[], _T]) -> _T:
     """Return the result of `read`; InputError if it fails on data that do not fit the schema."""
     try:
         return read()
@@ -156,6 +156,6 @@ def _machine(path: Path) -> Data:
 
     def read() -> Data:
         data = json.loads(content)
-        return {key: data[key] for key in BULKY}
+        return {key: data[key] for key in _BULKY}
 
     return checked(path, read)

@@ -12,7 +12,7 @@ from safeloc.report.recorded_run import Series
 TALL = 20
 
 
-class Piece(NamedTuple):
+class _Piece(NamedTuple):
     """A stretch of constant value of a signal: start and end on the page, and the value in words."""
 
     begin: float
@@ -47,7 +47,7 @@ def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
     ]
 
 
-def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[Piece]:
+def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[_Piece]:
     """Yield the pieces; each reaches to the begin of the next one, unless there is a gap between."""
     known = [None if place is None else (axis.at(place), said) for place, said in zip(places, words, strict=True)]
     for gap, run in groupby(known, lambda one: one is None):
@@ -58,20 +58,20 @@ def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[Piece]
         for said, group in groupby(stretch, lambda one: one[1]):
             length = len(list(group))
             reached = [x for x, _ in stretch[at : at + length + 1]]
-            yield Piece(min(reached), max(reached), said)
+            yield _Piece(min(reached), max(reached), said)
             at += length
 
 
-def _thinned(found: Iterator[Piece]) -> list[Piece]:
+def _thinned(found: Iterator[_Piece]) -> list[_Piece]:
     """Return the pieces; of those narrower than a unit, one of each kind in each column."""
-    kept: dict[tuple[object, ...], Piece] = {}
+    kept: dict[tuple[object, ...], _Piece] = {}
     for piece in found:
         narrow = piece.end - piece.begin < 1
         kept.setdefault((round(piece.begin), piece.words) if narrow else piece, piece)
     return list(kept.values())
 
 
-def _lettered(piece: Piece, members: Sequence[str], y: float, colour: str) -> str:
+def _lettered(piece: _Piece, members: Sequence[str], y: float, colour: str) -> str:
     width, numbered = piece.end - piece.begin, str(list(members).index(piece.words) + 1)
     text = next((text for text in (piece.words, numbered) if wide(text) + 4 <= width), "")
     ink = "#fff" if colour in DARK else "#101418"

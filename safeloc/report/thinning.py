@@ -22,10 +22,10 @@ class Span(NamedTuple):
     high: float
 
 
-Pieces: TypeAlias = list[list[Point]]
+_Pieces: TypeAlias = list[list[Point]]
 
 
-def pieces(points: Iterable[Point | None]) -> Pieces:
+def pieces(points: Iterable[Point | None]) -> _Pieces:
     """Return the uninterrupted stretches of points; None is a gap."""
     return [[point for point in run if point is not None] for gap, run in groupby(points, _is_gap) if not gap]
 

@@ -17,7 +17,7 @@ def violations(recorded: RecordedRun, places: Series, axis: Axis, bottom: float)
     """Draw a line from each name down to `bottom`; the names are listed at the top."""
     made, row = "", 0
     for broken in recorded.broken:
-        place = place_at(places, broken)
+        place = _place_at(places, broken)
         if place is None or not axis.holds(place):
             continue
         x, y = axis.at(place), FIRST + ROW * row
@@ -29,7 +29,7 @@ def violations(recorded: RecordedRun, places: Series, axis: Axis, bottom: float)
     return made
 
 
-def place_at(places: Series, broken: Broken) -> float | None:
+def _place_at(places: Series, broken: Broken) -> float | None:
     """Return the position at a step, or the last one known before."""
     known = [place for place in places[: broken.step] if place is not None]
     return known[-1] if known else None

@@ -23,8 +23,8 @@ from safeloc.errors import InputError, SafelocError, UnforeseenError
 LARGEST_FILE = 500_000_000
 """Bytes of a file that is read at once or line by line."""
 
-WHOLE = re.compile(r"[+-]?[0-9]+")
-NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
 """Numbers in files have ASCII digits only; Python's `int`, `float` and `Decimal` also accept other digits, and `_`."""
 
 MOST_DIGITS = 1_000
@@ -71,7 +71,7 @@ def refusal(error: Exception) -> str:
         case SafelocError():
             return str(error)
         case OSError():
-            return unreadable(error)
+            return _unreadable(error)
         case MemoryError():
             return _TOO_LARGE
         case _:
@@ -82,7 +82,7 @@ UNFORESEEN = "not read: safeloc itself failed on it"
 """Beginning of a message about an unforeseen failure."""
 
 
-def unreadable(error: OSError) -> str:
+def _unreadable(error: OSError) -> str:
     """Return the reason that the operating system gives for a file that cannot be read."""
     return f"cannot be read: {error.strerror or error}"
 
@@ -127,12 +127,12 @@ def shown(name: object) -> str:
 
 def whole_number(text: str) -> int | None:
     """Return a whole number in ASCII digits; None for other text, and for more than `MOST_DIGITS`."""
-    return int(text) if len(text) <= MOST_DIGITS and WHOLE.fullmatch(text) else None
+    return int(text) if len(text) <= MOST_DIGITS and _WHOLE.fullmatch(text) else None
 
 
 def number(text: str) -> float | None:
     """Return a decimal number in ASCII digits; None for other text, including NaN and infinity."""
-    return float(text) if len(text) <= MOST_DIGITS and NUMBER.fullmatch(text) else None
+    return float(text) if len(text) <= MOST_DIGITS and _NUMBER.fullmatch(text) else None
 
 
 def read_bytes(path: Path, most: int = LARGEST_FILE) -> bytes:
@@ -183,7 +183,7 @@ def cut_lines(path: Path, file: BufferedIOBase, longest: int, counted: str = "by
             raise InputError(f"{path}:{number + 1}: a line of more than {longest} bytes; break it up.")
         for part in _parts(data.removeprefix(b"\xef\xbb\xbf") if number == 0 else data):
             number += 1
-            yield number, decoded_line(path, number, part)
+            yield number, _decoded_line(path, number, part)
 
 
 def _parts(data: bytes) -> list[bytes]:
@@ -192,7 +192,7 @@ def _parts(data: bytes) -> list[bytes]:
     return body.split(b"\r")
 
 
-def decoded_line(path: Path, number: int, data: bytes) -> str:
+def _decoded_line(path: Path, number: int, data: bytes) -> str:
     """Return one line as text; InputError with file and line if it is none."""
     try:
         return data.decode()

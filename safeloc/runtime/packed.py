@@ -11,7 +11,7 @@ from safeloc.runtime.outside import LARGEST_FILE, read_bytes, refuse_beyond
 SUFFIX = ".xz"
 QUICK, SMALL = 2, 6
 """Presets of xz: SMALL takes six times as long as QUICK and saves a fifth."""
-MOST_MEMORY = 256 << 20
+_MOST_MEMORY = 256 << 20
 """Bytes of memory for unpacking, besides the result."""
 
 
@@ -23,7 +23,7 @@ def packed(data: bytes, effort: int = SMALL) -> bytes:
 def read_packed(path: Path, most: int = LARGEST_FILE) -> bytes:
     """Return the unpacked content. InputError for a file that is damaged, has data after its end, or is too large."""
     content = read_bytes(path, most)
-    unpacking = lzma.LZMADecompressor(lzma.FORMAT_XZ, MOST_MEMORY)
+    unpacking = lzma.LZMADecompressor(lzma.FORMAT_XZ, _MOST_MEMORY)
     try:
         data = unpacking.decompress(content, most + 1)
     except (lzma.LZMAError, EOFError) as error:

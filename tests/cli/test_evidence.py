@@ -83,7 +83,7 @@ def test_what_is_not_decided_is_the_exit_code(call: Call, monkeypatch: pytest.Mo
     told = call("faults", "transmission", "--jobs", "1", "--fresh", "--cache", KEPT)
     assert 3 == told.code
     assert "    claims lost   none; not decided: containment" in told.out
-    assert "    end effect    not decided within the limits" in told.out
+    assert "    end effect    undecided within the limits" in told.out
     assert "not decided: transmission/A1" in told.out
 
 

@@ -86,7 +86,9 @@ def test_what_occurs_is_in_the_legend() -> None:
 def test_a_violated_statement_is_marked() -> None:
     """By name, at its place."""
     run_ = told("F" * 10, "F" * 10)
-    of = drawing(standings_picture(PICTURE, RecordedRun(run_.name, run_.trace, run_.truth_mm, (Broken("nobody stands", 4),))))
+    of = drawing(
+        standings_picture(PICTURE, RecordedRun(run_.name, run_.trace, run_.truth_mm, (Broken("nobody stands", 4),)))
+    )
     assert any("violated at step 4: nobody stands" in text for text in words(of))
 
 

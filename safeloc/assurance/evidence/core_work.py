@@ -19,8 +19,8 @@ from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 SCHEMA = "safeloc-cores/1"
-KIND = "cores"
-QUESTIONS = 12
+_KIND = "cores"
+_QUESTIONS = 12
 """Number of questions with the full limit that one claim may take."""
 
 
@@ -39,7 +39,7 @@ def cores_of(
     look_in  store with cores of earlier runs; None: none is used
     keep_in  store for each new core
     """
-    keeping = Keeping(KIND, asked(target, KIND, limits).key, look_in, keep_in)
+    keeping = Keeping(_KIND, asked(target, _KIND, limits).key, look_in, keep_in)
     by_name = {prop.name: prop for prop in properties}
     found = dict[str, Core]()
     for name, data in kept_or_done([*by_name], lambda left: _work(target, by_name, left, limits), keeping, jobs):
@@ -58,7 +58,7 @@ def _task(target: Target, prop: Property, limits: Limits) -> Task:
     return Task(
         f"{target.name}: core of {prop.name}",
         lambda: [asdict(core(target.system, prop, limits))],
-        CLOCK * QUESTIONS * limits.seconds,
+        CLOCK * _QUESTIONS * limits.seconds,
     )
 
 

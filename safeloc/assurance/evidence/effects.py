@@ -36,9 +36,9 @@ no interval  the target reports none, or its truth is unknown
 """
 CYCLES = (1, 2, 5, 10)
 """Numbers of cycles within which a wrong interval has to be withdrawn, tried in turn; after more it counts as undetected."""
-TRANSITIONS = 4
+_TRANSITIONS = 4
 """Most transitions that are searched which withdraw the interval in the cycle of the breach."""
-SEARCH_SHARE = 0.1
+_SEARCH_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -140,9 +140,9 @@ def _withdrawn_by(
     valid = valid_term(target)
     withdrawn = breach & ~previous(once(breach)) & earlier_bool(valid) & ~valid
     tables = _tables(system, {one.machine for one in broken})
-    limited = replace(limits, seconds=limits.seconds * SEARCH_SHARE)
+    limited = replace(limits, seconds=limits.seconds * _SEARCH_SHARE)
     found = list[dict[str, str]]()
-    while len(found) < TRANSITIONS:
+    while len(found) < _TRANSITIONS:
         others = [any_of(table.ne(_row(table, one[table.name])) for table in tables) for one in found]
         claim = reachable("the interval is withdrawn in the cycle of the breach", all_of([withdrawn, *others]))
         run = search(observe(system, claim), limited)

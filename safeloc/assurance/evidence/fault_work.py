@@ -21,12 +21,12 @@ from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
-KIND = "faults"
+_KIND = "faults"
 SECONDS_A_CLAIM = 10.0
 """Default limit of effort for each claim, in seconds of an idle computer."""
 
 
-class Progress(Protocol):
+class _Progress(Protocol):
     """A display of progress."""
 
     def say(self, text: str, planned: int) -> None:
@@ -42,7 +42,7 @@ class Breaking:
 
     limits: Limits
     jobs: int
-    progress: Progress
+    progress: _Progress
     look_in: Store | None = None
     keep_in: Store | None = None
 
@@ -82,7 +82,7 @@ class Breaking:
         self, target: Target, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]], *, interval_only: bool = False
     ) -> list[Effect]:
         self.progress.say(f"breaking clauses of {target.name}", len(wanted))
-        key = asked(target, KIND, self.limits, CYCLES, interval_only).key
+        key = asked(target, _KIND, self.limits, CYCLES, interval_only).key
         judged = _only_interval(target) if interval_only else target
         by_name = {"-".join(map(str, one)): one for one in wanted}
         found = dict[tuple[ClauseId, ...], Effect]()
@@ -90,7 +90,7 @@ class Breaking:
         def work(left: Sequence[str]) -> list[Batch]:
             return [Batch((name,), self._task(judged, by_name[name], wanted[by_name[name]])) for name in left]
 
-        for name, data in kept_or_done([*by_name], work, Keeping(KIND, key, self.look_in, self.keep_in), self.jobs):
+        for name, data in kept_or_done([*by_name], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.jobs):
             one = by_name[name]
             found[one] = _undecided(target, one, wanted[one]) if isinstance(data, Lost) else from_data(data)
             self.progress.tick(f"{found[one].end:11} {' and '.join(map(str, one))}")

@@ -22,7 +22,7 @@ MADE: Mapping[Of, Callable[[Declared, Places], list[Mutant]]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Chosen:
+class _Chosen:
     """Mutants to judge, by part of the declaration; `of` is the number of all mutants of these parts.
 
     against   mutants of the machine with which weaker claims are compared; none if no claim is judged
@@ -40,7 +40,7 @@ class Chosen:
         return len({one.id for own in (*self.parts.values(), self.against) for one in own})
 
 
-def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> Chosen:
+def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> _Chosen:
     """Return all mutants of these parts, or at most `most` of each; claims are compared with as many of the machine."""
 
     def some(part: Of) -> list[Mutant]:
@@ -52,14 +52,14 @@ def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | 
     made: dict[Of, Sequence[Mutant]] = {part: some(part) for part in dict.fromkeys(parts)}
     of = sum(map(len, existing.values()))
     against = made.get("machine") or some("machine") if "claims" in made else []
-    return Chosen(made, of, against, existing)
+    return _Chosen(made, of, against, existing)
 
 
 def _ids(mutants: Sequence[Mutant]) -> frozenset[str]:
     return frozenset(one.id for one in mutants)
 
 
-def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> Chosen:
+def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> _Chosen:
     """Return the mutants with these ids, of any part; InputError for an unknown id."""
     every: dict[Of, list[Mutant]] = {part: make(whole, places) for part, make in MADE.items()}
     made: dict[Of, Sequence[Mutant]] = {part: [one for one in own if one.id in ids] for part, own in every.items()}
@@ -69,10 +69,10 @@ def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | No
     machine = every["machine"]
     against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
     existing: dict[Of, frozenset[str]] = {part: _ids(own) for part, own in every.items()}
-    return Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
+    return _Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
 
 
-def judge(judging: Judging, some: Chosen) -> list[Judged]:
+def judge(judging: Judging, some: _Chosen) -> list[Judged]:
     """Judge all chosen mutants; return the results in the order machine, world, claims."""
     machine = {one.id: one for one in some.parts.get("machine", ())} | {one.id: one for one in some.against}
     judged = {one.id: one for one in judging.of_machine([*machine.values()])}

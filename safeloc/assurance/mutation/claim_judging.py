@@ -38,14 +38,14 @@ def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Rela
     if failed.claims:
         told = "not all decided within the limits" if failed.undecided else "not proved in one step of induction"
         return Outcome(results.NEEDED, tuple(map(str, failed.claims)), told), how
-    return _weighed(on, weaker, noticed_alone(mutant.claim, against), len(against)), how
+    return _weighed(on, weaker, _noticed_alone(mutant.claim, against), len(against)), how
 
 
 def _named(whole: Declared, name: str) -> Property:
     return next(prop for prop in whole.properties if prop.name == name)
 
 
-def noticed_alone(claim: str, against: Against) -> Against:
+def _noticed_alone(claim: str, against: Against) -> Against:
     """Return the mutants that only this claim was seen to notice."""
     own = {f"property {claim}", f"helper {claim}"}
     return [

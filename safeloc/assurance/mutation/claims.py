@@ -19,14 +19,14 @@ from safeloc.language.system import TransitionSystem, first_without_the_world, i
 from safeloc.language.terms import Sharing, Substitution, variables
 from safeloc.proof.provers.standing import Standing
 
-ClaimKind = Literal["property", "lemma", "range", "rows exclude each other", "helper"]
+_ClaimKind = Literal["property", "lemma", "range", "rows exclude each other", "helper"]
 
 
 @dataclass(frozen=True, eq=False)
 class Claim:
     """One claim: `good` holds in every state of a layer's system. `goal` where it is a property."""
 
-    kind: ClaimKind
+    kind: _ClaimKind
     name: str
     good: Bool
     goal: Goal | None = None

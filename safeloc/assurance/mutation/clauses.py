@@ -30,7 +30,7 @@ from safeloc.language.expr import Expr
 from safeloc.language.render import infix
 from safeloc.language.terms import Substitution, children
 
-LEFT_OUT = "clause left out"
+_LEFT_OUT = "clause left out"
 
 
 def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
@@ -57,7 +57,7 @@ def _with_clauses(whole: Declared, change: Substitution) -> Declared:
 
 def _left_out(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
     for root in roots:
-        done = (LEFT_OUT, f"{root.name} is left out", "true")
+        done = (_LEFT_OUT, f"{root.name} is left out", "true")
         yield _mutant(whole, (root,), root.term, done, partial(_without, root.name), places.of(root.term))
 
 

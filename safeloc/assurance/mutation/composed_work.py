@@ -23,9 +23,9 @@ from safeloc.proof.cache.targets import asked
 from safeloc.proof.provers.limits import CLOCK
 from safeloc.proof.provers.workers import Lost, Task
 
-KIND = "mutants of the whole"
-AT_ONCE = 4
-QUESTIONS = 40
+_KIND = "mutants of the whole"
+_AT_ONCE = 4
+_QUESTIONS = 40
 """Number of questions with the full limit that one mutant may take."""
 
 
@@ -95,20 +95,20 @@ class JudgingComposed:
         self, mutants: Sequence[Mutant], alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
     ) -> dict[str, Judged]:
         by_id, found = {one.id: one for one in mutants}, dict[str, Judged]()
-        key = asked(self.whole.target, KIND, self.plan.limits, self.plan.seed).key
+        key = asked(self.whole.target, _KIND, self.plan.limits, self.plan.seed).key
 
         def work(left: Sequence[str]) -> list[Batch]:
             on = self._bench
-            chunks = [left[number : number + AT_ONCE] for number in range(0, len(left), AT_ONCE)]
+            chunks = [left[number : number + _AT_ONCE] for number in range(0, len(left), _AT_ONCE)]
             return [self._batch([_piece(on, by_id[one], alone, wires) for one in chunk], chunk) for chunk in chunks]
 
-        for name, data in kept_or_done([*by_id], work, Keeping(KIND, key, self.look_in, self.keep_in), self.plan.jobs):
+        for name, data in kept_or_done([*by_id], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.plan.jobs):
             found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
             self.on_judged(found[name])
         return found
 
     def _batch(self, pieces: Sequence[Callable[[], dict[str, Any]]], names: Sequence[str]) -> Batch:
-        seconds = CLOCK * QUESTIONS * AT_ONCE * self.plan.limits.seconds
+        seconds = CLOCK * _QUESTIONS * _AT_ONCE * self.plan.limits.seconds
         task = Task(f"{self.whole.target.name}: mutants", lambda: [piece() for piece in pieces], seconds)
         return Batch(tuple(names), task)
 

@@ -19,7 +19,7 @@ from safeloc.language.units import Enumeration
 from safeloc.proof.provers.limits import Limits
 from safeloc.reported import Reported
 
-HOW = "its interval holds the machine's and is withdrawn no later, on every run under the assumption, by two copies side by side"
+_HOW = "its interval holds the machine's and is withdrawn no later, on every run under the assumption, by two copies side by side"
 
 
 def conservative(
@@ -31,7 +31,7 @@ def conservative(
     side = Side(known, mutant, canon, limits, still_proved=True)
     goals = _goals(side, reported)
     relations = side.at_first({**side.all_equal(), **dict(_relations(side, reported)), **goals})
-    return HOW if side.follow(side.lasting({**relations, **side.equal_by_mode()}), goals) else ""
+    return _HOW if side.follow(side.lasting({**relations, **side.equal_by_mode()}), goals) else ""
 
 
 def _is_worse(reported: Reported, was: Mapping[str, Value], now: Mapping[str, Value]) -> bool:

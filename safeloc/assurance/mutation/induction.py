@@ -22,12 +22,12 @@ from safeloc.proof.provers.kinduction import queries
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.proved_base import Base
 
-Asked = tuple[int, str]
+_Asked = tuple[int, str]
 """A layer's number, and a claim as text."""
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class _Question:
     """A question about a layer: do the goals follow from the hypotheses?"""
 
     hypotheses: tuple[Bool, ...]
@@ -45,10 +45,10 @@ class Proofs:
     under_assumption  lemmas that speak of no ghost, and hold under the assumption only
     """
 
-    steps: tuple[Question, ...]
-    starts: tuple[Question, ...]
-    hard: frozenset[Asked]
-    open: frozenset[Asked]
+    steps: tuple[_Question, ...]
+    starts: tuple[_Question, ...]
+    hard: frozenset[_Asked]
+    open: frozenset[_Asked]
     under_assumption: frozenset[str] = frozenset()
 
 
@@ -57,7 +57,7 @@ def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Pr
     bound = frozenset[str]()
     while True:
         whole = held(declared, canon, bound)
-        known = proofs(whole, canon, limits)
+        known = _proofs(whole, canon, limits)
         wrong = {
             name.removeprefix("lemma ") for number, name in known.hard if number == 0 and name.startswith("lemma ")
         }
@@ -66,9 +66,9 @@ def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Pr
         bound |= wrong
 
 
-def proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
+def _proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
     """Prove the claims of the unchanged machine."""
-    hard = frozenset[Asked]()
+    hard = frozenset[_Asked]()
     while True:
         steps = tuple(_step(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
         starts = tuple(_start(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
@@ -163,7 +163,7 @@ def _unreachable(mutant: Held, canon: Canon, limits: Limits) -> Iterator[str]:
                 yield f"property {prop.name}"
 
 
-def _hard_claims(whole: Held, hard: frozenset[Asked]) -> Iterator[tuple[Asked, Claim]]:
+def _hard_claims(whole: Held, hard: frozenset[_Asked]) -> Iterator[tuple[_Asked, Claim]]:
     for number, layer in enumerate(whole.layers):
         for claim in layer.claims:
             if (number, str(claim)) in hard and claim.kind == "property":
@@ -191,26 +191,26 @@ def _base(whole: Held, limits: Limits) -> Base:
     return Base(board, world, {}, {}, limits.seconds)
 
 
-def _changed(now: Question, was: Question) -> Question:
+def _changed(now: _Question, was: _Question) -> _Question:
     """Return the goals to ask: those that changed, or all if a hypothesis changed."""
     if [*map(id, now.hypotheses)] != [*map(id, was.hypotheses)]:
         return now
-    return Question(now.hypotheses, {key: goal for key, goal in now.goals.items() if was.goals.get(key) is not goal})
+    return _Question(now.hypotheses, {key: goal for key, goal in now.goals.items() if was.goals.get(key) is not goal})
 
 
-def _usable(layer: Layer, number: int, hard: frozenset[Asked]) -> Sequence[Claim]:
+def _usable(layer: Layer, number: int, hard: frozenset[_Asked]) -> Sequence[Claim]:
     return [claim for claim in layer.claims if (number, str(claim)) not in hard]
 
 
-def _step(layer: Layer, number: int, canon: Canon, hard: frozenset[Asked]) -> Question:
+def _step(layer: Layer, number: int, canon: Canon, hard: frozenset[_Asked]) -> _Question:
     claims, after = _usable(layer, number, hard), Substitution(dict(layer.system.next))
     given = [claim.good for claim in (*layer.given, *claims)]
     allowed = canon.share.bool(environment(layer.system))
     goals = {str(claim): canon.share.bool(after.bool(claim.good)) for claim in claims}
-    return Question((allowed, *given), goals)
+    return _Question((allowed, *given), goals)
 
 
-def _start(layer: Layer, number: int, canon: Canon, hard: frozenset[Asked]) -> Question:
+def _start(layer: Layer, number: int, canon: Canon, hard: frozenset[_Asked]) -> _Question:
     claims = _usable(layer, number, hard)
     first = canon.share.bool(layer.system.init & in_range(layer.system.state))
-    return Question((first,), {str(claim): claim.good for claim in claims})
+    return _Question((first,), {str(claim): claim.good for claim in claims})

@@ -27,7 +27,7 @@ from safeloc.proof.provers.reachability import first_runs
 from safeloc.reported import Reported
 from safeloc.target import Target
 
-SEARCH_DEPTH = 6
+_SEARCH_DEPTH = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,14 +125,14 @@ def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run
     for number, layer in enumerate(mutant.layers):
         some = [claim for claim in claims if any(claim is own for own in layer.claims)]
         goals = {_goal(mutant, claim, unconditional=number < WORLD): claim for claim in some}
-        found = first_runs(list(goals), Limits(depth=SEARCH_DEPTH, seconds=limits.seconds)).found
+        found = first_runs(list(goals), Limits(depth=_SEARCH_DEPTH, seconds=limits.seconds)).found
         if found:
             shortest = min(found, key=lambda goal: len(found[goal].steps))
             names = tuple(str(goals[goal]) for goal in found)
             told = f"{len(found[shortest].steps)} steps: {goals[shortest]}"
             return Outcome(results.SEARCHED, names, told), run_of(mutant.system, "found", found[shortest])
     how = "not all decided within the limits" if failed.undecided else "refuted in one step of induction"
-    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {SEARCH_DEPTH} steps was found"), None
+    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {_SEARCH_DEPTH} steps was found"), None
 
 
 def _goal(mutant: Held, claim: Claim, *, unconditional: bool) -> Goal:

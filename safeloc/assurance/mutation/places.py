@@ -38,7 +38,7 @@ from safeloc.language.nodes import (
     Truth,
 )
 
-NOTED: tuple[type[Expr], ...] = (
+_NOTED: tuple[type[Expr], ...] = (
     Lit, Add, Sub, Mul, FloorDiv, Min, Max, Choose, Truth, Not, And, Or, ChooseBool, Compare, Past,
 )  # fmt: skip
 
@@ -85,10 +85,10 @@ def _writer() -> FrameType:
 def noted() -> Iterator[Places]:
     """Record every node that is made or rewritten inside."""
     places = Places()
-    plain = {kind: kind.__init__ for kind in NOTED}
+    plain = {kind: kind.__init__ for kind in _NOTED}
     rebuilt, check_plan = terms.rebuilt, composition.check_plan  # type: ignore[attr-defined]
     try:
-        for kind in NOTED:
+        for kind in _NOTED:
             _set_init(kind, _noting(plain[kind], places))
         terms.rebuilt = spec.rebuilt = _tracing(rebuilt, places)  # type: ignore[assignment, attr-defined]
         composition.check_plan = _keeping(check_plan, places)  # type: ignore[assignment, attr-defined]
@@ -96,7 +96,7 @@ def noted() -> Iterator[Places]:
     finally:
         composition.check_plan = check_plan  # type: ignore[attr-defined]
         terms.rebuilt = spec.rebuilt = rebuilt  # type: ignore[attr-defined]
-        for kind in NOTED:
+        for kind in _NOTED:
             _set_init(kind, plain[kind])
 
 

@@ -22,14 +22,14 @@ from safeloc.assurance.mutation.results import Of
 from safeloc.errors import InputError
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "mutants"
-SHORTEST = 30
+_SHORTEST = 30
 """Characters of a reason at least: a word is none."""
 
 
 class _Entry(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
     mutants: Annotated[list[str], Field(min_length=1)]
-    reason: Annotated[str, Field(min_length=SHORTEST)]
+    reason: Annotated[str, Field(min_length=_SHORTEST)]
 
 
 class _File(BaseModel):

@@ -18,8 +18,8 @@ from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.target import Target
 
-KIND = "mutation strength"
-LATEST = "latest"
+_KIND = "mutation strength"
+_LATEST = "latest"
 Strengths = Mapping[str, Sequence["Strength"]]
 """Of each requirement what became of its wrong rules, target by target."""
 
@@ -96,12 +96,12 @@ def keep_strengths(store: Store, target: Target, judged: Sequence[Judged], of: i
         data = {name: asdict(one) for name, one in found.items()}
         _keeping(store, target).keep("all", data)
         before = stamp(store) + json.dumps(data)
-        store.put(KIND, LATEST, hashlib.sha256(before.encode()).hexdigest().encode())
+        store.put(_KIND, _LATEST, hashlib.sha256(before.encode()).hexdigest().encode())
 
 
 def stamp(store: Store) -> str:
     """Return a value that changes whenever strengths are stored, so that a cached report with old ones is not used."""
-    entry = store.get(KIND, LATEST)
+    entry = store.get(_KIND, _LATEST)
     return "" if entry is None else entry.data.decode()
 
 
@@ -121,7 +121,7 @@ def strengths_of(store: Store | None, targets: Iterable[Target]) -> dict[str, li
 
 
 def _keeping(store: Store, target: Target) -> Keeping:
-    return Keeping(KIND, asked(target, KIND).key, store, store)
+    return Keeping(_KIND, asked(target, _KIND).key, store, store)
 
 
 def as_text(found: Sequence[Strength]) -> list[str]:

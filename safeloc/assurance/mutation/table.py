@@ -20,7 +20,7 @@ from safeloc.assurance.mutation.results import (
     score,
 )
 
-WORDS = {"world": "a clause of the world wrong", "claims": "a weaker claim in its place"}
+_WORDS = {"world": "a clause of the world wrong", "claims": "a weaker claim in its place"}
 
 
 def lines(
@@ -39,7 +39,7 @@ def lines(
     for part in OTHERS:
         own = of_part(judged, part)
         if own:
-            yield f"  {WORDS[part]}: {_told(score([one.alone for one in own]))}"
+            yield f"  {_WORDS[part]}: {_told(score([one.alone for one in own]))}"
     yield from _counted(judged, reasons, machine_only=machine_only)
     for with_reason in (False, True):
         some = [one for one in judged if (one.id in reasons) == with_reason]

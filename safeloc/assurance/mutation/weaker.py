@@ -37,9 +37,9 @@ from safeloc.language.spec import Property
 from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution, in_order, variables
 
-LATER = "one step later"
-LEFT_OUT = "claim left out"
-NOT_ASKED = "not asked in a mode"
+_LATER = "one step later"
+_LEFT_OUT = "claim left out"
+_NOT_ASKED = "not asked in a mode"
 Relation = Literal["same", "weaker", "stronger", "other"]
 
 
@@ -63,17 +63,17 @@ def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
     """Weaker as a whole."""
     one, told = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
     left_out = partial(_with, prop.name, _nothing)
-    yield replace(one, kind=LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
+    yield replace(one, kind=_LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
     if prop.kind == "within":
         steps = prop.steps + 1
         told_steps, now = f"within {prop.steps} steps", f"within {steps} steps"
         slower = partial(_with, prop.name, partial(_slower, steps))
-        yield replace(one, kind=LATER, words=now, term=told_steps, becomes=now, alone=slower)
+        yield replace(one, kind=_LATER, words=now, term=told_steps, becomes=now, alone=slower)
     machine = whole.machine
     for label in machine.modes if prop.kind != "reachable" and len(machine.modes) > 1 else ():
         words = f"not asked in {label.label}"
         elsewhere = partial(_with, prop.name, partial(_elsewhere, machine.mode.eq(label)))
-        yield replace(one, kind=NOT_ASKED, words=words, term=told, becomes=words, alone=elsewhere)
+        yield replace(one, kind=_NOT_ASKED, words=words, term=told, becomes=words, alone=elsewhere)
 
 
 def _nothing(prop: Property) -> Property:

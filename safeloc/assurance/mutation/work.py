@@ -21,10 +21,10 @@ from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
-KIND = "mutants"
-AT_ONCE = 6
+_KIND = "mutants"
+_AT_ONCE = 6
 """Number of mutants that one process judges."""
-QUESTIONS = 12
+_QUESTIONS = 12
 """Number of questions with the full limit that one mutant may take."""
 OnJudged = Callable[[Judged], None]
 
@@ -72,14 +72,14 @@ class Judging:
     def _all(
         self, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged], *besides: object
     ) -> list[Judged]:
-        key = asked(self.target, KIND, self.plan.limits, self.plan.seed, self.searched, *besides).key
+        key = asked(self.target, _KIND, self.plan.limits, self.plan.seed, self.searched, *besides).key
         by_id = {mutant.id: mutant for mutant in mutants}
         found = dict[str, Judged]()
 
         def work(left: Sequence[str]) -> list[Batch]:
             return _batches(self._bench, [by_id[one] for one in left], judge)
 
-        for name, data in kept_or_done([*by_id], work, Keeping(KIND, key, self.look_in, self.keep_in), self.plan.jobs):
+        for name, data in kept_or_done([*by_id], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.plan.jobs):
             found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
             self.on_judged(found[name])
         return [found[mutant.id] for mutant in mutants]
@@ -97,8 +97,8 @@ def _timed(judge: Callable[[Bench, Mutant], tuple[Outcome, str]], on: Bench, mut
 
 
 def _batches(on: Bench, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged]) -> list[Batch]:
-    chunks = [mutants[number : number + AT_ONCE] for number in range(0, len(mutants), AT_ONCE)]
-    seconds = CLOCK * QUESTIONS * AT_ONCE * on.limits.seconds
+    chunks = [mutants[number : number + _AT_ONCE] for number in range(0, len(mutants), _AT_ONCE)]
+    seconds = CLOCK * _QUESTIONS * _AT_ONCE * on.limits.seconds
     name = f"{on.whole.system.name}: mutants"
     return [Batch(tuple(one.id for one in chunk), Task(name, _work(on, chunk, judge), seconds)) for chunk in chunks]
 

@@ -19,14 +19,14 @@ from safeloc.assurance.source_places import Place, place_of
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import declares
 
-Made = TypeVar("Made")
-Step = tuple[CodeType, int, int]
-Deciding = ast.If | ast.IfExp
+_Made = TypeVar("_Made")
+_Step = tuple[CodeType, int, int]
+_Deciding = ast.If | ast.IfExp
 
 
-def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
+def steps_of(make: Callable[[], _Made]) -> tuple[_Made, set[_Step]]:
     """Call `make`; return its result, and the steps between instructions of machine, world and claims during the call."""
-    steps: set[Step] = set()
+    steps: set[_Step] = set()
 
     def enter(frame: FrameType, event: str, _: Any) -> Callable[..., Any] | None:
         if event != "call" or not _decided_in(frame.f_code):
@@ -51,7 +51,7 @@ def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
         sys.settrace(before)
 
 
-def taken(steps: set[Step]) -> tuple[set[Split], set[Split]]:
+def taken(steps: set[_Step]) -> tuple[set[Split], set[Split]]:
     """Return the branches that were taken, and the other branches of the same decisions."""
     live: set[Split] = set()
     met: set[Split] = set()
@@ -74,7 +74,7 @@ def _returns(code: CodeType, offset: int) -> bool:
     return code.co_code[offset] == dis.opmap["RETURN_VALUE"]
 
 
-def _decides(place: Place, decision: Deciding) -> bool:
+def _decides(place: Place, decision: _Deciding) -> bool:
     """Return whether an instruction belongs to the test; the jump of `a if test else b` has the place of the whole."""
     whole = (decision.lineno, decision.end_lineno, decision.col_offset, decision.end_col_offset)
     return _within(place, decision.test) or (place.line, place.end_line, place.column, place.end_column) == whole
@@ -86,11 +86,11 @@ def _within(place: Place, node: ast.AST) -> bool:
     return start <= (place.line, place.column) and (place.end_line, place.end_column) <= end
 
 
-def _body(decision: Deciding) -> list[Any]:
+def _body(decision: _Deciding) -> list[Any]:
     return decision.body if isinstance(decision, ast.If) else [decision.body]
 
 
-def _sides(decision: Deciding, file: str) -> tuple[Split, Split]:
+def _sides(decision: _Deciding, file: str) -> tuple[Split, Split]:
     """Return the side where the test holds, and the other side."""
     test = decision.test
     place = Place(file, test.lineno, test.end_lineno or test.lineno, test.col_offset, test.end_col_offset or 0)
@@ -107,7 +107,7 @@ def _refuses(side: list[Any]) -> bool:
 
 
 @cache
-def _decided_in(code: CodeType) -> tuple[Deciding, ...]:
+def _decided_in(code: CodeType) -> tuple[_Deciding, ...]:
     """Return the decisions of this piece of code, without those of functions in it."""
     if not declares(code):
         return ()
@@ -116,11 +116,11 @@ def _decided_in(code: CodeType) -> tuple[Deciding, ...]:
 
 
 @cache
-def _decisions(file: str) -> tuple[Deciding, ...]:
+def _decisions(file: str) -> tuple[_Deciding, ...]:
     return tuple(_found(ast.parse(Path(file).read_text(encoding="utf-8"))))
 
 
-def _found(tree: ast.AST) -> Iterator[Deciding]:
+def _found(tree: ast.AST) -> Iterator[_Deciding]:
     for node in ast.walk(tree):
         if isinstance(node, (ast.If, ast.IfExp)) and not _about_kinds(node.test):
             yield node

@@ -19,7 +19,7 @@ from safeloc.assurance.splits.places import source_of
 from safeloc.catalogue import DEFAULTS, ENTRIES
 from safeloc.target import Entry
 
-FOLDERS = {"selection": "satellite_selection", "satellite_drift": "satellite", "verification_doubted": "verification"}
+_FOLDERS = {"selection": "satellite_selection", "satellite_drift": "satellite", "verification_doubted": "verification"}
 """Folders of `models/` whose name is not that of their target."""
 SHARED = {
     "models/motion/world.py: laws is None": "every shipped machine passes its own laws; the default is for tests",
@@ -70,7 +70,7 @@ class Covered:
 
 def folder_of(target: str) -> str:
     """Return the folder of `models/` that declares a shipped target."""
-    return FOLDERS.get(target, target)
+    return _FOLDERS.get(target, target)
 
 
 def targets_of(folder: str) -> list[Entry]:
@@ -97,7 +97,7 @@ def judge(folder: str, entries: Sequence[Entry], on_built: OnBuilt = _quiet) -> 
             found[entry.name, name] = _own(folder, _made(entry, config))
     dead = together(found.values()).dead
     reasons = {place: why for entry in entries for place, why in entry.configurations.never.items()}
-    shared = {split: why for split, why in dead.items() if is_shared(split)}
+    shared = {split: why for split, why in dead.items() if _is_shared(split)}
     never = {split: reasons[told(split)] for split in dead if told(split) in reasons}
     needed = {told(split) for split in never}
     hidden = {split: why for split, why in dead.items() if split not in never and split not in shared}
@@ -134,7 +134,7 @@ def _rooms(split: Split) -> set[str]:
     return {file.split("/")[1].removesuffix(".py") for file in files if "/" in file}
 
 
-def is_shared(split: Split) -> bool:
+def _is_shared(split: Split) -> bool:
     """Return whether a branch is in a folder of several machines, such as `vocabulary`; one machine that takes it suffices."""
     return len(split.way) == 1 and _rooms(split).isdisjoint({folder_of(name) for name in ENTRIES})
 

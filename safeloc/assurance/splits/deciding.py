@@ -17,7 +17,7 @@ from safeloc.assurance.splits.observed import Split
 from safeloc.errors import SafelocError
 from safeloc.target import Entry
 
-Plain = dict[str, Any]
+_Plain = dict[str, Any]
 
 
 @dataclass(frozen=True)

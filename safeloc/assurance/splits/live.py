@@ -11,8 +11,8 @@ from safeloc.language.nodes import Compare, Expr, Max, Min, Num
 from safeloc.language.ranges import Bounds, bounds
 from safeloc.target import Target
 
-NOT_TAKEN = "no code takes it"
-DECIDED = "the ranges of its variables decide it"
+_NOT_TAKEN = "no code takes it"
+_DECIDED = "the ranges of its variables decide it"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ def splits_of(make: Callable[[], Target]) -> Splits:
     _, steps = steps_of(make)
     branches, beside = taken(steps)
     live, dead = _judged(observed)
-    return Splits(frozenset(live | branches), {**dead, **dict.fromkeys(beside - branches, NOT_TAKEN)})
+    return Splits(frozenset(live | branches), {**dead, **dict.fromkeys(beside - branches, _NOT_TAKEN)})
 
 
 def together(found: Iterable[Splits]) -> Splits:
@@ -44,7 +44,7 @@ def _judged(observed: Observed) -> tuple[set[Split], dict[Split, str]]:
     """Return live and dead splits; one with several terms is live if any of them is."""
     of = bounds([term for terms in observed.live.values() for term in terms])
     live = {split for split, terms in observed.live.items() if any(not _decided(term, of) for term in terms)}
-    dead = {split: DECIDED for split in observed.live if split not in live}
+    dead = {split: _DECIDED for split in observed.live if split not in live}
     return live, dead | {split: why for split, why in observed.folded.items() if split not in live}
 
 

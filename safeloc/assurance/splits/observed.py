@@ -18,9 +18,9 @@ from safeloc.language import expr, nodes
 from safeloc.language.nodes import Add, Expr, Lit, Max, Min, Sub, Truth
 from safeloc.language.terms import Sharing
 
-Made = TypeVar("Made")
-Locals = Mapping[str, Any]
-Judged = tuple[str, str] | None
+_Made = TypeVar("_Made")
+_Locals = Mapping[str, Any]
+_Judged = tuple[str, str] | None
 """The kind of split, and the reason why it is folded ("" if it is not); None if the call makes no split."""
 
 
@@ -61,12 +61,12 @@ class Observed:
             self.live.setdefault(split, []).append(term)
 
 
-def observe(make: Callable[[], Made]) -> tuple[Made, Observed]:
+def observe(make: Callable[[], _Made]) -> tuple[_Made, Observed]:
     """Call `make`; return its result, and the splits that occurred during the call."""
     observed = Observed()
 
     def returned(frame: FrameType, event: str, result: Any) -> None:
-        judge = JUDGES.get(frame.f_code) if event == "return" else None
+        judge = _JUDGES.get(frame.f_code) if event == "return" else None
         if judge is None or result is None:
             return
         judged = judge(frame.f_locals, result, observed)
@@ -93,11 +93,11 @@ def _watching(hook: Callable[[FrameType, str, Any], None]) -> Iterator[None]:
 # ------------------------------------------------------------------ the split of a call of the language
 
 
-def _compared(_: Locals, result: Expr, __: Observed) -> Judged:
+def _compared(_: _Locals, result: Expr, __: Observed) -> _Judged:
     return "comparison", "both sides are constant" if isinstance(result, Truth) else ""
 
 
-def _chosen(given: Locals, result: Expr, observed: Observed) -> Judged:
+def _chosen(given: _Locals, result: Expr, observed: Observed) -> _Judged:
     if isinstance(given["condition"], Truth):
         return "choice", "its condition is constant"
     then, other = given["then"], given["other"]
@@ -105,26 +105,26 @@ def _chosen(given: Locals, result: Expr, observed: Observed) -> Judged:
     return "choice", "both branches are alike" if observed.alike(*both) else ""
 
 
-def _computed(given: Locals, _: Expr, observed: Observed) -> Judged:
+def _computed(given: _Locals, _: Expr, observed: Observed) -> _Judged:
     """Return the split of a minimum or maximum, or of a sum or difference with a figure."""
     kind, left, right = given["kind"], given["left"], given["right"]
     constant = isinstance(left, Lit) and isinstance(right, Lit)
-    if kind in EXTREMES:
+    if kind in _EXTREMES:
         why = "both sides are constant" if constant else "both sides are alike" if observed.alike(left, right) else ""
-        return EXTREMES[kind], why
+        return _EXTREMES[kind], why
     if constant or kind not in (Add, Sub):
         return None
     return "charge", "it is 0" if _is(right, 0) or (kind is Add and _is(left, 0)) else ""
 
 
-def _multiplied(given: Locals, _: Expr, __: Observed) -> Judged:
+def _multiplied(given: _Locals, _: Expr, __: Observed) -> _Judged:
     left, right = given["left"], given["right"]
     if isinstance(left, Lit) and isinstance(right, Lit):
         return None
     return "charge", "its factor is 0" if _is(left, 0) or _is(right, 0) else ""
 
 
-def _divided(given: Locals, result: Expr, _: Observed) -> Judged:
+def _divided(given: _Locals, result: Expr, _: Observed) -> _Judged:
     return None if isinstance(result, Lit) else ("rounding", "it divides by 1" if given["divisor"] == 1 else "")
 
 
@@ -132,8 +132,8 @@ def _is(term: Expr, value: int) -> bool:
     return isinstance(term, Lit) and term.value == value
 
 
-EXTREMES = {Min: "minimum", Max: "maximum"}
-JUDGES: Mapping[CodeType, Callable[[Locals, Expr, Observed], Judged]] = {
+_EXTREMES = {Min: "minimum", Max: "maximum"}
+_JUDGES: Mapping[CodeType, Callable[[_Locals, Expr, Observed], _Judged]] = {
     nodes._compare.__code__: _compared,
     nodes.arith.__code__: _computed,
     nodes.product.__code__: _multiplied,

@@ -8,14 +8,14 @@ from types import CodeType, FrameType
 
 from safeloc.assurance.source_places import DECLARING, Place, place_of, shown
 
-MOST_CHARACTERS = 60
-BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation")
+_MOST_CHARACTERS = 60
+_BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation")
 """Files and folders of a machine that declare nothing of it."""
 
 
 def source_of(place: Place) -> str:
     """Return the source text of a place, cut if it is long."""
-    return place.text if len(place.text) <= MOST_CHARACTERS else f"{place.text[:MOST_CHARACTERS]} ..."
+    return place.text if len(place.text) <= _MOST_CHARACTERS else f"{place.text[:_MOST_CHARACTERS]} ..."
 
 
 def way_to(frame: FrameType | None) -> tuple[Place, ...]:
@@ -32,4 +32,4 @@ def way_to(frame: FrameType | None) -> tuple[Place, ...]:
 def declares(code: CodeType) -> bool:
     """Return whether code belongs to a machine, a world or a claim, not to the engine."""
     file = Path(shown(code.co_filename))
-    return file.parts[0] in DECLARING and not any(part in BESIDE for part in file.with_suffix("").parts)
+    return file.parts[0] in DECLARING and not any(part in _BESIDE for part in file.with_suffix("").parts)

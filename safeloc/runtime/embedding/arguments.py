@@ -10,7 +10,7 @@ from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.runtime.embedding.program import Program
 from safeloc.target import Target
 
-Value = TypeVar("Value")
+_Value = TypeVar("_Value")
 
 
 class NotCopiedError(InputError, TypeError):
@@ -37,7 +37,7 @@ def as_expected(given: Mapping[str, int] | None) -> dict[str, int]:
     return expected
 
 
-def a_mapping(what: str, given: Mapping[str, Value] | None) -> dict[str, Value]:
+def a_mapping(what: str, given: Mapping[str, _Value] | None) -> dict[str, _Value]:
     """Return a copy of a mapping; an empty one for None, except for `inputs`. InputError for anything else."""
     if given is None and what != "inputs":
         return {}

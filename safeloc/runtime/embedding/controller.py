@@ -36,7 +36,7 @@ from safeloc.runtime.streams.cycles import Cycle, CycleBuilder
 from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.target import Target
 
-ANOTHER = "make a new controller of the same program, and restore this one's snapshot in it."
+_ANOTHER = "make a new controller of the same program, and restore this one's snapshot in it."
 
 EVERY = "*"
 """The channel of a fault that concerns every channel of the cycle."""
@@ -222,13 +222,13 @@ class Controller:
             return self._report
 
     def __copy__(self) -> NoReturn:
-        raise NotCopiedError(f"{self.program.name}: a controller cannot be copied; {ANOTHER}")
+        raise NotCopiedError(f"{self.program.name}: a controller cannot be copied; {_ANOTHER}")
 
     def __deepcopy__(self, _memo: object) -> NoReturn:
         self.__copy__()
 
     def __reduce_ex__(self, _protocol: object) -> NoReturn:
-        raise NotCopiedError(f"{self.program.name}: a controller cannot be pickled; {ANOTHER}")
+        raise NotCopiedError(f"{self.program.name}: a controller cannot be pickled; {_ANOTHER}")
 
     # ------------------------------------------------------------------ inside
 

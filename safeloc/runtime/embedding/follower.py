@@ -19,7 +19,7 @@ from transitions.core import EventData
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
 
-FOLLOW = "follow_machine"
+_FOLLOW = "follow_machine"
 """The only trigger that the host's object gets; only its follower uses it."""
 
 
@@ -45,7 +45,7 @@ class Follower:
         )
         for label in self._labels:
             others: list[Any] = [other for other in self._labels if other != label]
-            self._fsm.add_transition(FOLLOW, others, label, conditions=self._goes_to(label))
+            self._fsm.add_transition(_FOLLOW, others, label, conditions=self._goes_to(label))
 
     def _goes_to(self, label: str) -> Callable[[EventData], bool]:
         return lambda _event: self._wanted == label
@@ -54,7 +54,7 @@ class Follower:
         """Enter a mode; callbacks find `details` in their event's kwargs. Do nothing if the object is in this mode."""
         self._wanted = label
         if self._model.state != label:  # type: ignore[attr-defined] # `transitions` gave it the attribute
-            getattr(self._model, FOLLOW)(**details)
+            getattr(self._model, _FOLLOW)(**details)
 
     def place(self, label: str) -> None:
         """Set the mode without calling callbacks."""
@@ -84,6 +84,6 @@ def _is_callback(model: object, name: str) -> bool:
 
 
 def _refuse_clash(model: object, labels: tuple[str, ...]) -> None:
-    taken = [name for name in (FOLLOW, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
+    taken = [name for name in (_FOLLOW, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
     if taken:
         raise InputError(f"the host object already has {taken}, which would be replaced; rename them.")

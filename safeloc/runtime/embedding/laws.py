@@ -27,7 +27,7 @@ from safeloc.language.units import Enumeration
 from safeloc.runtime.breaches import Breach, BrokenLaw, Shown
 
 Memory = Row | None
-PRESENT = ".present"
+_PRESENT = ".present"
 
 
 class ObservableLaws:
@@ -80,7 +80,7 @@ class _Judge:
         self._laws = tuple(broken(clause) for clause in one.clauses)
         self._distance = distance(one.term)
         self._judge: Callable[..., Row] = compile_rows(rows, [one.term, self._distance.term])
-        self._reads = read_places(one.term, rows)
+        self._reads = _read_places(one.term, rows)
 
     def breach(self, rows: Mapping[str, Row]) -> Breach | None:
         """Return the breach in a cycle with these rows of values; None if the condition holds."""
@@ -96,7 +96,7 @@ def broken(clause: Stated) -> BrokenLaw:
     return BrokenLaw(clause.machine.name, clause.name, clause.law.statement, clause.law.owner)
 
 
-def read_places(term: Expr, rows: Mapping[str, Sequence[Var]]) -> dict[Var, tuple[str, int]]:
+def _read_places(term: Expr, rows: Mapping[str, Sequence[Var]]) -> dict[Var, tuple[str, int]]:
     """Return, for each variable of a term, the name of its row and the place in that row."""
     read = set(variables([term]))
     return {var: (name, place) for name, row in rows.items() for place, var in enumerate(row) if var in read}
@@ -105,8 +105,8 @@ def read_places(term: Expr, rows: Mapping[str, Sequence[Var]]) -> dict[Var, tupl
 def read_values(values: Mapping[Var, Value]) -> dict[str, Shown]:
     """Return values by name, enumerations by label, None for absent inputs; presence flags are left out."""
     by_name = {var.name: _shown(var, value) for var, value in values.items()}
-    absent = {name.removesuffix(PRESENT) for name, value in by_name.items() if name.endswith(PRESENT) and not value}
-    return {name: None if name in absent else value for name, value in by_name.items() if not name.endswith(PRESENT)}
+    absent = {name.removesuffix(_PRESENT) for name, value in by_name.items() if name.endswith(_PRESENT) and not value}
+    return {name: None if name in absent else value for name, value in by_name.items() if not name.endswith(_PRESENT)}
 
 
 def _shown(var: Var, value: Value) -> Shown:

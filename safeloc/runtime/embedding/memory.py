@@ -17,8 +17,8 @@ from safeloc.language.nodes import Value
 from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.embedding.snapshot import opened, require_same, sealed
 
-Whole = Annotated[int, Field(ge=0)]
-Delivered = Mapping[str, tuple[int, int | None]]
+_Whole = Annotated[int, Field(ge=0)]
+_Delivered = Mapping[str, tuple[int, int | None]]
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Content:
 
     start_ms: int
     done: int
-    deliveries: Delivered
+    deliveries: _Delivered
     state: Row
     halted: str
     observed: Mapping[str, Value] | None = None
@@ -60,7 +60,7 @@ def snapshot(program: Program, setting: Setting, content: Content) -> bytes:
     )
 
 
-class Body(BaseModel):
+class _Body(BaseModel):
     """The required fields of a snapshot with their types: a correct checksum does not guarantee them."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
@@ -71,9 +71,9 @@ class Body(BaseModel):
     config: dict[str, Any]
     program: str
     setting: dict[str, Any]
-    start_ms: Whole
-    done: Whole
-    deliveries: dict[str, tuple[Whole, int | None]]
+    start_ms: _Whole
+    done: _Whole
+    deliveries: dict[str, tuple[_Whole, int | None]]
     state: dict[str, bool | int]
     halted: str
     observed: dict[str, bool | int] | None = None
@@ -90,9 +90,9 @@ def restored(program: Program, setting: Setting, data: bytes) -> Content:
     return Content(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted, observed)
 
 
-def _body(content: Mapping[str, Any]) -> Body:
+def _body(content: Mapping[str, Any]) -> _Body:
     try:
-        return Body.model_validate_json(json.dumps(content))
+        return _Body.model_validate_json(json.dumps(content))
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False, include_context=False)[0]
         where = ".".join(map(str, found["loc"]))

@@ -27,7 +27,7 @@ from safeloc.target import Target
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class _Part:
     """One machine of the program: the place of its mode in the state, the labels of its modes, and its moves.
 
     moves   number of a transition (from 1), mode before, mode after -> the transition's entry in the report
@@ -117,7 +117,7 @@ class Program(TargetInputs):
         )  # fmt: skip
 
 
-def _part(system: TransitionSystem, machine: Machine) -> Part:
+def _part(system: TransitionSystem, machine: Machine) -> _Part:
     names = [var.name for var in system.state]
     own = f"{machine.name}.mode"
     assert isinstance(machine.mode.unit, Enumeration)
@@ -129,4 +129,4 @@ def _part(system: TransitionSystem, machine: Machine) -> Part:
         for number, one in enumerate(machine.transitions, 1)
         for source in one.sources
     }
-    return Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)
+    return _Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)

@@ -42,11 +42,11 @@ def _refused(var: Var, value: object) -> tuple[Reason, str] | None:
     try:
         admitted(var, value)
     except InputError as error:
-        return reason_for(var, value), str(error)
+        return _reason_for(var, value), str(error)
     return None
 
 
-def reason_for(var: Var, value: object) -> Reason:
+def _reason_for(var: Var, value: object) -> Reason:
     """Return the reason why a variable cannot take a value: not finite, out of range, or of a wrong type."""
     if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
         return Reason.NOT_FINITE
@@ -69,5 +69,5 @@ def checked_inputs(target: TargetInputs, inputs: Mapping[str, object]) -> tuple[
             try:
                 placed[at] = admitted(var, value)
             except InputError as error:
-                faults.append(Fault(name, reason_for(var, value), str(error)))
+                faults.append(Fault(name, _reason_for(var, value), str(error)))
     return placed, faults

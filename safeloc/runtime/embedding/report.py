@@ -32,10 +32,10 @@ class Interval:
 
     def words(self) -> str:
         """Return the interval in metres: `249.500 m to 250.612 m`."""
-        return f"{metres(self.low_mm)} to {metres(self.high_mm)}"
+        return f"{_metres(self.low_mm)} to {_metres(self.high_mm)}"
 
 
-def metres(length_mm: int) -> str:
+def _metres(length_mm: int) -> str:
     """Return a length in metres with three decimals: -500 gives `-0.500 m`."""
     whole, rest = divmod(abs(length_mm), MM_PER_M)
     return f"{'-' if length_mm < 0 else ''}{whole}.{rest:03} m"
@@ -105,7 +105,7 @@ class Report:
         where = "nothing reported" if self.interval is None else self.interval.words()
         parts = [f"cycle {self.cycle} at {self.time_ms} ms: {self.mode}", where]
         parts += [f"restarted ({self.anew})"] if self.anew else []
-        parts += [f"{fault.channel} not used: {reason_of(fault)}" for fault in self.rejections]
+        parts += [f"{fault.channel} not used: {_reason_of(fault)}" for fault in self.rejections]
         parts += [breach.words() for breach in self.breaches]
         return "; ".join(parts)
 
@@ -127,7 +127,7 @@ class Report:
         return data
 
 
-def reason_of(fault: Fault) -> str:
+def _reason_of(fault: Fault) -> str:
     """Return the reason with its detail, in words."""
     return f"{fault.reason.value} ({fault.detail})" if fault.detail else fault.reason.value
 

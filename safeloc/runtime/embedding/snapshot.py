@@ -14,7 +14,7 @@ from typing import Any
 from safeloc.errors import SnapshotError
 
 KIND, VERSION = "safeloc-controller", 1
-NOT_FIT = "it cannot be used here"
+_NOT_FIT = "it cannot be used here"
 
 
 def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) -> bytes:
@@ -48,7 +48,7 @@ def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, A
 def require_same(what: str, own: object, found: object) -> None:
     """Raise SnapshotError if the snapshot's `what` differs from that of this program."""
     if own != found:
-        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {NOT_FIT}.")
+        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {_NOT_FIT}.")
 
 
 def _differing(own: object, found: object) -> str:

@@ -12,8 +12,8 @@ from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.source_clocks import lag_of
 from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 
-Latest = Mapping[str, tuple[int, int | None]]
-TRUTH = "truth"
+_Latest = Mapping[str, tuple[int, int | None]]
+_TRUTH = "truth"
 
 
 class Watch:
@@ -24,11 +24,11 @@ class Watch:
         self._memory: Memory = self._laws.begin()
         self._lagging: list[Breach] = []
 
-    def late(self, record: Record | Unusable, latest: Latest) -> None:
+    def late(self, record: Record | Unusable, latest: _Latest) -> None:
         """Take a record that arrived after its cycle; `latest` is the border's newest time of every channel."""
         if isinstance(record, (Unusable, TruthRecord)):  # no measurement, so its time comes from no device's clock
             return
-        times = {channel: time_ms for channel, (time_ms, _) in latest.items() if channel != TRUTH}
+        times = {channel: time_ms for channel, (time_ms, _) in latest.items() if channel != _TRUTH}
         lag = lag_of(record.channel, record.time_ms, times)
         if lag is not None and lag.distance_ms(self._period_ms) < 0:
             self._lagging.append(lag.breach(self._period_ms))

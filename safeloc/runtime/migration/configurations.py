@@ -15,12 +15,12 @@ from safeloc.language.renamed import FIELDS
 from safeloc.runtime.migration.changes import Change
 from safeloc.runtime.outside import quoted, read_text
 
-PERIOD_MS = 1_000
+_PERIOD_MS = 1_000
 """Cycle length of an area whose configuration has none: the default in both versions."""
 
 
 @dataclass(frozen=True)
-class Field:
+class _Field:
     """A field of the old version: its name, its number of cycles, and the cycle length."""
 
     name: str
@@ -56,10 +56,10 @@ def _content(path: Path, text: str, read: Callable[[str], Any]) -> dict[str, Any
     return content
 
 
-def _old_fields(path: Path, content: Mapping[str, Any]) -> Iterator[Field]:
+def _old_fields(path: Path, content: Mapping[str, Any]) -> Iterator[_Field]:
     """Yield the old fields of all tables; their cycle length is that of the table's area."""
     area = content.get("area")
-    period_ms = area.get("period_ms", PERIOD_MS) if isinstance(area, dict) else PERIOD_MS
+    period_ms = area.get("period_ms", _PERIOD_MS) if isinstance(area, dict) else _PERIOD_MS
     for name, value in content.items():
         if name in FIELDS:
             if type(value) is not int or type(period_ms) is not int:
@@ -70,7 +70,7 @@ def _old_fields(path: Path, content: Mapping[str, Any]) -> Iterator[Field]:
                 raise InputError(
                     f"{path}: has both {name!r} and {FIELDS[name]!r}, an old field and the new one; keep one."
                 )
-            yield Field(name, value, period_ms)
+            yield _Field(name, value, period_ms)
         elif isinstance(value, dict):
             yield from _old_fields(path, value)
 
@@ -79,7 +79,7 @@ _TOML = r"(?m)^(?P<before>\s*)(?P<name>{name})(?P<between>\s*=\s*)(?P<value>{val
 _JSON = r'(?P<before>")(?P<name>{name})(?P<between>"\s*:\s*)(?P<value>{value})(?P<after>(?=\s*[,}}]))'
 
 
-def _rewritten(path: Path, text: str, field: Field, form: str) -> tuple[str, Change]:
+def _rewritten(path: Path, text: str, field: _Field, form: str) -> tuple[str, Change]:
     wanted = re.compile(form.format(name=field.name, value=r"\+?[0-9_]+"))
     new, at = FIELDS[field.name], wanted.search(text)
     if at is None:
@@ -92,7 +92,7 @@ def _rewritten(path: Path, text: str, field: Field, form: str) -> tuple[str, Cha
 
 def _with(content: Mapping[str, Any]) -> dict[str, Any]:
     area = content.get("area")
-    period_ms = area.get("period_ms", PERIOD_MS) if isinstance(area, dict) else PERIOD_MS
+    period_ms = area.get("period_ms", _PERIOD_MS) if isinstance(area, dict) else _PERIOD_MS
     made: dict[str, Any] = {}
     for name, value in content.items():
         made[FIELDS.get(name, name)] = (

@@ -17,7 +17,7 @@ from safeloc.runtime.streams.steps import SCHEMA
 
 KINDS = frozenset(kind.model_fields["kind"].default for kind in get_args(Record)) | {"cycle"}
 """Kinds of records, and of the line that ends a cycle."""
-REPORT = ("interval_mm", "event", "outputs")
+_REPORT = ("interval_mm", "event", "outputs")
 """A line with one of these fields is a report of a process, and no input."""
 
 
@@ -68,7 +68,7 @@ def _names(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[str]:
         if line["kind"] not in KINDS:
             raise StreamError(f"{path}:{number}: a line of kind {quoted(line['kind'])}; known are {sorted(KINDS)}.")
         yield from [line["name"]] if isinstance(line.get("name"), str) else []
-    elif any(name in line for name in REPORT):
+    elif any(name in line for name in _REPORT):
         raise StreamError(f"{path}:{number}: a report of a process; nothing reads it, so it is not converted.")
     else:
         yield from line

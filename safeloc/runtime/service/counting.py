@@ -7,10 +7,10 @@ from dataclasses import dataclass
 AGREEING_LINES = 10
 """Lines out of step in a row that have to continue each other's numbers before they are accepted."""
 
-MOST_LOST = 1_000_000
+_MOST_LOST = 1_000_000
 """Most lines that may be missing before a line. A number further ahead counts as wrong, not as a loss."""
 
-NEXT_WITHIN = 1_000
+_NEXT_WITHIN = 1_000
 """Largest step between two numbers that still continue each other."""
 
 
@@ -26,7 +26,7 @@ class Counted:
     lost: str = ""
 
 
-FINE = Counted()
+_FINE = Counted()
 
 
 class Agreement:
@@ -52,7 +52,7 @@ class Agreement:
     def _follows(self, number: int | None) -> bool:
         if number is None or self.last is None:
             return number is self.last
-        return 0 < number - self.last <= NEXT_WITHIN
+        return 0 < number - self.last <= _NEXT_WITHIN
 
 
 class LineCount:
@@ -86,16 +86,16 @@ class LineCount:
             return f"no number, after {last}"
         if number <= last:
             return f"number {number} again" if number == last else f"number {number} after {last}"
-        return f"number {number} after {last}: too far ahead for a loss" if number - last > MOST_LOST else ""
+        return f"number {number} after {last}: too far ahead for a loss" if number - last > _MOST_LOST else ""
 
     def _in_step(self, number: int | None) -> Counted:
         last, self.last = self.last, number
         unsure, self.unsure = self.unsure, ""
         if last is None:
-            return FINE if number == 1 else Counted(lost=unsure)
+            return _FINE if number == 1 else Counted(lost=unsure)
         assert number is not None
         if number == last + 1:
-            return FINE
+            return _FINE
         return Counted(
             lost="the sender's count restarted" if number == 1 else f"{number - last - 1} lines before {number}"
         )

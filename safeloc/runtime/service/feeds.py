@@ -18,13 +18,13 @@ from safeloc.errors import InputError
 from safeloc.runtime.service.lines import Line, LineCutter
 from safeloc.runtime.service.saved_fields import SavedPlace, checked_fields
 
-AT_ONCE = 16_384
+_AT_ONCE = 16_384
 """Most bytes read in one turn: at most some thousand lines."""
 
-AGAIN_S = 0.01
+_AGAIN_S = 0.01
 """Seconds until a file is checked again after its end was reached."""
 
-MARK = 4_096
+_MARK = 4_096
 """Number of bytes before a position whose digest identifies the file."""
 
 
@@ -50,7 +50,7 @@ class Over:
 
 
 Event = Arrived | Left | Over
-Ready = Callable[[int], Iterator[Event]]
+_Ready = Callable[[int], Iterator[Event]]
 """The data of a selector's key: event mask -> events."""
 
 
@@ -135,7 +135,7 @@ class Stdin(Feed):
 
     def _ready(self, _mask: int) -> Iterator[Event]:
         try:
-            data = os.read(self._fd, AT_ONCE)
+            data = os.read(self._fd, _AT_ONCE)
         except BlockingIOError:
             return
         except OSError as error:
@@ -188,7 +188,7 @@ class GrowingFile(Feed):
         """Return the time until the next `look`: 0 until the end of the file is reached."""
         if self._held or self._over:
             return None
-        return AGAIN_S if self._at_end else 0.0
+        return _AGAIN_S if self._at_end else 0.0
 
     @property
     def live(self) -> bool:
@@ -201,7 +201,7 @@ class GrowingFile(Feed):
             return
         assert self._file is not None
         with self._in_words():
-            data = self._file.read(AT_ONCE)
+            data = self._file.read(_AT_ONCE)
         self._at_end = not data
         for line in self._cutter.feed(data):
             yield Arrived(self.origin, line)
@@ -266,7 +266,7 @@ class GrowingFile(Feed):
         """Return a digest of the text before a position; None if the file is shorter."""
         if self._file is None:
             return None
-        begin = max(0, consumed - MARK)
+        begin = max(0, consumed - _MARK)
         with self._in_words():
             before = os.pread(self._file.fileno(), consumed - begin, begin)
         return hashlib.sha256(before).hexdigest() if len(before) == consumed - begin else None

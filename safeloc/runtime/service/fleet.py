@@ -28,7 +28,7 @@ from safeloc.runtime.service.messages import (
 )
 from safeloc.runtime.service.vehicle import Output, Vehicle
 
-MOST_VEHICLES = 1_000
+_MOST_VEHICLES = 1_000
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class FleetSettings:
     inputs: bool = False
     numbered: bool = False
     longest_gap_ms: int = LONGEST_GAP_MS
-    most_vehicles: int = MOST_VEHICLES
+    most_vehicles: int = _MOST_VEHICLES
     most_of_a_peer: int | None = None
     expected: Mapping[str, int] = field(default_factory=dict)
     first: Mapping[str, Value] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class FleetSettings:
 
 
 @dataclass
-class Tally:
+class _Tally:
     """Counts since the start of the process."""
 
     lines: int = 0
@@ -66,7 +66,7 @@ class Tally:
     failed: int = 0
 
 
-Answer = Callable[[], list[Output]]
+_Answer = Callable[[], list[Output]]
 
 
 class Fleet:
@@ -88,7 +88,7 @@ class Fleet:
         own: Mapping[str, Program] | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.settings, self.tally = settings, Tally()
+        self.settings, self.tally = settings, _Tally()
         self.withdrew = self.by_clock = False
         self.on_failure: Callable[[str, Exception], None] = lambda _vehicle, _error: None
         self.vehicles: dict[str, Vehicle] = {}
@@ -263,7 +263,7 @@ class Fleet:
     def _of(self, origin: str) -> list[str]:
         return [name for name, whose in self.origins.items() if whose == origin]
 
-    def _of_one(self, vehicle: Vehicle, answer: Answer, line: int | None = None) -> list[Output]:
+    def _of_one(self, vehicle: Vehicle, answer: _Answer, line: int | None = None) -> list[Output]:
         """Collect and count a vehicle's outputs, and note a withdrawn position. An exception affects this vehicle only."""
         try:
             outputs = answer()

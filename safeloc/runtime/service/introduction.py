@@ -14,20 +14,20 @@ from safeloc.runtime.outside import quoted
 from safeloc.runtime.service.messages import VEHICLE
 
 SIGNATURE = b"\r\n\r\n\0\r\nQUIT\n"
-FIXED = 16
+_FIXED = 16
 """Bytes of signature, command, family and length."""
 
 LONGEST = 4_096
 """Most bytes of the rest; with a name of 64 letters it has about a hundred."""
 
-PROXIED = 0x21
+_PROXIED = 0x21
 """Version 2, for a client; with 0x20 the proxy only checks that this process is running."""
 
-BYTES_OF_ADDRESSES = {0x1: 12, 0x2: 36, 0x3: 216}
+_BYTES_OF_ADDRESSES = {0x1: 12, 0x2: 36, 0x3: 216}
 """IPv4, IPv6 and Unix, by the upper half of the family's byte; 0 means no addresses."""
 
 TLS, COMMON_NAME = 0x20, 0x22
-OVER_TLS, WITH_CERTIFICATE = 0x01, 0x06
+_OVER_TLS, WITH_CERTIFICATE = 0x01, 0x06
 """Bits of the TLS part; the certificate was given in this connection, or in the session that it resumes."""
 
 
@@ -58,24 +58,24 @@ def _end(data: bytes) -> int | None:
     """Return the end of the header; None while unknown. InputError as soon as the data cannot be a header."""
     if not SIGNATURE.startswith(data[: len(SIGNATURE)]):
         raise InputError("no PROXY header of version 2; only the proxy may connect here, with send-proxy-v2-ssl-cn")
-    if len(data) < FIXED:
+    if len(data) < _FIXED:
         return None
-    length = int.from_bytes(data[14:FIXED], "big")
+    length = int.from_bytes(data[14:_FIXED], "big")
     if length > LONGEST:
         raise InputError(f"a PROXY header of {length} bytes; at most {LONGEST} are read")
-    return FIXED + length
+    return _FIXED + length
 
 
 def _vehicle(header: bytes) -> str:
     """Return the name in the certificate; InputError if no certificate was checked, or if it cannot name a vehicle."""
-    if header[12] != PROXIED:
+    if header[12] != _PROXIED:
         raise InputError("the proxy connects for itself and names no vehicle")
     family = header[13] >> 4
-    if family and family not in BYTES_OF_ADDRESSES:
+    if family and family not in _BYTES_OF_ADDRESSES:
         raise InputError(f"a PROXY header with addresses of unknown kind {family}")
-    parts = _only(header[FIXED + BYTES_OF_ADDRESSES.get(family, 0) :], TLS, "TLS part: no send-proxy-v2-ssl-cn")
+    parts = _only(header[_FIXED + _BYTES_OF_ADDRESSES.get(family, 0) :], TLS, "TLS part: no send-proxy-v2-ssl-cn")
     client, verified = parts[:1], parts[1:5]
-    if len(verified) < 4 or not client[0] & OVER_TLS or not client[0] & WITH_CERTIFICATE or any(verified):
+    if len(verified) < 4 or not client[0] & _OVER_TLS or not client[0] & WITH_CERTIFICATE or any(verified):
         raise InputError("the proxy got no valid certificate; configure it with `verify required`")
     return _named(_only(parts[5:], COMMON_NAME, "common name: the certificate has none"))
 

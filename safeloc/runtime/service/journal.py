@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 MOST_A_SECOND = 20
 """Most lines of one event per second; further ones are only counted."""
 
-SHORTER = (1_000, 200, 40)
+_SHORTER = (1_000, 200, 40)
 """Lengths to which each text of an event is cut if the event is too long for one line, tried in turn."""
 
 
@@ -71,7 +71,7 @@ class Journal:
 def _fitting(head: dict[str, str], fields: dict[str, object]) -> bytes:
     """Return one line of at most PIPE_BUF bytes; `shortened` is true in it if something was cut."""
     line = _line({**head, **fields})
-    for length in SHORTER:
+    for length in _SHORTER:
         if len(line) <= select.PIPE_BUF:
             return line
         short = {name: _shortened(value, length) for name, value in fields.items()}

@@ -37,15 +37,15 @@ from safeloc.runtime.service.supervised import Supervised
 from safeloc.runtime.service.vehicle import Output
 from safeloc.runtime.service.watchdog import Watchdog
 
-TURN_S = 0.000_2
+_TURN_S = 0.000_2
 """Seconds for which the thread that writes snapshots may occupy the interpreter before the loop continues."""
 
-STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+_STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
-LAST_TURN_S = 1.0
+_LAST_TURN_S = 1.0
 """Most seconds of the turn in which a stop signal arrives; lines that are not handled by then are dropped."""
 
-LAST_WORDS_S = 5.0
+_LAST_WORDS_S = 5.0
 """Most seconds that the process waits at its end for readers to take their reports."""
 
 
@@ -102,7 +102,7 @@ class Loop:
             parts.fleet.make_ready_to_save()
         gc.collect()
         gc.freeze()  # machines are large and permanent: scanning them repeatedly would delay reports
-        sys.setswitchinterval(TURN_S)
+        sys.setswitchinterval(_TURN_S)
         try:
             with self._signals():
                 parts.journal.info("started", pid=os.getpid(), machine=parts.fleet.name)
@@ -251,7 +251,7 @@ class Loop:
         os.set_blocking(reading, False)
         os.set_blocking(writing, False)
         self._parts.selector.register(reading, selectors.EVENT_READ, lambda _mask: self._woken(reading))
-        handled = [number for number in STOPPING if signal.getsignal(number) is not signal.SIG_IGN]
+        handled = [number for number in _STOPPING if signal.getsignal(number) is not signal.SIG_IGN]
         before = {number: signal.signal(number, self._request_stop) for number in handled}
         wakeup = signal.set_wakeup_fd(writing)
         try:
@@ -266,7 +266,7 @@ class Loop:
 
     def _request_stop(self, number: int, _frame: object) -> None:
         self._stop = signal.Signals(number).name
-        self._stop_by = min(self._stop_by, time.monotonic() + LAST_TURN_S)
+        self._stop_by = min(self._stop_by, time.monotonic() + _LAST_TURN_S)
 
     def _woken(self, reading: int) -> Iterator[Event]:
         os.read(reading, 1_024)
@@ -294,13 +294,13 @@ class Loop:
 
     def _last_words(self) -> None:
         parts = self._parts
-        until = time.monotonic() + LAST_WORDS_S
+        until = time.monotonic() + _LAST_WORDS_S
         self._hand_over()
         while parts.outlet.waiting and time.monotonic() < until:
             time.sleep(0.005)
             parts.outlet.flush()
         if parts.outlet.waiting:
-            parts.journal.warning("unsent", why=f"not read within {LAST_WORDS_S} s")
+            parts.journal.warning("unsent", why=f"not read within {_LAST_WORDS_S} s")
 
 
 def _trace(error: BaseException) -> str:

@@ -35,10 +35,10 @@ TRUTH = "truth_mm"
 LONGEST_REASON = 300
 """Most characters of a reason: a reply should not be much longer than the line."""
 
-MOST_NAMES = 1_000
+_MOST_NAMES = 1_000
 """Most names in one line; the largest machine has some hundred inputs."""
 
-MOST_RECORD_NAMES = 32
+_MOST_RECORD_NAMES = 32
 """Most names that are read in a record; a valid one has at most nine."""
 
 VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
@@ -182,8 +182,8 @@ def _require_known(program: Program, names: Collection[str]) -> None:
 def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
     fields.pop("vehicle", None)
     fields.pop("number", None)
-    if len(fields) > MOST_RECORD_NAMES:
-        raise InputError(f"{len(fields)} names in one record; none has more than {MOST_RECORD_NAMES}")
+    if len(fields) > _MOST_RECORD_NAMES:
+        raise InputError(f"{len(fields)} names in one record; none has more than {_MOST_RECORD_NAMES}")
     if "kind" not in fields:
         raise InputError("no kind: this is no record; to read lines with the inputs of steps, give --inputs")
     if fields["kind"] != "cycle":
@@ -198,8 +198,8 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise InputError("a name is given twice")
-    if len(found) > MOST_NAMES:
-        raise InputError(f"{len(found)} names in one line; at most {MOST_NAMES} are read")
+    if len(found) > _MOST_NAMES:
+        raise InputError(f"{len(found)} names in one line; at most {_MOST_NAMES} are read")
     return found
 
 

@@ -17,7 +17,7 @@ from safeloc.runtime.service.feeds import Event
 FULL = 1_048_576
 """Bytes of waiting reports; with more, the process stops reading until the reader has caught up."""
 
-LAST_LINE = 1_048_576
+_LAST_LINE = 1_048_576
 """Bytes at the end of a file in which the last line end is searched."""
 
 
@@ -184,8 +184,8 @@ class ToFile(Outlet):
     def _last_end(self) -> int:
         """Return the end of the last complete line."""
         size = os.lseek(self._fd, 0, os.SEEK_END)
-        begin = max(0, size - LAST_LINE)
+        begin = max(0, size - _LAST_LINE)
         found = os.pread(self._fd, size - begin, begin).rfind(b"\n")
         if found < 0 and begin > 0:
-            raise InputError(f"{self._path}: no line end in its last {LAST_LINE} bytes; this is no file of reports.")
+            raise InputError(f"{self._path}: no line end in its last {_LAST_LINE} bytes; this is no file of reports.")
         return begin + found + 1

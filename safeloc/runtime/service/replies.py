@@ -15,13 +15,13 @@ FACTOR = 4
 FIRST_BYTES = 4_096
 """Bytes of refusals at the start: a peer with few faulty lines gets all refusals."""
 
-MOST_BYTES = 65_536
+_MOST_BYTES = 65_536
 """Most bytes of refusals that a peer can save up."""
 
-MOST_PEERS = 10_000
+_MOST_PEERS = 10_000
 """Most peers with an allowance; with more, the oldest are forgotten."""
 
-LONG_LINE = LONGEST_REASON
+_LONG_LINE = LONGEST_REASON
 """Bytes that count for a line that was too long to be stored."""
 
 
@@ -35,8 +35,8 @@ class Allowance:
     def said(self, origin: str, size: int) -> None:
         """Count the bytes that a peer sent."""
         had = self._bytes.get(origin, FIRST_BYTES)
-        self._bytes[origin] = min(MOST_BYTES, had + FACTOR * (size or LONG_LINE))
-        if len(self._bytes) > MOST_PEERS:
+        self._bytes[origin] = min(_MOST_BYTES, had + FACTOR * (size or _LONG_LINE))
+        if len(self._bytes) > _MOST_PEERS:
             self.left(next(iter(self._bytes)))
 
     def left(self, origin: str) -> None:

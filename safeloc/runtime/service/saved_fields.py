@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from safeloc.errors import SnapshotError
 
 Whole = Annotated[int, Field(ge=0)]
-Text = Annotated[str, Field(max_length=10_000)]
+_Text = Annotated[str, Field(max_length=10_000)]
 
 
 class SavedVehicle(BaseModel):
@@ -20,12 +20,12 @@ class SavedVehicle(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     controller: str | None
-    lost: tuple[Text, Text]
-    count: tuple[Whole | None, Text]
+    lost: tuple[_Text, _Text]
+    count: tuple[Whole | None, _Text]
     recount: tuple[Whole | None, Whole] = (None, 0)
     streak: tuple[Whole | None, Whole]
     rhythm: tuple[Whole | None, Whole] = (None, 0)
-    stopped: Text
+    stopped: _Text
 
 
 class SavedRecords(SavedVehicle):

@@ -21,7 +21,7 @@ KIND, VERSION = "safeloc-process", 1
 LONGEST = 268_435_456
 """Most bytes of a snapshot; a thousand vehicles with full cycles take less."""
 
-Content = Callable[[], Mapping[str, Any]]
+_Content = Callable[[], Mapping[str, Any]]
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -90,14 +90,14 @@ class Saver:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.failed: Exception | None = None
-        self._wanted: Content | None = None
+        self._wanted: _Content | None = None
         self._asked = self._done = 0
         self._ending = False
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._write, name="safeloc-saver", daemon=True)
         self._thread.start()
 
-    def ask(self, content: Content) -> int:
+    def ask(self, content: _Content) -> int:
         """Request a snapshot; return the number of the request. `content` is called in the saver's thread."""
         with self._changed:
             self._wanted = content
@@ -105,7 +105,7 @@ class Saver:
             self._changed.notify_all()
             return self._asked
 
-    def save(self, content: Content) -> None:
+    def save(self, content: _Content) -> None:
         """Write a snapshot before returning; InputError if the disk does not take it."""
         ticket = self.ask(content)
         with self._changed:
@@ -140,7 +140,7 @@ class Saver:
                 self.failed, self._done = failed, ticket
                 self._changed.notify_all()
 
-    def _written(self, content: Content) -> Exception | None:
+    def _written(self, content: _Content) -> Exception | None:
         try:
             write_whole(self.path, sealed(content(), KIND, VERSION))
         except Exception as error:  # passed to the caller of `save`: this thread must not end

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 
-FILE_EVERY_S = 1.0
+_FILE_EVERY_S = 1.0
 """Seconds between two touches of the file."""
 
 
@@ -78,5 +78,5 @@ def _every_s(environment: Mapping[str, str], alive: Path | None) -> float | None
     limit = environment.get("WATCHDOG_USEC", "")
     mine = environment.get("WATCHDOG_PID", str(os.getpid())) == str(os.getpid())
     allowed = int(limit) / 3_000_000 if limit.isascii() and limit.isdecimal() and mine and int(limit) > 0 else None
-    wanted = [one for one in (allowed, FILE_EVERY_S if alive is not None else None) if one is not None]
+    wanted = [one for one in (allowed, _FILE_EVERY_S if alive is not None else None) if one is not None]
     return min(wanted, default=None)

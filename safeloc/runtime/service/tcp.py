@@ -32,12 +32,12 @@ LINES_AT_ONCE = 16
 FLOODS_S = 0.003
 """Seconds in each turn for all peers with more waiting lines than can be read at once."""
 
-MOST_PEERS = 200
-TOO_MUCH = 8 * FULL
+_MOST_PEERS = 200
+_TOO_MUCH = 8 * FULL
 """Bytes of waiting reports with which a peer is disconnected, since it does not read."""
 
 
-class Peer:
+class _Peer:
     """One connection. Its lines are not read while too many reports wait for it, or while all reading is held."""
 
     def __init__(
@@ -91,7 +91,7 @@ class Peer:
             while self._buffer:
                 del self._buffer[: self._sock.send(self._buffer)]
         except BlockingIOError:
-            if len(self._buffer) > TOO_MUCH:
+            if len(self._buffer) > _TOO_MUCH:
                 self._port.drop(self, "does not read")
                 return
         except OSError as error:
@@ -174,11 +174,11 @@ class TcpPort(Feed, Outlet):
 
     def __init__(self, where: Address, journal: Journal, *, proxied: bool = False) -> None:
         self._where, self._journal, self._proxied = where, journal, proxied
-        self.peers: dict[str, Peer] = {}
+        self.peers: dict[str, _Peer] = {}
         self._left: list[Left] = []
-        self._written: set[Peer] = set()
-        self._behind: deque[Peer] = deque()
-        self._flooding: deque[Peer] = deque()
+        self._written: set[_Peer] = set()
+        self._behind: deque[_Peer] = deque()
+        self._flooding: deque[_Peer] = deque()
         self._waited = 0
         self._count = 0
         self.held = False
@@ -229,11 +229,11 @@ class TcpPort(Feed, Outlet):
                 turns = len(self._flooding) + 1
                 yield from peer.next_lines()
 
-    def introduced(self, peer: Peer, vehicle: str) -> None:
+    def introduced(self, peer: _Peer, vehicle: str) -> None:
         """Record the vehicle that the proxy's header names."""
         self._journal.info("peer introduced", peer=peer.origin, vehicle=vehicle)
 
-    def another_turn(self, peer: Peer) -> None:
+    def another_turn(self, peer: _Peer) -> None:
         """Schedule another turn for a peer with unread lines."""
         (self._flooding if peer.floods else self._behind).append(peer)
 
@@ -258,7 +258,7 @@ class TcpPort(Feed, Outlet):
         for peer in written:
             peer.flush()
 
-    def has_room(self, peer: Peer) -> None:
+    def has_room(self, peer: _Peer) -> None:
         """Note that a peer takes more now. The loop flushes, after it has saved whatever must be saved before."""
         self._written.add(peer)
 
@@ -272,7 +272,7 @@ class TcpPort(Feed, Outlet):
         """Return whether reports wait for any peer."""
         return any(peer.waiting for peer in self.peers.values())
 
-    def drop(self, peer: Peer, why: str) -> None:
+    def drop(self, peer: _Peer, why: str) -> None:
         """Disconnect a peer; `why` is empty if it ended the connection itself."""
         if self.peers.pop(peer.origin, None) is not None:
             self._journal.info("peer left", peer=peer.origin, why=why or "closed")
@@ -299,14 +299,14 @@ class TcpPort(Feed, Outlet):
         except OSError as error:
             self._journal.warning("peer not taken", why=error.strerror)
             return
-        if len(self.peers) >= MOST_PEERS:
-            self._journal.warning("peer not taken", why=f"{MOST_PEERS} are there")
+        if len(self.peers) >= _MOST_PEERS:
+            self._journal.warning("peer not taken", why=f"{_MOST_PEERS} are there")
             sock.close()
             return
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._count += 1
-        peer = Peer(f"tcp:{self._count}", sock, self, Introduction() if self._proxied else None)
+        peer = _Peer(f"tcp:{self._count}", sock, self, Introduction() if self._proxied else None)
         self.peers[peer.origin] = peer
         peer.attend()
         self._journal.info("peer came", peer=peer.origin, address=f"{where[0]}:{where[1]}")

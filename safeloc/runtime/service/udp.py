@@ -27,7 +27,7 @@ MOST_LINES = 256
 TURN_S = 0.005
 """Most seconds of a turn, up to the end of a datagram."""
 
-ROOM = 4_194_304
+_ROOM = 4_194_304
 """Size in bytes of the receive buffer that the operating system is asked for."""
 
 MOST_WAITING = 10_000
@@ -52,7 +52,7 @@ class UdpPort(Feed, Outlet):
         """Listen; InputError if the port is taken."""
         self._selector = selector
         self._socket = bound(self._where, socket.SOCK_DGRAM)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _ROOM)
         selector.register(self._socket, selectors.EVENT_READ, self._ready)
         host, port = self._socket.getsockname()[:2]
         self._journal.info("listening", protocol="udp", host=host, port=port)

@@ -31,10 +31,10 @@ from safeloc.runtime.packed import SMALL, packed, read_packed
 from safeloc.runtime.streams.files import MOST_CELLS, MOST_ROWS, existing, streaming
 from safeloc.runtime.streams.steps import Cell, StepStream
 
-SCHEMA = "safeloc-runs/1"
+_SCHEMA = "safeloc-runs/1"
 KINDS = ("inputs", "fired", "state", "outputs")
-Column = list[Any]
-Plain = dict[str, Any]
+_Column = list[Any]
+_Plain = dict[str, Any]
 _ABSENT = object()
 
 
@@ -52,7 +52,7 @@ def runs_file(runs: Sequence[Shown]) -> bytes:
     rows = [[_row(one.trace, number) for number in range(len(one.trace.steps))] for one in runs]
     names = _names(runs, rows)
     data = {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "names": names,
         "runs": [_packed_run(one, own, names) for one, own in zip(runs, rows, strict=True)],
     }
@@ -84,7 +84,7 @@ def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, 
     return {**names, "inputs": [name for name in declared if name in found["inputs"]]}
 
 
-def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> Plain:
+def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> _Plain:
     columns = {kind: _columns([row[at] for row in rows], names[kind]) for at, kind in enumerate(KINDS)}
     truth = [*one.truth_mm][: len(rows)]
     truth += [None] * (len(rows) - len(truth))
@@ -98,9 +98,9 @@ def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names:
     }
 
 
-def _columns(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[Column]:
+def _columns(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[_Column]:
     """Return the column of each name: values, and how often each is repeated; 1 and true differ."""
-    columns: list[Column] = [[] for _ in names]
+    columns: list[_Column] = [[] for _ in names]
     since = [0] * len(names)
     before: Sequence[Any] = [_ABSENT] * len(names)
     for number, row in enumerate(rows):
@@ -130,15 +130,15 @@ def _flawless(path: Path) -> Iterator[None]:
         except SafelocError:
             raise
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-            raise StreamError(f"{path}: does not fit schema {SCHEMA}: {shortened(error)}.") from error
+            raise StreamError(f"{path}: does not fit schema {_SCHEMA}: {shortened(error)}.") from error
 
 
 def read_runs(path: Path) -> Runs:
     """Return the runs of a file. StreamError with its name if it is missing, damaged, or of another kind."""
     with _flawless(path):
         data = json.loads(read_packed(existing(path)))
-        if data["schema"] != SCHEMA:
-            raise StreamError(f"{path}: schema is {quoted(data['schema'])}; this version reads {SCHEMA!r}.")
+        if data["schema"] != _SCHEMA:
+            raise StreamError(f"{path}: schema is {quoted(data['schema'])}; this version reads {_SCHEMA!r}.")
         return Runs(path, data)
 
 
@@ -147,7 +147,7 @@ class Runs:
 
     def __init__(self, path: Path, data: Mapping[str, Any]) -> None:
         self._path, self._names = path, data["names"]
-        self._runs: Mapping[str, Plain] = {result: run for run in data["runs"] for result in run["results"]}
+        self._runs: Mapping[str, _Plain] = {result: run for run in data["runs"] for result in run["results"]}
         if not all(isinstance(self._names[kind], list) for kind in KINDS):
             raise TypeError("lists of the names of columns were expected")
 
@@ -158,7 +158,7 @@ class Runs:
         """Iterate over the ids of all results that have a run."""
         return iter(self._runs)
 
-    def plain(self, result: str) -> Plain:
+    def plain(self, result: str) -> _Plain:
         """Return the run of a result in the form of reports: first values, and each step by kind; StreamError as `stream`."""
         with _flawless(self._path):
             run = self._found(result)
@@ -178,7 +178,7 @@ class Runs:
             columns = {name: 1 for step in steps for name in step}
             return StepStream(steps, tuple(range(1, len(steps) + 1)), self._first(run), str(run["machine"]), columns)
 
-    def _found(self, result: str) -> Plain:
+    def _found(self, result: str) -> _Plain:
         if result not in self._runs:
             known = ", ".join(map(repr, islice(self, 5))) + (", ..." if len(self._runs) > 5 else "")
             raise StreamError(f"{self._path}: no run of {quoted(result)}; it holds {len(self._runs)}: {known}.")
@@ -187,16 +187,16 @@ class Runs:
         refuse_beyond(self._path, run["steps"] * sum(map(len, self._names.values())), MOST_CELLS, "cells")
         return run
 
-    def _first(self, run: Plain) -> dict[str, Value]:
+    def _first(self, run: _Plain) -> dict[str, Value]:
         pairs = zip(self._names["state"], run["first"], strict=True)
         return {name: value for name, value in pairs if value is not None}
 
-    def _truth_mm(self, run: Plain) -> list[int | None]:
+    def _truth_mm(self, run: _Plain) -> list[int | None]:
         """Return the true positions; an empty list if none is known."""
         values = _unfolded(run["truth_mm"], run["steps"])
         return [] if all(value is None for value in values) else values
 
-    def _rows(self, run: Plain, kind: str) -> Iterator[dict[str, Any]]:
+    def _rows(self, run: _Plain, kind: str) -> Iterator[dict[str, Any]]:
         names, columns = self._names[kind], run[kind]
         if len(columns) != len(names):
             raise ValueError(f"{len(columns)} columns of {len(names)} {kind}")
@@ -205,7 +205,7 @@ class Runs:
         return ({name: cell for name, cell in zip(names, row, strict=True) if cell is not None} for row in rows)
 
 
-def _unfolded(column: Column, steps: int) -> list[Any]:
+def _unfolded(column: _Column, steps: int) -> list[Any]:
     counts = column[1::2]
     if len(column) % 2 or any(type(count) is not int or count < 1 for count in counts) or sum(counts) != steps:
         raise ValueError(f"a column of {sum(counts)} steps where there are {steps}")

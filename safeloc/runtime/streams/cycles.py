@@ -19,7 +19,7 @@ from safeloc.errors import InputError
 from safeloc.runtime.border import Channel, Deliveries, Fault, Reason, admitted
 from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 
-LONGEST_GAP_MS = 3_600_000
+_LONGEST_GAP_MS = 3_600_000
 Places = Callable[[str], Iterable[object]]
 """Name in a record -> the inputs that it means."""
 
@@ -182,7 +182,7 @@ def cycles(
     channels: Sequence[Channel] = (),
     expected: Mapping[str, int] | None = None,
     places: Places | None = None,
-    longest_gap_ms: int = LONGEST_GAP_MS,
+    longest_gap_ms: int = _LONGEST_GAP_MS,
 ) -> Iterator[Cycle]:
     """Yield all steps up to the last record; a silent period gives steps without inputs.
 

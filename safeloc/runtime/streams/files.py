@@ -15,7 +15,7 @@ from safeloc.errors import InputError, StreamError, UnforeseenError
 from safeloc.runtime.outside import quoted, read_lines, reading, refuse_beyond
 from safeloc.runtime.streams.gzipped import is_packed, unpacked_lines
 
-FORMATS = "use .jsonl, .csv, either of them also with .gz, or .parquet"
+_FORMATS = "use .jsonl, .csv, either of them also with .gz, or .parquet"
 LONGEST_LINE = 1_000_000
 """Most bytes of a line of JSON or a row of CSV: enough for a step with ten thousand inputs."""
 LONGEST_CELL = 1_000
@@ -25,7 +25,7 @@ MOST_ROWS = 10_000_000
 MOST_CELLS = 100_000_000
 """Most cells or fields of one file."""
 
-Content = TypeVar("Content", bound=Sized)
+_Content = TypeVar("_Content", bound=Sized)
 
 
 @contextmanager
@@ -41,7 +41,7 @@ def streaming(path: Path) -> Iterator[None]:
         raise StreamError(str(error)) from error
 
 
-def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[int, Content]]:
+def bounded(path: Path, rows: Iterable[tuple[int, _Content]]) -> Iterator[tuple[int, _Content]]:
     """Yield the same rows; StreamError beyond `MOST_ROWS` or `MOST_CELLS`, so that the memory for a file is bounded."""
     cells = 0
     for count, (line, row) in enumerate(rows, 1):
@@ -71,7 +71,7 @@ def existing(path: Path) -> Path:
 
 def unknown_kind(path: Path) -> StreamError:
     """Return the error for an unknown suffix."""
-    return StreamError(f"{path}: unknown kind of file {path.suffix!r}; {FORMATS}.")
+    return StreamError(f"{path}: unknown kind of file {path.suffix!r}; {_FORMATS}.")
 
 
 def json_object(path: Path, line: int, text: str) -> dict[str, Any]:

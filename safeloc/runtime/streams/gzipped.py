@@ -16,21 +16,21 @@ from typing import TextIO
 from safeloc.errors import StreamError
 from safeloc.runtime.outside import LARGEST_FILE, cut_lines, reading, refuse_beyond
 
-SUFFIX = ".gz"
-PACKABLE = (".jsonl", ".ndjson", ".csv")
-SMALLEST = 9
+_SUFFIX = ".gz"
+_PACKABLE = (".jsonl", ".ndjson", ".csv")
+_SMALLEST = 9
 """Level of gzip: a recording is written once, and the time to read it does not depend on the level."""
 
 
 def is_packed(path: PurePath) -> bool:
     """Return whether the name ends in .gz."""
-    return path.suffix == SUFFIX
+    return path.suffix == _SUFFIX
 
 
 def kind_of(path: PurePath) -> str:
     """Return the suffix for the format of the stream: `.jsonl` for `run.jsonl` and for `run.jsonl.gz`."""
     within = PurePath(path.stem).suffix
-    return within if is_packed(path) and within in PACKABLE else path.suffix
+    return within if is_packed(path) and within in _PACKABLE else path.suffix
 
 
 def name_of(path: PurePath) -> str:
@@ -65,7 +65,7 @@ def created(path: Path) -> Iterator[TextIO]:
         return
     with (
         path.open("wb") as file,
-        gzip.GzipFile("", "wb", SMALLEST, file, mtime=0) as packed,
+        gzip.GzipFile("", "wb", _SMALLEST, file, mtime=0) as packed,
         TextIOWrapper(packed, encoding="utf-8", newline="") as text,
     ):
         yield text

@@ -14,13 +14,13 @@ from safeloc.errors import StreamError
 from safeloc.runtime.outside import LARGEST_FILE, quoted, refuse_beyond, shortened
 from safeloc.runtime.streams.files import LONGEST_CELL, MOST_CELLS, MOST_ROWS
 
-BATCH_ROWS = 10_000
-MOST_COLUMNS = 10_000
+_BATCH_ROWS = 10_000
+_MOST_COLUMNS = 10_000
 
-Row = dict[str, Any]
+_Row = dict[str, Any]
 
 
-def read_parquet(path: Path) -> tuple[list[Row], Sequence[str], Mapping[bytes, bytes]]:
+def read_parquet(path: Path) -> tuple[list[_Row], Sequence[str], Mapping[bytes, bytes]]:
     """Return the rows without their empty cells, the names of all columns, and the metadata of the file.
 
     StreamError for a file that is no Parquet file, has columns of other types, or is too large.
@@ -49,7 +49,7 @@ def _names(path: Path, schema: Any) -> list[str]:
 
 def _refuse_large(path: Path, metadata: Any, columns: int) -> None:
     """Refuse a file whose metadata exceed a limit; other sizes are checked while the file is read."""
-    refuse_beyond(path, columns, MOST_COLUMNS, "columns")
+    refuse_beyond(path, columns, _MOST_COLUMNS, "columns")
     refuse_beyond(path, metadata.num_rows, MOST_ROWS, "rows")
     refuse_beyond(path, metadata.num_rows * columns, MOST_CELLS, "cells")
     size = sum(metadata.row_group(group).total_byte_size for group in range(metadata.num_row_groups))
@@ -71,11 +71,11 @@ def _is_text(pyarrow: Any, kind: Any) -> bool:
     return bool(pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind))
 
 
-def _rows(path: Path, pyarrow: Any, parquet: Any, names: Sequence[str]) -> Iterator[Row]:
+def _rows(path: Path, pyarrow: Any, parquet: Any, names: Sequence[str]) -> Iterator[_Row]:
     """Yield the rows, read in batches; equal texts of a batch are one object in memory."""
     count = 0
     with parquet.ParquetFile(path, read_dictionary=names) as file:
-        for batch in file.iter_batches(BATCH_ROWS, use_threads=False):
+        for batch in file.iter_batches(_BATCH_ROWS, use_threads=False):
             batch.validate(full=True)  # indices in a damaged file may point beyond its texts
             refuse_beyond(path, count + batch.num_rows, min(MOST_ROWS, MOST_CELLS // max(1, len(names))), "rows")
             columns = [_cells(path, pyarrow, name, column) for name, column in zip(names, batch.columns, strict=True)]

@@ -43,7 +43,7 @@ FIELDS: tuple[str, ...] = (
 )  # fmt: skip
 """Columns of a table of records; each row fills the columns of its kind."""
 
-TEXT_FIELDS = ("kind", "end", "unit", "name")
+_TEXT_FIELDS = ("kind", "end", "unit", "name")
 MEASURED = ("step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
 """Fields with measured values; the others identify the device and give the time."""
 
@@ -52,9 +52,9 @@ OWN: Mapping[str, frozenset[str]] = {
 }
 """Kind -> the fields that its records have."""
 
-Row = Mapping[str, Any]
+_Row = Mapping[str, Any]
 
-_VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
+_VALIDATED: Callable[[_Row], Record] = RECORD.validator.validate_python
 """A direct call of the validator: that of the adapter takes a quarter longer."""
 
 
@@ -69,17 +69,17 @@ def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
     return tuple(_each(path, record_or_fault))
 
 
-Result = TypeVar("Result")
+_Result = TypeVar("_Result")
 
 
-def _each(path: Path, read: Callable[[Row], Result]) -> Iterator[Result]:
+def _each(path: Path, read: Callable[[_Row], _Result]) -> Iterator[_Result]:
     """Yield every row of the file, as `read` returns it. StreamError with file and line for a row that cannot be read."""
     with streaming(path):
         for line, row in bounded(path, _rows(path)):
             yield _located(path, line, row, read)
 
 
-def _located(path: Path, line: int, row: Row, read: Callable[[Row], Result]) -> Result:
+def _located(path: Path, line: int, row: _Row, read: Callable[[_Row], _Result]) -> _Result:
     try:
         return read(row)
     except InputError as error:
@@ -90,7 +90,7 @@ def _located(path: Path, line: int, row: Row, read: Callable[[Row], Result]) -> 
         raise UnforeseenError(f"{path}:{line}: {refusal(error)}") from error
 
 
-def _rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _rows(path: Path) -> Iterator[tuple[int, _Row]]:
     match kind_of(existing(path)):
         case ".jsonl" | ".ndjson":
             return _jsonl_rows(path)
@@ -117,7 +117,7 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
             raise unknown_kind(path)
 
 
-def record_or_fault(row: Row) -> Record | Unusable:
+def record_or_fault(row: _Row) -> Record | Unusable:
     """Return one row of any origin as a record, or as a fault of its channel; InputError if it is no record.
 
     A field of another kind of record is accepted if it is null: programs with one flat class for all records write such fields.
@@ -135,7 +135,7 @@ def record_or_fault(row: Row) -> Record | Unusable:
         return unusable
 
 
-def _record(row: Row) -> Record:
+def _record(row: _Row) -> Record:
     """Return one row as a record; InputError if it is none, or has an invalid measurement."""
     try:
         return _VALIDATED(_narrow(row))
@@ -146,14 +146,14 @@ def _record(row: Row) -> Record:
         raise InputError(_flaw(row, error)) from error
 
 
-def _narrow(row: Row) -> Row:
+def _narrow(row: _Row) -> _Row:
     """Return the row; InputError if it has more fields than any record, since the message would name each of them."""
     if len(row) > len(FIELDS):
         raise InputError(f"{len(row)} fields, but a record has at most {len(FIELDS)}; correct it or take it out.")
     return row
 
 
-def _of_its_kind(row: Row) -> Row:
+def _of_its_kind(row: _Row) -> _Row:
     """Return the row without the empty fields of other kinds. InputError if such a field has a value."""
     kind = row.get("kind")
     own = OWN.get(kind) if isinstance(kind, str) else None
@@ -170,7 +170,7 @@ def _of_its_kind(row: Row) -> Row:
     return {name: value for name, value in row.items() if name not in foreign}
 
 
-def _flaw(row: Row, error: ValidationError) -> str:
+def _flaw(row: _Row, error: ValidationError) -> str:
     strange = [f"{shown(name)} is {value}" for name, value in row.items() if not_finite(value)]
     if strange:
         return f"{strange[0]}, no measurement; leave the record out if there is none."
@@ -179,7 +179,7 @@ def _flaw(row: Row, error: ValidationError) -> str:
     return f"field {where}: {first['msg'][:400]} (got {quoted(first['input'])}); correct the record or take it out."
 
 
-def _unusable(row: Row, error: ValidationError) -> Unusable | None:
+def _unusable(row: _Row, error: ValidationError) -> Unusable | None:
     """Return the fault if only measured values are wrong, else None. Zeros replace them only to find the channel."""
     wrong = {str(place) for one in error.errors(include_url=False) for place in one["loc"][1:2]}
     if not wrong or not wrong <= set(MEASURED) & set(row):
@@ -189,18 +189,18 @@ def _unusable(row: Row, error: ValidationError) -> Unusable | None:
     return Unusable(sender.time_ms, sender.channel, _reason(row, wrong, error), detail)
 
 
-def _reason(row: Row, wrong: set[str], error: ValidationError) -> Reason:
+def _reason(row: _Row, wrong: set[str], error: ValidationError) -> Reason:
     if any(not_finite(row[name]) for name in wrong):
         return Reason.NOT_FINITE
     below = all(one["type"] == "greater_than_equal" for one in error.errors())
     return Reason.OUT_OF_RANGE if below else Reason.WRONG_TYPE
 
 
-def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _jsonl_rows(path: Path) -> Iterator[tuple[int, _Row]]:
     return ((line, json_object(path, line, text)) for line, text in lines_of(path))
 
 
-def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _csv_rows(path: Path) -> Iterator[tuple[int, _Row]]:
     rows = csv_rows(path)
     _, names = next(rows, (1, []))
     if "kind" not in names or len(set(names)) < len(names):
@@ -226,7 +226,7 @@ def _refuse_unknown(path: Path, names: Iterable[str]) -> None:
 
 def _value(name: str, text: str) -> int | bool | str:
     """Return a whole number, a truth value or, for anything else, the text, which a field for numbers then refuses."""
-    if name in TEXT_FIELDS:
+    if name in _TEXT_FIELDS:
         return text
     truth = truth_value(text)
     if truth is not None:
@@ -235,7 +235,7 @@ def _value(name: str, text: str) -> int | bool | str:
     return text if whole is None else whole
 
 
-def _write_csv(path: Path, rows: Sequence[Row]) -> None:
+def _write_csv(path: Path, rows: Sequence[_Row]) -> None:
     with created(path) as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
@@ -246,7 +246,7 @@ def _cell(value: object) -> object:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def _parquet_rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _parquet_rows(path: Path) -> Iterator[tuple[int, _Row]]:
     rows, names, _ = read_parquet(path)
     _refuse_unknown(path, names)
     for line, row in enumerate(rows, 1):
@@ -258,7 +258,7 @@ def _is_text_value(name: str, cell: object) -> bool:
     return name == "value" and isinstance(cell, str)
 
 
-def _write_parquet(path: Path, rows: Sequence[Row]) -> None:
-    text = (*TEXT_FIELDS, "value")
+def _write_parquet(path: Path, rows: Sequence[_Row]) -> None:
+    text = (*_TEXT_FIELDS, "value")
     cells = [{**row, "value": str(_cell(row["value"]))} if "value" in row else row for row in rows]
     write_parquet(path, cells, {name: "string" if name in text else "int64" for name in FIELDS})

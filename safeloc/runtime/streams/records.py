@@ -27,7 +27,7 @@ from safeloc.runtime.border import Reason
 End = Literal["front", "rear"]
 """The fixed ends of the vehicle: front is end A, rear is end B, whichever way it runs."""
 
-Time = Annotated[int, Field(ge=0, description="ms since the recording began")]
+_Time = Annotated[int, Field(ge=0, description="ms since the recording began")]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*$")]
 
 
@@ -36,7 +36,7 @@ class DistanceRecord(Config):
 
     is_increment: ClassVar[bool] = True
     kind: Literal["distance"] = "distance"
-    time_ms: Time
+    time_ms: _Time
     end: End
     unit: Name
     step_mm: int
@@ -56,7 +56,7 @@ class PulseRecord(Config):
 
     is_increment: ClassVar[bool] = True
     kind: Literal["pulses"] = "pulses"
-    time_ms: Time
+    time_ms: _Time
     end: End
     unit: Name = "wheel"
     pulses: int
@@ -76,7 +76,7 @@ class MarkerRecord(Config):
 
     is_increment: ClassVar[bool] = False
     kind: Literal["marker"] = "marker"
-    time_ms: Time
+    time_ms: _Time
     end: End
     marker: Annotated[int, Field(ge=0)]
     position_mm: int | None = None
@@ -100,7 +100,7 @@ class ValueRecord(Config):
 
     is_increment: ClassVar[bool] = False
     kind: Literal["value"] = "value"
-    time_ms: Time
+    time_ms: _Time
     name: Name
     value: int | bool | str
 
@@ -119,7 +119,7 @@ class TruthRecord(Config):
 
     is_increment: ClassVar[bool] = False
     kind: Literal["truth"] = "truth"
-    time_ms: Time
+    time_ms: _Time
     position_nm: int
 
     @property

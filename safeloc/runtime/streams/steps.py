@@ -38,8 +38,8 @@ from safeloc.runtime.streams.parquet import read_parquet, write_parquet
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str
-METADATA = b"safeloc"
-ARROW: Mapping[type, str] = {int: "int64", bool: "bool_", str: "string"}
+_METADATA = b"safeloc"
+_ARROW: Mapping[type, str] = {int: "int64", bool: "bool_", str: "string"}
 
 
 @dataclass(frozen=True)
@@ -245,13 +245,13 @@ def _read_parquet(path: Path) -> StepStream:
 
 
 def _metadata(path: Path, metadata: Mapping[bytes, bytes]) -> Mapping[str, object]:
-    if METADATA not in metadata:
+    if _METADATA not in metadata:
         return {"schema": SCHEMA}
     try:
-        text = metadata[METADATA].decode()
+        text = metadata[_METADATA].decode()
     except UnicodeDecodeError as error:
         raise StreamError(
-            f"{path}: its metadata `{METADATA.decode()}` is no UTF-8 text; the file is damaged."
+            f"{path}: its metadata `{_METADATA.decode()}` is no UTF-8 text; the file is damaged."
         ) from error
     return json_object(path, 1, text)
 
@@ -260,8 +260,8 @@ def _write_parquet(path: Path, steps: Sequence[Mapping[str, Cell]], header: Mapp
     kinds: dict[str, str] = {}
     for number, step in enumerate(steps, 1):
         for name, value in step.items():
-            if kinds.setdefault(name, ARROW[type(value)]) != ARROW[type(value)]:
+            if kinds.setdefault(name, _ARROW[type(value)]) != _ARROW[type(value)]:
                 raise StreamError(f"{path}:{number}: {name} has values of different types; write .jsonl.")
     if steps and not kinds:
         raise StreamError(f"{path}: steps without any input make no table; write .jsonl.")
-    write_parquet(path, steps, kinds, {METADATA.decode(): json.dumps(header)})
+    write_parquet(path, steps, kinds, {_METADATA.decode(): json.dumps(header)})

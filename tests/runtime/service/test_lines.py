@@ -87,7 +87,7 @@ def test_the_end_of_a_cycle() -> None:
         ("[" * 100_000, "not JSON"),
         ('{"kind": "distance", "kind": "distance"}', "a name is given twice"),
         ({**WHEEL, "vehicle": "a b"}, "vehicle is 'a b'"),
-        ({**WHEEL, "vehicle": 7}, "vehicle is 7; give text"),
+        ({**WHEEL, "vehicle": 7}, "vehicle is 7; give up to"),
         ('{"vehicle": ' + "[" * 900 + "]" * 900 + "}", "vehicle is [[["),
         ({**WHEEL, "vehicle": "x" * 65}, "vehicle is"),
     ],
