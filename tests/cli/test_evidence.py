@@ -66,7 +66,7 @@ def test_faults_of_a_machine_without_an_interval(call: Call) -> None:
     """Claims are told; order 2 asks of an interval."""
     told = call("faults", "turn_off", "--cache", KEPT)
     assert 0 == told.code
-    assert "    end effect    none on an interval: the target reports none" in told.out
+    assert "    end effect    none: the target reports no interval" in told.out
     assert "minimal cut sets" not in told.out
     wrong = call("faults", "turn_off", "--order", "2")
     assert 2 == wrong.code
