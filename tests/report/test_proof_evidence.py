@@ -75,7 +75,7 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
         ("wrong", {"run": Run({}, ({}, {}), "sent")}, "can miss the truth for more than 10 cycles; shortest run: 2 cycles, ends with", "violated"),
         ("withdrawn", {"within_cycles": 5}, "a wrong interval is right again or withdrawn within 5 cycles (proved)", "held"),
         ("contained", {}, "the reported interval still contains the truth (proved)", "proved"),
-        ("undecided", {}, "not decided within the limits", "unknown"),
+        ("undecided", {}, "undecided within the limits", "unknown"),
         ("no interval", {}, "none: the target reports no interval", "soft"),
     ],
 )  # fmt: skip
