@@ -160,7 +160,7 @@ def test_what_is_no_table_is_not_written(tmp_path: Path, steps: list[dict[str, C
     ("column", "message"),
     [
         ([1.0, math.nan], r"run\.parquet:1: a is 1\.0; steps hold whole numbers"),
-        ([math.nan], r"run\.parquet:1: a is nan, no measurement; leave the input out where there is none\.$"),
+        ([math.nan], r"run\.parquet:1: a is nan, no measurement; leave the input out if there is none\.$"),
         ([[1]], r"run\.parquet: column 'a' holds 'list<element: int64>'; a column holds whole numbers"),
     ],
 )
