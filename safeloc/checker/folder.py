@@ -22,7 +22,7 @@ from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
 from safeloc.errors import InputError, SafelocError
 from safeloc.language.digest import full_digest
-from safeloc.report import certificates, kept
+from safeloc.report import certificates, stored
 from safeloc.runtime.streams.columns import Runs as KeptRuns
 from safeloc.runtime.streams.columns import read_runs
 from safeloc.runtime.streams.steps import StepStream
@@ -82,7 +82,7 @@ def check_folder(
 
     InputError if the folder is no report of this version.
     """
-    data = kept.read_report(folder)
+    data = stored.read_report(folder)
     archives = certificates.read_archives(folder / certificates.FOLDER, data["certificates"])
     texts = archives.texts
     found = Checking(wrong=dict(archives.damaged))
@@ -157,7 +157,7 @@ def _check_machine(number: int) -> Checking:
     machine, found = data["machines"][number], Checking(wrong=dict(before.wrong), opinions=before.opinions)
     rows = [row for row in data["results"] if row["machine"] == machine["name"]]
     try:
-        file = folder / kept.TRACES / kept.machine_files(data)[machine["name"]]
+        file = folder / stored.TRACES / stored.machine_files(data)[machine["name"]]
         check_target(_declared(machine), rows, texts, _StoredRuns(file), found)
     except SafelocError as error:
         why = f"its declaration cannot be loaded: {error}"

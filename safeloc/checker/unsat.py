@@ -13,7 +13,7 @@ from safeloc.checker.proofs.goals import check_unsat_proofs
 from safeloc.checker.proofs.steps import Checked
 from safeloc.errors import InputError
 from safeloc.report.certificates import FOLDER, read_archives
-from safeloc.report.kept import read_report
+from safeloc.report.stored import read_report
 
 
 @dataclass

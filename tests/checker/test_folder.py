@@ -75,7 +75,7 @@ def test_a_text_that_is_missing(copy: Path) -> None:
     file, name = place(kept, "always-step")
     write_archives(copy / "certificates", {file: {key: text for key, text in kept[file].items() if key != name}})
     found = check_folder(copy, seconds=10)
-    assert f"{copy / 'certificates' / file}: holds other certificates than report.json says." == found.wrong[file]
+    assert f"{copy / 'certificates' / file}: its certificates are not those listed in report.json." == found.wrong[file]
     assert any("never above eight" in one for one in refused(found))
 
 

@@ -221,7 +221,7 @@ def _clocks(target: Target, path: Path, period_ms: int) -> tuple[tuple[SourceClo
     for source, time_ms in recorded_times(target, path):
         latest_ms = max(latest_ms, time_ms)
         cycle = max(1, -(-latest_ms // period_ms))
-        lag = clocks.hear(source, time_ms)
+        lag = clocks.take(source, time_ms)
         if lag is None:
             continue
         found.near(cycle, lag.distance_ms(period_ms))

@@ -10,8 +10,8 @@ from safeloc.language.expr import NumVar
 from safeloc.language.nodes import Value
 from safeloc.language.units import Enumeration
 from safeloc.runtime.border import Channel, Fault
-from safeloc.runtime.embedding.readable_records import judged
-from safeloc.runtime.embedding.target_inputs import Hearing
+from safeloc.runtime.embedding.readable_records import readable
+from safeloc.runtime.embedding.target_inputs import TargetInputs
 from safeloc.runtime.streams.cycles import Cycle, cycles
 from safeloc.runtime.streams.record_files import read_raw
 from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
@@ -25,7 +25,7 @@ def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStre
     Names, ranges and silence are those of a Controller (docs/embedding.md); beside that a recording may hold ghosts of
     the machine, as values. StreamError for what is no recording, InputError for a leap of time.
     """
-    hearing, ghosts = Hearing(target), _ghosts(target, period_ms)
+    hearing, ghosts = TargetInputs(target), _ghosts(target, period_ms)
     said = [_known(hearing, ghosts, number, record) for number, record in enumerate(read_raw(path))]
     channels = [*hearing.channels, *ghosts.values()]
     made = list(cycles(said, period_ms, channels=channels, places=lambda name: _places(hearing, ghosts, name)))
@@ -39,9 +39,9 @@ def recorded_times(target: Target, path: Path) -> Iterator[tuple[str, int]]:
 
     What no machine of the target hears, what cannot be read, and the truth are of no source.
     """
-    hearing = Hearing(target)
+    hearing = TargetInputs(target)
     for number, record in enumerate(read_raw(path)):
-        known = judged(hearing, number, record)
+        known = readable(hearing, number, record)
         if not isinstance(known, (Fault, Unusable, TruthRecord)):
             yield known.channel, known.time_ms
 
@@ -56,26 +56,26 @@ def _ghosts(target: Target, period_ms: int) -> Ghosts:
     return {var.name: Channel(var.name, var.unit.name, var.low, var.high, period_ms) for var in plain}
 
 
-def _places(hearing: Hearing, ghosts: Ghosts, name: str) -> Iterable[object]:
+def _places(hearing: TargetInputs, ghosts: Ghosts, name: str) -> Iterable[object]:
     """The inputs that a name means; a ghost has one name only."""
     return (name,) if name in ghosts else hearing.places(name)
 
 
-def _known(hearing: Hearing, ghosts: Ghosts, number: int, record: Record | Unusable) -> Record | Unusable:
+def _known(hearing: TargetInputs, ghosts: Ghosts, number: int, record: Record | Unusable) -> Record | Unusable:
     """Return the record, or a fault if no machine has an input for it."""
     if record.channel in ghosts:
         return record
-    found = judged(hearing, number, record)
+    found = readable(hearing, number, record)
     return Unusable(record.time_ms, found.channel, found.reason, found.detail) if isinstance(found, Fault) else found
 
 
-def _heard(hearing: Hearing, ghosts: Ghosts, cycle: Cycle) -> tuple[dict[str, Value], tuple[Fault, ...]]:
+def _heard(hearing: TargetInputs, ghosts: Ghosts, cycle: Cycle) -> tuple[dict[str, Value], tuple[Fault, ...]]:
     """The step: what the machines hear by the full names of their inputs, the ghosts, and the truth; and what they do not.
 
     A machine that may be told nothing, and was told nothing or not enough, has the neutral values of a silent device.
     """
     own = {name: value for name, value in cycle.inputs.items() if name not in ghosts}
-    told, unheard = hearing.heard(hearing.told(own))
+    told, unheard = hearing.complete(hearing.placed(own))
     row, inputs = hearing.row(told), hearing.system.inputs
     silent = [at for _, needed in hearing.silent.values() for at in needed if at not in told]
     step = {inputs[at].name: row[at] for at in (*silent, *told)}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from safeloc.cli.time_left import USUAL_SECONDS, TimeLeft
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.times import keep_seconds, seconds_before
+from safeloc.proof.verification.time_left import USUAL_SECONDS, TimeLeft
 
 
 class Clock:
