@@ -23,7 +23,7 @@ from benchmarks.vehicle_lines import odometry_lines
 from safeloc.language.system import without_ghosts
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Program, localizer_program
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import LineCutter
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
@@ -44,14 +44,14 @@ def journeys(program: Program) -> Lines:
     return said
 
 
-def spent_s(program: Program, ways: Ways, lines: Lines) -> float:
+def spent_s(program: Program, settings: FleetSettings, lines: Lines) -> float:
     """Processor time for all lines, from bytes to reports as bytes."""
-    fleet, cutter, cycles = Fleet(program, ways), LineCutter(), 0
+    fleet, cutter, cycles = Fleet(program, settings), LineCutter(), 0
     gc.collect()
     begin = time.process_time()
     for data in lines:
         for line in cutter.feed(data):
-            for told in fleet.heed("benchmark", line, whole=True):
+            for told in fleet.handle("benchmark", line, whole=True):
                 cycles += b'"mode"' in json.dumps(told).encode()
     spent = time.process_time() - begin
     if not cycles or fleet.tally.refused or fleet.tally.breaches:
@@ -81,8 +81,8 @@ def turns(program: Program, inputs: bool, lines: Lines, rounds: int) -> Turns:
     """Measure both ways, one after the other, in each round."""
     both = [
         (
-            spent_s(program, Ways(PERIOD_MS, inputs, assumptions=False), lines),
-            spent_s(program, Ways(PERIOD_MS, inputs), lines),
+            spent_s(program, FleetSettings(PERIOD_MS, inputs, assumptions=False), lines),
+            spent_s(program, FleetSettings(PERIOD_MS, inputs), lines),
         )
         for _ in range(rounds)
     ]

@@ -1,7 +1,7 @@
-"""Rules of the layout: what the proofs assume of a line, and what the audit checks on the user's map.
+"""Layout rules: the proofs assume them of a line, and the audit checks them on the user's map.
 
-Each rule is one function from lengths to a truth-valued term. A machine puts its symbolic map inputs in and assumes
-the term; the audit puts variables in and evaluates the term on the figures of the map. There is no second copy.
+Each rule is one function from lengths to a truth-valued term. A machine calls it with its symbolic map inputs and assumes
+the term; the audit calls it with variables and evaluates the term on the figures of the map. There is no second copy.
 Lengths are mm along the track in direction of travel; comparisons read `actual <= required` or `actual < required`.
 
     layout = LayoutConfig()
@@ -26,13 +26,11 @@ from safeloc.language.expr import (
     maximum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MM, NM, PPM
-
-WHOLE_PPM = 1_000_000
+from safeloc.language.units import COUNT, MM, NM, PPM, PPM_PER_ONE
 
 
 class LayoutConfig(Config):
-    """The figures of vehicle and sensors that the layout of a line has to suit."""
+    """Figures of vehicle and sensors that the layout of a line has to suit."""
 
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line, 10 m in nodes")
     odometry_constant_mm: int = quantity(5_000, "mm", 0, 100_000, "[S] SUBSET-041: 5 m")
@@ -70,11 +68,11 @@ class LayoutConfig(Config):
 
     @property
     def reflector_fix_mm(self) -> int:
-        """The error of a position taken from a reflector."""
+        """Error of a position taken from a reflector, mm."""
         return self.radar_error_mm + self.map_accuracy_mm
 
     def balise_fix_mm(self, location_accuracy_mm: int | None) -> int:
-        """The error of a position taken from a balise group; the national value where linking gives none."""
+        """Error of a position taken from a balise group, mm; by the national value if linking gives none."""
         own = self.balise_accuracy_mm if location_accuracy_mm is None else location_accuracy_mm
         return own + self.detection_accuracy_mm
 
@@ -83,24 +81,24 @@ class LayoutConfig(Config):
 
 
 def odometry_error_nm(measured_mm: Num, fix_error_mm: Num, layout: LayoutConfig) -> Num:
-    """The error after a measured distance since a fix: fix + constant + rate x distance, exact. Unit nm."""
+    """Return the error after a measured distance since a fix, nm: fix + constant + rate x distance, exact."""
     start = exact_to(fix_error_mm + layout.odometry_constant_mm, NM)
     return start + measured_mm * Lit(layout.odometry_rate_ppm, PPM)
 
 
 def longest_stretch_mm(fix_error_mm: Num, layout: LayoutConfig) -> Num:
-    """The longest true distance after a fix on which the charged error cannot pass the tolerance.
+    """Return the longest true distance after a fix on which the error bound stays within the tolerance, mm.
 
-    The law charges the measured distance, and that may exceed the true one by the law itself:
+    The error bound grows with the measured distance, and that may exceed the true one by the law itself:
     measured <= (true + constant) / (1 - rate). The rate must not be 0, where no distance is too long.
     """
     spare = as_num(layout.tolerance_mm - layout.odometry_constant_mm, MM) - fix_error_mm
-    scaled = with_unit(spare * (WHOLE_PPM - layout.odometry_rate_ppm), MM)
+    scaled = with_unit(spare * (PPM_PER_ONE - layout.odometry_rate_ppm), MM)
     return floor_div(scaled, layout.odometry_rate_ppm) - layout.odometry_constant_mm
 
 
 def stretch_is_tolerable(distance_mm: Num, fix_error_mm: Num, layout: LayoutConfig) -> Bool:
-    """From a fix to the next reference the odometry error stays within the tolerance (RFL-D1; source l. 217, 235, 300)."""
+    """Require the odometry error to stay within the tolerance from a fix to the next reference (RFL-D1; source l. 217, 235, 300)."""
     if layout.odometry_rate_ppm == 0:
         return fix_error_mm <= layout.tolerance_mm - layout.odometry_constant_mm
     return distance_mm <= longest_stretch_mm(fix_error_mm, layout)
@@ -110,29 +108,29 @@ def stretch_is_tolerable(distance_mm: Num, fix_error_mm: Num, layout: LayoutConf
 
 
 def reflector_follows_balise(reflectors_since_balise: Num, layout: LayoutConfig) -> Bool:
-    """A balise comes before a reflector, at most so many reflectors earlier (RFL-7; self-test, source l. 111)."""
+    """Require a balise before a reflector, at most so many reflectors earlier (RFL-7; self-test, source l. 111)."""
     return reflectors_since_balise <= layout.reflectors_per_balise
 
 
 def reference_distance_agrees(stated_mm: Num, map_distance_mm: Num, layout: LayoutConfig) -> Bool:
-    """Telegram, or the variable of the system, and map give one distance from balise to reflector (RFL-8, RFL-9)."""
+    """Require the telegram, or the variable of the system, to give the map's distance from balise to reflector (RFL-8, RFL-9)."""
     return abs_(stated_mm - map_distance_mm) <= layout.map_accuracy_mm
 
 
 def reference_measurement_possible(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
-    """Over the balise the sensor has the reflector in view, so that the function test can be made (RFL-6)."""
+    """Require the reflector to be in view over the balise, so that the self-test is possible (RFL-6)."""
     seen = distance_mm - (layout.antenna_offset_mm - layout.sensor_offset_mm)
     allowance = layout.detection_accuracy_mm + layout.map_accuracy_mm
     return (seen + allowance <= view_from_mm) & (view_to_mm + allowance <= seen)
 
 
 def search_starts_in_time(search_from_mm: Num, distance_mm: Num, view_from_mm: Num, layout: LayoutConfig) -> Bool:
-    """The telegram lets the search begin by the tolerable error before the view zone, or at the balise (RFL-9)."""
+    """Require the search to begin the tolerable error before the view zone, or at the balise (RFL-9)."""
     return search_from_mm <= maximum(distance_mm - view_from_mm - layout.tolerance_mm, 0)
 
 
 def view_zone_in_range(view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
-    """In the whole view zone the vehicle's radar has the minimum intensity and is not too near (RFL-1; source l. 95, 209)."""
+    """Require the radar to have the minimum intensity in the whole view zone, and not to be too near (RFL-1; source l. 95, 209)."""
     return (view_from_mm <= layout.radar_range_mm) & (as_num(layout.radar_blind_mm, MM) <= view_to_mm)
 
 
@@ -140,16 +138,16 @@ def view_zone_in_range(view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig)
 
 
 def zones_overlap(spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num) -> Bool:
-    """The next reflector comes into view before the previous one goes out of it."""
+    """Return whether the next reflector comes into view before the previous one leaves it."""
     return spacing_mm <= next_view_from_mm - previous_view_to_mm
 
 
 def alone_in_search_window(
     spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num, layout: LayoutConfig
 ) -> Bool:
-    """While one of two neighbours is searched, the other is out of view (RFL-8; source l. 151, 235).
+    """Require one of two neighbours to be out of view while the other is searched (RFL-8; source l. 151, 235).
 
-    By estimate the search begins the tolerable error before the view zone; by truth, up to that error earlier still.
+    The search begins at an estimate the tolerable error before the view zone; truly up to that error earlier still.
     The window of the next reflector, from there to its end, is narrower than the spacing; so is the previous one's.
     """
     window = next_view_from_mm - previous_view_to_mm + 2 * layout.tolerance_mm
@@ -157,7 +155,7 @@ def alone_in_search_window(
 
 
 def separable_by_distance(spacing_mm: Num, layout: LayoutConfig) -> Bool:
-    """Two echoes cannot fit one place on the map: their places differ by more than both errors (source l. 217)."""
+    """Require two places to differ by more than both errors, so that two echoes cannot fit one place on the map (source l. 217)."""
     errors = 2 * (layout.tolerance_mm + layout.reflector_fix_mm)
     return as_num(errors, MM) < spacing_mm
 
@@ -165,10 +163,10 @@ def separable_by_distance(spacing_mm: Num, layout: LayoutConfig) -> Bool:
 def told_apart(
     same_model: Bool, spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num, layout: LayoutConfig
 ) -> Bool:
-    """Of two neighbours on one route none is taken for the other (RFL-8, RFL-10).
+    """Require that no echo of one of two neighbours on a route can be taken for the other's (RFL-8, RFL-10).
 
-    Their models differ; or their distances tell and, with an odometry zone between their view zones, the search
-    window holds one of them.
+    Their models differ; or they are separable by distance and, with an odometry zone between their view zones, the search
+    window holds only one of them.
     """
     overlap = zones_overlap(spacing_mm, next_view_from_mm, previous_view_to_mm)
     alone = alone_in_search_window(spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
@@ -176,7 +174,7 @@ def told_apart(
 
 
 def told_apart_across_tracks(same_model: Bool, spacing_mm: Num, layout: LayoutConfig) -> Bool:
-    """Of two reflectors beside different tracks none is taken for the other: models differ, or distances tell (RFL-10)."""
+    """Require two reflectors beside different tracks to differ in model or to be separable by distance (RFL-10)."""
     return ~same_model | separable_by_distance(spacing_mm, layout)
 
 
@@ -184,22 +182,22 @@ def told_apart_across_tracks(same_model: Bool, spacing_mm: Num, layout: LayoutCo
 
 
 def branch_models_differ(same_model: Bool) -> Bool:
-    """The first reflectors on the two branches of a switch are of different models (RFL-11)."""
+    """Require different models of the first reflectors on the two branches of a switch (RFL-11)."""
     return ~same_model
 
 
 def switch_in_view(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
-    """Over the switch the sensor sees the reflector behind it, so that turning off shows (RFL-12; source l. 296)."""
+    """Require the reflector behind a switch to be in view over the switch, so that turning off shows (RFL-12; source l. 296)."""
     return between(view_to_mm, distance_mm + layout.sensor_offset_mm, view_from_mm)
 
 
 def direction_shows(same_model: Bool) -> Bool:
-    """The models before and after a balise differ, so that their order tells the direction (RFL-D5)."""
+    """Require different models before and after a balise, so that their order tells the direction (RFL-D5)."""
     return ~same_model
 
 
 def routes_told_apart(faults_to_confuse: Num, layout: LayoutConfig) -> Bool:
-    """It takes more missed or misread reflectors than are to be withstood to make one route look like another (RFL-D6)."""
+    """Require that one route looks like another only with more missed or misread reflectors than have to be tolerated (RFL-D6)."""
     return as_num(layout.route_faults_withstood, COUNT) < faults_to_confuse
 
 
@@ -209,7 +207,7 @@ def routes_told_apart(faults_to_confuse: Num, layout: LayoutConfig) -> Bool:
 def expectation_windows_apart(
     spacing_mm: Num, first_accuracy_mm: Num, second_accuracy_mm: Num, layout: LayoutConfig
 ) -> Bool:
-    """The expectation windows of two successive linked groups have no place in common (SUBSET-026 3.4.4.4.5).
+    """Require the expectation windows of two successive linked groups to have no place in common (SUBSET-026 3.4.4.4.5).
 
     A window reaches the tolerable error, the group's location accuracy and the detection accuracy to either side.
     """
@@ -228,18 +226,18 @@ def stop_reflector_in_view(
     view_to_mm: Num,
     layout: LayoutConfig,
 ) -> Bool:
-    """Stopped anywhere in the stop window, the sensor has the stop point's reflector in view (source l. 263)."""
+    """Require the stop point's reflector to be in view from anywhere in the stop window (source l. 263)."""
     seen = standstill_mm + layout.sensor_offset_mm
     return all_of([seen + window_before_mm <= view_from_mm, view_to_mm <= seen - window_after_mm])
 
 
 def standstill_distance_agrees(stated_mm: Num, map_distance_mm: Num, layout: LayoutConfig) -> Bool:
-    """The set distance to the reflector is that between stop point and reflector on the map (source l. 263)."""
+    """Require the set distance to the reflector to be that between stop point and reflector on the map (source l. 263)."""
     return abs_(stated_mm - map_distance_mm) <= layout.map_accuracy_mm
 
 
 def stop_window_fits(window_before_mm: Num, window_after_mm: Num, layout: LayoutConfig) -> Bool:
-    """The stop window is as narrow as doors need it and as wide as measuring and braking can keep it (RFL-D7)."""
+    """Require the stop window to be as narrow as doors need it, and as wide as measuring and braking can keep it (RFL-D7)."""
     least = as_num(layout.reflector_fix_mm + layout.stop_control_error_mm, MM)
     most = layout.stop_window_mm
     return all_of(

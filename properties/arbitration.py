@@ -1,8 +1,9 @@
-"""What must hold of arbitration between sources (RFL-13, RFL-14, MRK-D3): only agreement counts, and only of the valid."""
+"""Properties of arbitration between sources (RFL-13, RFL-14, MRK-D3): only valid sources count, and only if they agree."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, before, between, exact_to, ite
 from safeloc.language.machine import Machine
@@ -19,13 +20,13 @@ REQUIREMENTS = ("RFL-13", "RFL-14")
 
 
 def properties(model: Arbitration) -> list[Property]:
-    """Every property of the arbitration machine, for whatever sources it has."""
-    makers = (_safety, _fail_safe, _withdrawn, _leading, _estimated, _front)
+    """Return the properties of the arbitration machine, whatever its sources are."""
+    makers = (_safety, _common_part, _contradiction, _reference, _stated, _withdrawn, _leading, _estimated, _front)
     return [prop for maker in makers for prop in maker(model)]
 
 
 def _free(name: str, term: Bool, statement: str) -> Property:
-    """A property that needs no assumption."""
+    """Claim a property that needs no assumption."""
     return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
@@ -57,8 +58,8 @@ def _nothing_told(machine: Machine) -> Bool:
     return no_interval(machine) & all_of(ends)
 
 
-def _fail_safe(model: Arbitration) -> Iterator[Property]:
-    machine, own = model.machine, model.own
+def _common_part(model: Arbitration) -> Iterator[Property]:
+    own = model.own
     given, low, high = _given(model)
     inside = [source.valid.implies((low >= source.low) & (high <= source.high)) for source in own.sources]
     yield _free(
@@ -69,16 +70,25 @@ def _fail_safe(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "only valid sources narrow",
         given.implies(lowest & highest),
-        "each end of it is an end that a valid source states: what states nothing, or may not, narrows nothing",
+        "each of its ends is an end that a valid source states: a source that states nothing, or is not valid, narrows nothing",
     )
-    for index, source in enumerate(own.sources):
-        for other in own.sources[index + 1 :]:
-            yield _free(
-                f"{source.name} against {other.name}",
-                _apart(source, other).implies(~given),
-                f"where {source.name} and {other.name} exclude each other nothing is given out in the same step",
-            )
-    named = own.reason.eq(CONTRADICTION) & earlier_bool(given)
+    yield from _exclusions(model)
+
+
+def _exclusions(model: Arbitration) -> Iterator[Property]:
+    given, _, _ = _given(model)
+    for one, other in combinations(model.own.sources, 2):
+        yield _free(
+            f"{one.name} against {other.name}",
+            _apart(one, other).implies(~given),
+            f"where {one.name} and {other.name} exclude each other nothing is given out in the same step",
+        )
+
+
+def _contradiction(model: Arbitration) -> Iterator[Property]:
+    own, nobody = model.own, Lit(0, model.own.named)
+    given, _, _ = _given(model)
+    noticed = own.reason.eq(CONTRADICTION) & earlier_bool(given)
     excluded = [
         (own.first.eq(Lit(one, own.named)) & own.second.eq(Lit(two, own.named))).implies(_apart(a, b))
         for one, a in enumerate(own.sources, 1)
@@ -86,20 +96,29 @@ def _fail_safe(model: Arbitration) -> Iterator[Property]:
         if a is not b
     ]
     if excluded:
-        both = own.first.ne(Lit(0, own.named)) & own.second.ne(Lit(0, own.named)) & own.first.ne(own.second)
-        clash = machine.fired("sources contradict each other")
+        both = own.first.ne(nobody) & own.second.ne(nobody) & own.first.ne(own.second)
+        clash = model.machine.fired("sources contradict each other")
         yield _free(
             "both sources are named",
-            (clash & named).implies(both & all_of(excluded)),
+            (clash & noticed).implies(both & all_of(excluded)),
             "a contradiction names two sources, and these two exclude each other",
         )
-    referred = ~all_of(source.valid.implies(~source.reference) for source in own.sources)
+
+
+def _reference(model: Arbitration) -> Iterator[Property]:
+    given, _, _ = _given(model)
+    referred = ~all_of(source.valid.implies(~source.reference) for source in model.own.sources)
     yield _free(
         "no resurrection",
         (given & ~earlier_bool(given)).implies(referred),
         "after it was withheld a position is given out only in a step in which a valid source has accepted an absolute "
-        "reference, and all that are valid agree",
+        "reference, and all valid sources agree",
     )
+
+
+def _stated(model: Arbitration) -> Iterator[Property]:
+    own, nobody = model.own, Lit(0, model.own.named)
+    given, _, _ = _given(model)
     silent = all_of(~source.valid for source in own.sources)
     yield _free(
         "silence withholds", silent.implies(~given), "without any valid source nothing is given out in that step"
@@ -110,12 +129,12 @@ def _fail_safe(model: Arbitration) -> Iterator[Property]:
     accepted = any_of(source.valid & source.reference for source in own.sources)
     yield _free(
         "a reference is told when it is accepted",
-        machine.flag("reference_accepted").iff(given & accepted),
-        "a reference is told exactly in a step in which a position is given out and a valid source accepted a reference",
+        model.machine.flag("reference_accepted").iff(given & accepted),
+        "a reference is reported exactly in a step in which a position is given out and a valid source accepted a reference",
     )
-    named = own.first.eq(Lit(0, own.named)) & own.second.eq(Lit(0, own.named))
+    unnamed = own.first.eq(nobody) & own.second.eq(nobody)
     yield _free(
-        "nobody is named in vain", given.implies(named), "while a position is given out no contradiction is named"
+        "nobody is named in vain", given.implies(unnamed), "while a position is given out no contradiction is named"
     )
 
 
@@ -137,7 +156,7 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
         yield _free(
             f"the reason of {source.name} is passed on",
             (lost & ~valid & before(machine.mode).eq(mode)).implies(own.reason.eq(why)),
-            f"where {source.name} led and no source states an interval any more, its reason is told",
+            f"where {source.name} led and no source states an interval any more, the reported reason is the one of {source.name}",
         )
     too_wide = own.reason.eq(TOLERANCE)
     most = own.config.tolerance_mm
@@ -158,43 +177,56 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
 
 
 def _leading(model: Arbitration) -> Iterator[Property]:
-    machine, own = model.machine, model.own
+    for source in model.own.sources:
+        yield _leads_validly(model, source)
+        yield _leads_by_margin(model, source)
+        if len(model.own.sources) > 1:
+            yield from _takes_over(model, source)
+
+
+def _mode_of(model: Arbitration, source: Source) -> Lit:
+    return model.machine.modes[1 + model.own.sources.index(source)]
+
+
+def _leads_validly(model: Arbitration, source: Source) -> Property:
+    leads = model.machine.mode.eq(_mode_of(model, source))
+    return _free(f"{source.name} leads validly", leads.implies(source.valid), f"{source.name} leads only while valid")
+
+
+def _leads_by_margin(model: Arbitration, source: Source) -> Property:
+    leads = model.machine.mode.eq(_mode_of(model, source))
+    return _free(
+        f"{source.name} leads by its margin",
+        leads.implies(all_of(one.valid.implies(_no_wider(source, one)) for one in model.own.sources)),
+        f"{source.name} leads only while no valid source has a smaller margin",
+    )
+
+
+def _takes_over(model: Arbitration, source: Source) -> Iterator[Property]:
+    machine, own, mode = model.machine, model.own, _mode_of(model, source)
     given, _, _ = _given(model)
-    for source, mode in zip(own.sources, machine.modes[1:], strict=True):
-        leads = machine.mode.eq(mode)
-        yield _free(
-            f"{source.name} leads validly", leads.implies(source.valid), f"{source.name} leads only while valid"
-        )
-        others = all_of(one.valid.implies(_no_wider(source, one)) for one in own.sources)
-        yield _free(
-            f"{source.name} leads by its margin",
-            leads.implies(others),
-            f"{source.name} leads only while no valid source has a smaller margin",
-        )
-        if len(own.sources) == 1:
-            continue
-        changed = leads & earlier_bool(given) & before(machine.mode).ne(mode)
-        better = [
-            before(machine.mode).eq(other).implies(~one.valid | ~_no_wider(one, source))
-            for one, other in zip(own.sources, machine.modes[1:], strict=True)
-        ]
-        yield _free(
-            f"{source.name} takes over for a reason",
-            changed.implies(all_of(better)),
-            f"{source.name} takes over only from a source that is no longer valid or has the greater margin",
-        )
-        earlier = own.sources[: own.sources.index(source)]
-        yield _free(
-            f"{source.name} comes after those declared before it",
-            (leads & before(machine.mode).ne(mode)).implies(
-                all_of(one.valid.implies(~_no_wider(one, source)) for one in earlier)
-            ),
-            f"{source.name} begins to lead only with a smaller margin than every valid source that is declared before it",
-        )
+    leads = machine.mode.eq(mode)
+    changed = leads & earlier_bool(given) & before(machine.mode).ne(mode)
+    better = [
+        before(machine.mode).eq(other).implies(~one.valid | ~_no_wider(one, source))
+        for one, other in zip(own.sources, machine.modes[1:], strict=True)
+    ]
+    yield _free(
+        f"{source.name} takes over for a reason",
+        changed.implies(all_of(better)),
+        f"{source.name} takes over only from a source that is no longer valid or has the greater margin",
+    )
+    earlier = own.sources[: own.sources.index(source)]
+    narrower = all_of(one.valid.implies(~_no_wider(one, source)) for one in earlier)
+    yield _free(
+        f"{source.name} comes after those declared before it",
+        (leads & before(machine.mode).ne(mode)).implies(narrower),
+        f"{source.name} begins to lead only with a smaller margin than every valid source that is declared before it",
+    )
 
 
 def _no_wider(source: Source, other: Source) -> Bool:
-    """Its greater margin is no greater than the greater one of the other."""
+    """Return whether the source's greater margin is no greater than that of the other."""
     sides = (source.below, source.above)
     return all_of((side <= other.below) | (side <= other.above) for side in sides)
 
@@ -217,7 +249,6 @@ def _front(model: Arbitration) -> Iterator[Property]:
     own = model.own
     given, low, _ = _given(model)
     front = model.machine.output("min_safe_front_mm")
-    safe_before = before(own.position) - before(own.below) - before(own.lag)
     yield always(
         "min safe front end",
         given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
@@ -225,35 +256,68 @@ def _front(model: Arbitration) -> Iterator[Property]:
         requirements=REQUIREMENTS,
         assumption=SOURCES_ARE_TRUE,
     )
-    kept = given & earlier_bool(given)
-    yield _free(
-        "min safe front end advances with the distance",
-        (kept & own.distance.present).implies(front - safe_before <= own.distance.value),
-        "the min safe front end never advances by more than the distance estimated (OCORA 7244): that of the odometer",
-    )
+    yield _advances_with_distance(model)
     yield _free(
         "min safe front end begins at the interval's",
         (given & ~earlier_bool(given)).implies(front.eq(low)),
         "where a position is given out for the first time its min safe front end is the lower end of the interval",
     )
+    measured, estimated = own.distance.value, _estimated_change(model)
     yield _free(
         "min safe front end lags no farther than it must",
-        (kept & own.distance.present).implies(front.eq(low) | (front - safe_before).eq(own.distance.value)),
+        _goes_on(model, measured=True).implies(front.eq(low) | _advance(model).eq(measured)),
         "the min safe front end is the interval's lower end, or advances by the whole distance estimated",
     )
-    most = own.config.max_step_mm
-    change = own.position - before(own.position)
-    estimated = ite(change > most, most, ite(change < -most, -most, change))
-    yield _free(
-        "min safe front end advances with the estimate",
-        (kept & ~own.distance.present).implies(front - safe_before <= estimated),
-        "without a measured distance the min safe front end never advances by more than the estimated position does",
-    )
+    yield _advances_with_estimate(model)
     yield _free(
         "min safe front end lags no farther than the estimate",
-        (kept & ~own.distance.present).implies(front.eq(low) | (front - safe_before).eq(estimated)),
+        _goes_on(model, measured=False).implies(front.eq(low) | _advance(model).eq(estimated)),
         "without a measured distance it is the interval's lower end, or advances by as much as the estimated position does",
     )
+
+
+def _advances_with_distance(model: Arbitration) -> Property:
+    return _free(
+        "min safe front end advances with the distance",
+        _goes_on(model, measured=True).implies(_advance(model) <= model.own.distance.value),
+        "the min safe front end never advances by more than the distance estimated (OCORA 7244): that of the odometer",
+    )
+
+
+def _advances_with_estimate(model: Arbitration) -> Property:
+    return _free(
+        "min safe front end advances with the estimate",
+        _goes_on(model, measured=False).implies(_advance(model) <= _estimated_change(model)),
+        "without a measured distance the min safe front end never advances by more than the estimated position does",
+    )
+
+
+def _goes_on(model: Arbitration, *, measured: bool) -> Bool:
+    """A position is given out before and after the step, with a measured distance or without one."""
+    given, _, _ = _given(model)
+    present = model.own.distance.present
+    return given & earlier_bool(given) & (present if measured else ~present)
+
+
+def _advance(model: Arbitration) -> Num:
+    """Return the advance of the min safe front end in the step, mm."""
+    own = model.own
+    safe_before = before(own.position) - before(own.below) - before(own.lag)
+    return model.machine.output("min_safe_front_mm") - safe_before
+
+
+def _estimated_change(model: Arbitration) -> Num:
+    """The change of the estimated position, as far as a vehicle can run in a cycle, mm."""
+    own, most = model.own, model.own.config.max_step_mm
+    change = own.position - before(own.position)
+    return ite(change > most, most, ite(change < -most, -most, change))
+
+
+def kept_in_a_whole(model: Arbitration) -> list[Property]:
+    """Return the properties that a localizer claims of the whole as well."""
+    leading = [made for one in model.own.sources for made in (_leads_validly(model, one), _leads_by_margin(model, one))]
+    front = [_advances_with_distance(model), _advances_with_estimate(model)]
+    return [*_common_part(model), *leading, *front]
 
 
 def _given(model: Arbitration) -> tuple[Bool, Num, Num]:

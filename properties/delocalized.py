@@ -1,11 +1,11 @@
-"""What must hold of the delocalized machine (MRK-D1, MRK-D2)."""
+"""Properties of the delocalized machine (MRK-D1, MRK-D2)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.absence import while_there
+from safeloc.language.absence import value_while_present
 from safeloc.language.expr import BoolVar, NumVar, all_of, any_of, before, between, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, reachable
@@ -19,13 +19,14 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(machine: Machine, config: DelocalizedConfig | None = None) -> list[Property]:
-    """Containment, restrictive state, latched reason, and no resurrection without a checked reference."""
+    """Return the properties: containment, restrictive state, latched reason, no resurrection without a checked reference."""
     config = config or DelocalizedConfig()
-    return [*_interval(machine, config), *_restriction(machine), *_state(machine, config.tolerance_mm)]
+    entry = _entry_and_exit(machine, config.tolerance_mm)
+    return [*_interval(machine, config), *_restriction(machine), *entry, *_reason(machine)]
 
 
 def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]:
-    """What is reported: the source's interval, or nothing."""
+    """Properties of the reported interval: it is the source's, or there is none."""
     delocalized, localized = machine.modes
     mode = machine.mode
     position, above, below = (machine.output(f"{name}_mm") for name in ("position", "margin_above", "margin_below"))
@@ -44,7 +45,7 @@ def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]
         mode.eq(localized).implies((above <= config.tolerance_mm) & (below <= config.tolerance_mm)),
         statement="a position that is passed on is never wider than the tolerance",
     )
-    nothing = no_interval(machine) & all_of(while_there(one).eq(0) for one in (position, above, below))
+    nothing = no_interval(machine) & all_of(value_while_present(one).eq(0) for one in (position, above, below))
     yield for_all_inputs(
         "nothing reported",
         mode.eq(delocalized).implies(nothing),
@@ -54,12 +55,12 @@ def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]
 
 
 def _restriction(machine: Machine) -> Iterator[Property]:
-    """What the host is told."""
+    """Properties of the restrictive output."""
     delocalized, localized = machine.modes
     yield for_all_inputs(
         "restrictive",
         machine.flag("restrictive").iff(machine.mode.eq(delocalized)),
-        statement="the host is told to be restrictive exactly while delocalized",
+        statement="the restrictive output is set exactly while the vehicle is delocalized",
         requirements=("MRK-D2",),
     )
     yield reachable(
@@ -67,14 +68,12 @@ def _restriction(machine: Machine) -> Iterator[Property]:
     )
 
 
-def _state(machine: Machine, most: int) -> Iterator[Property]:
-    """How the delocalized state is entered and left, and the reason that is kept in it."""
+def _entry_and_exit(machine: Machine, most: int) -> Iterator[Property]:
+    """Properties of the steps in which the delocalized state is entered and left."""
     delocalized, localized = machine.modes
     mode, is_lost, was_lost = machine.mode, machine.mode.eq(delocalized), before(machine.mode).eq(delocalized)
     inputs = {var.name: var for var in machine.inputs if isinstance(var, BoolVar)}
     reference, valid = inputs["reference_accepted"], inputs["source_valid"]
-    reason = machine.output("reason")
-    assert isinstance(reason, NumVar)
     yield for_all_inputs(
         "same step",
         (~valid).implies(is_lost),
@@ -93,9 +92,15 @@ def _state(machine: Machine, most: int) -> Iterator[Property]:
         (is_lost & (~was_lost | reference) & valid).implies(too_wide),
         statement="a valid position within the tolerance does not delocalize, and with a checked reference it localizes again",
     )
+
+
+def _first_reason(machine: Machine) -> Property:
+    lost = machine.modes[0]
+    enters = before(machine.mode).ne(lost) & machine.mode.eq(lost)
+    valid = next(var for var in machine.inputs if isinstance(var, BoolVar) and var.name == "source_valid")
     cause = next(var for var in machine.inputs if isinstance(var, NumVar) and var.name == "source_reason")
-    enters = ~was_lost & is_lost
-    yield for_all_inputs(
+    reason = machine.output("reason")
+    return for_all_inputs(
         "the reason is the first one",
         (enters & valid).implies(reason.eq(TOLERANCE))
         & (enters & ~valid & cause.ne(LOCATED)).implies(reason.eq(cause))
@@ -104,6 +109,14 @@ def _state(machine: Machine, most: int) -> Iterator[Property]:
         "source's own reason, and that a reference is missing where the source states none",
         requirements=("MRK-D1", "MRK-D2"),
     )
+
+
+def _reason(machine: Machine) -> Iterator[Property]:
+    """Properties of the latched reason."""
+    is_lost, was_lost = machine.mode.eq(machine.modes[0]), before(machine.mode).eq(machine.modes[0])
+    reason = machine.output("reason")
+    assert isinstance(reason, NumVar)
+    yield _first_reason(machine)
     yield for_all_inputs(
         "no reason while localized",
         (~is_lost).implies(reason.eq(LOCATED)),

@@ -1,8 +1,8 @@
-"""What must hold of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
+"""Properties of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
 
-What arbitration, the links and the restrictive state assume is owed by the machines before them, and proved with the
-lemmas; so nothing in the whole is assumed but what each source's own sensors keep. Which source leads, and how far the min
-safe front end advances, is proved of arbitration by itself for all that it can hear, and so of the whole.
+The assumptions of arbitration, of the links and of the restrictive state are proved from the machines before them, with the
+lemmas; so the whole assumes only the laws of each source's own sensors. The choice of the leading source and the advance of the
+min safe front end are proved of arbitration by itself for all inputs in range, and so of the whole.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import NM
 from safeloc.models.localizer import Localizer
 from safeloc.models.vocabulary.reasons import LOCATED
-from safeloc.properties.arbitration import properties as arbitrated
+from safeloc.properties.arbitration import kept_in_a_whole
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
 REQUIREMENTS = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
@@ -25,7 +25,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: Localizer) -> list[Property]:
-    """What the host and the trackside get, and in which steps."""
+    """Return the properties of the position for host and trackside, and of the steps in which it changes."""
     makers = (_host, _arbitrated, _responses, _trackside)
     return [prop for maker in makers for prop in maker(whole)]
 
@@ -42,7 +42,7 @@ def _host(whole: Localizer) -> Iterator[Property]:
 
 
 def _of_the_guard(whole: Localizer) -> Property:
-    """What is passed on holds the truth: the restrictive state keeps that, being owed that arbitration's interval does."""
+    """A position that is passed on holds the truth: proved of the restrictive state, given that arbitration's interval holds it."""
     guard, truth = whole.guard, next(iter(whole.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
     position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
@@ -55,7 +55,7 @@ def _of_the_guard(whole: Localizer) -> Property:
 
 
 def _of_the_front(whole: Localizer) -> Property:
-    """The min safe front end is behind the front end: arbitration keeps that, being owed that its sources are true."""
+    """The min safe front end is behind the front end: proved of arbitration, given that its sources hold the truth."""
     counts, truth = whole.arbitration.machine, whole.arbitration.own.next_truth
     own = under_assumption(
         "min safe front end",
@@ -65,23 +65,10 @@ def _of_the_front(whole: Localizer) -> Property:
     return replace(whole.composition.inherited(counts, own), name=own.name)
 
 
-ARBITRATED = (
-    " against ",
-    "all that are valid agree",
-    "only valid sources narrow",
-    "leads validly",
-    "leads by its margin",
-    "min safe front end advances with the distance",
-    "min safe front end advances with the estimate",
-)
-"""What names of arbitration's properties hold that are asked of the whole."""
-
-
 def _arbitrated(whole: Localizer) -> Iterator[Property]:
-    """What arbitration keeps whatever it hears."""
-    for prop in arbitrated(whole.arbitration):
-        if any(words in prop.name for words in ARBITRATED):
-            yield whole.composition.inherited(whole.arbitration.machine, prop)
+    """The properties that arbitration has for all inputs in range, and so in the whole."""
+    for prop in kept_in_a_whole(whole.arbitration):
+        yield whole.composition.inherited(whole.arbitration.machine, prop)
 
 
 def _responses(whole: Localizer) -> Iterator[Property]:
@@ -125,7 +112,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         valid.implies(
             between(exact_to(position - below, NM), whole.motion.own.ghosts.truth, exact_to(position + above, NM))
         ),
-        statement="the position that the trackside sees, its age charged, holds the true position of the front end",
+        statement="the interval that the trackside gets, widened by its age, holds the true position of the front end",
     )
     limit = whole.config.uplink.age_limit_cycles
     arrives = machine.fired("report arrives")
@@ -142,7 +129,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
 
 
 def _stated(whole: Localizer) -> dict[str, Bool]:
-    """Which sources state a position after the step, in terms of the whole; of the fibre, what has come on board."""
+    """Return the sources that state a position after the step, in terms of the whole; of the fibre, what has arrived on board."""
     found: dict[str, Bool] = {}
     for name, piece in whole.pieces.items():
         machine = piece.machines[-1]

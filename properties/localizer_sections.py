@@ -1,4 +1,4 @@
-"""What must hold of a train that is located on board and followed in virtual sections (RFL-13, RFL-14, FVA-9, FVA-18).
+"""Properties of a train that is located on board and followed in virtual sections (RFL-13, RFL-14, FVA-9, FVA-18).
 
 All that holds of the localizer and of the sections holds here, and what the area assumes of this train's reports is proved.
 Beside it stands what only the whole can keep: that both views hold one truth, and that a section which is reported clear does
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.absence import heard
+from safeloc.language.absence import zero_while_absent
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
@@ -29,7 +29,7 @@ REQUIREMENTS = ("RFL-14", "FVA-9", "FVA-18")
 
 
 SENT = {"position": "position_mm", "below": "margin_below_mm", "above": "margin_above_mm"}
-"""What is sent of an interval: its name in the link -> the output that it comes from."""
+"""Values of an interval in a report: their name in the link -> the output that they come from."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
@@ -82,7 +82,7 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
         of.bool(machine.flag("valid")).implies(
             between(exact_to(position - below, NM), of.num(own.truth), exact_to(position + above, NM))
         ),
-        statement="what the trackside is told of the train's far end holds it, its age charged",
+        statement="the interval of the train's far end that the trackside gets, widened by its age, holds that end",
     )
 
 
@@ -94,7 +94,7 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     alike, kept, widened = list[Bool](), list[Bool](), list[Bool]()
     for what, name in SENT.items():
         sent, way, arrived = (
-            guard.num(heard(whole.localizer.guard.output(name))),
+            guard.num(zero_while_absent(whole.localizer.guard.output(name))),
             getattr(flying, what),
             getattr(held, what),
         )
@@ -111,12 +111,12 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     yield for_all_inputs(
         "a report counts once",
         _counted_once(whole),
-        statement="the area is told of a train only in a cycle in which a report arrives: one that is held says nothing more",
+        statement="the area gets a report of a train only in a cycle in which it arrives: a stored report is not repeated",
     )
 
 
 def _counted_once(whole: LocalizerSections) -> Bool:
-    """The trackside is told something only by a report that arrives; with what it remembers of the cycle before."""
+    """The trackside learns of the train only by a report that arrives; with its state of the cycle before."""
     uplink, seen = whole.localizer.uplink.machine, whole.trackside
     link, side = whole.composition.of(uplink), whole.composition.of(seen.machine)
     remembers = side.bool(seen.own.known).iff(link.bool(uplink.flag("valid")))

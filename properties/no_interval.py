@@ -1,4 +1,4 @@
-"""What a machine shows of an interval while it reports none."""
+"""Outputs of a machine while it reports no interval."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ REQUIREMENTS = ("RFL-13",)
 
 
 def properties(source: OwnSource) -> list[Property]:
-    """What the localizer relies on; each statement names the file and line of the function that made the machine."""
+    """Return the contract that the localizer relies on; each statement names file and line of the function that made the machine."""
     machine, vehicle = source.machine, source.vehicle
     valid, reason = machine.flag("valid"), machine.output("reason")
     position, below, above = (machine.output(name) for name in ("position_mm", "margin_below_mm", "margin_above_mm"))

@@ -1,4 +1,4 @@
-"""What must hold of satellite selection (SAT-1 to SAT-4, SAT-D1)."""
+"""Properties of satellite selection (SAT-1 to SAT-4, SAT-D1)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def properties(model: Selection) -> list[Property]:
 
 
 def _kept_out(model: Selection, one: Channel) -> Iterator[Property]:
-    """What no usable satellite is."""
+    """Properties of usable satellites: none of them violates the criterion."""
     config, name, usable = model.own.config, f"channel {one.number}", one.standing.eq(USABLE)
     yield for_all_inputs(
         f"{name}: a violation is not usable",
@@ -57,7 +57,7 @@ def _kept_out(model: Selection, one: Channel) -> Iterator[Property]:
 
 
 def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
-    """What no excluded satellite is."""
+    """Properties of excluded satellites: none of them is healthy."""
     config, name = model.own.config, f"channel {one.number}"
     ready = _measured(model, one) & _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
     yield always(
@@ -91,7 +91,7 @@ def _told(model: Selection, one: Channel) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name}: what is not usable is told as what it is",
         all_of(now.eq(label).iff(meaning) for label, meaning in meanings),
-        statement="a channel is told to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
+        statement="a channel is reported to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
         "violate the criterion exactly where that is so",
         requirements=("SAT-1", "SAT-3", "SAT-D1"),
     )
@@ -107,7 +107,7 @@ def _told(model: Selection, one: Channel) -> Iterator[Property]:
 
 
 def _bounded(model: Selection, one: Channel) -> Iterator[Property]:
-    """What the criterion leaves of an error: only the strict one bounds it."""
+    """Properties of the error that the criterion leaves: only the strict one bounds it."""
     config, usable, clock = model.own.config, one.standing.eq(USABLE), model.own
     if config.removal != "either":
         return
@@ -136,7 +136,7 @@ def violated(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:
 
 
 def _violations(one: Channel, config: SelectionConfig, removal: Removal) -> Iterator[Bool]:
-    """What the criterion removes, in figures of its own: differences to either side, and variability."""
+    """Return the violations of the criterion, in figures of the properties: differences to either side, and variability."""
     if config.compared != "doppler":
         yield _violates(one.off, config.range_threshold_mm, one.covariance, config.range_covariance_mm2, removal)
     if config.compared != "pseudorange":
@@ -171,7 +171,7 @@ def _measured(model: Selection, one: Channel) -> Bool:
 
 
 def _identity(one: Channel) -> Num:
-    """Which satellite is received, 0: none."""
+    """Return the identity of the satellite that is received, 0: none."""
     return ite(~one.identity.present, as_num(0, COUNT), one.identity.value)
 
 
@@ -245,7 +245,7 @@ def _counted(model: Selection) -> Iterator[Property]:
     yield for_all_inputs(
         "a usable channel is told",
         all_of(machine.flag(f"channel_{one.number}_usable").iff(one.standing.eq(USABLE)) for one in own.channels),
-        statement="a channel is told to be usable exactly where its standing says so",
+        statement="a channel is reported as usable exactly if its standing is USABLE",
         requirements=("SAT-1",),
     )
     yield reachable(

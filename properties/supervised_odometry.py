@@ -1,4 +1,4 @@
-"""What must hold of odometry and the delocalized machine together: nothing is lost between them."""
+"""Properties of odometry and the delocalized machine together: no loss of position between them is hidden."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must hold of a position on its way between computers (FVA-9, FVA-18, RFL-14): its age is charged, and limited."""
+"""Properties of a position on its way between computers (FVA-9, FVA-18, RFL-14): its age is added, and limited."""
 
 from __future__ import annotations
 
@@ -17,52 +17,59 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: Transmission) -> list[Property]:
-    """Containment, age, revocation and widening."""
-    machine, own = model.machine, model.own
-    valid = machine.flag("valid")
+    """Return the properties: containment, age, revocation and widening."""
+    makers = (_interval, _age, _withdrawal, _on_its_way, _arrived, _kept)
+    return [prop for maker in makers for prop in maker(model)]
+
+
+def _interval(model: Transmission) -> Iterator[Property]:
+    machine, own, valid = model.machine, model.own, model.machine.flag("valid")
     position, below, above = (machine.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
-    landed = machine.fired("report arrives")
-    kept = valid & earlier_bool(valid) & ~landed
-    return [
-        always(
-            "containment",
-            valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
-            statement="what has arrived holds the true position now, however long it was on its way",
-            requirements=REQUIREMENTS,
-            assumption=LAW,
+    yield always(
+        "containment",
+        valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
+        statement="the interval that has arrived holds the true position now, however long it was on its way",
+        requirements=REQUIREMENTS,
+        assumption=LAW,
+    )
+    yield for_all_inputs(
+        "tolerance",
+        valid.implies((below <= own.config.margin_limit_mm) & (above <= own.config.margin_limit_mm)),
+        statement="the given interval is never wider than the limit",
+    )
+
+
+def _age(model: Transmission) -> Iterator[Property]:
+    machine, own, valid = model.machine, model.own, model.machine.flag("valid")
+    kept = valid & earlier_bool(valid) & ~machine.fired("report arrives")
+    wider = machine.output("margin_below_mm") - before(own.held.below)
+    yield for_all_inputs(
+        "age",
+        machine.output("age_ms") <= own.config.age_limit_ms,
+        statement="no position older than the limit is given out: a link without reports withdraws the position in time",
+    )
+    yield for_all_inputs(
+        "age is charged",
+        kept.implies(
+            (wider >= with_unit(before(own.held.age) * own.config.run_mm, MM))
+            & own.held.age.eq(before(own.held.age) + 1)
         ),
-        for_all_inputs(
-            "tolerance",
-            valid.implies((below <= own.config.margin_limit_mm) & (above <= own.config.margin_limit_mm)),
-            statement="what is given out is never wider than the limit",
-        ),
-        for_all_inputs(
-            "age",
-            machine.output("age_ms") <= own.config.age_limit_ms,
-            statement="nothing older than the limit is given out: a link that falls silent withdraws the position in time",
-        ),
-        for_all_inputs(
-            "age is charged",
-            kept.implies(
-                (below - before(own.held.below) >= with_unit(before(own.held.age) * own.config.run_mm, MM))
-                & own.held.age.eq(before(own.held.age) + 1)
-            ),
-            statement="while no report arrives the one that is held grows older and wider in every cycle",
-        ),
-        for_all_inputs(
-            "no resurrection",
-            (valid & ~earlier_bool(valid)).implies(landed),
-            statement="a position is given out again only when a report arrives",
-        ),
-        for_all_inputs(
-            "revocation",
-            machine.fired("report revokes").implies(~valid),
-            statement="a report that revokes takes the position away in the step in which it arrives",
-        ),
-        *_on_its_way(model),
-        *_arrived(model),
-        *_kept(model),
-    ]
+        statement="while no report arrives the stored one grows older and wider in every cycle",
+    )
+
+
+def _withdrawal(model: Transmission) -> Iterator[Property]:
+    machine, valid = model.machine, model.machine.flag("valid")
+    yield for_all_inputs(
+        "no resurrection",
+        (valid & ~earlier_bool(valid)).implies(machine.fired("report arrives")),
+        statement="a position is given out again only when a report arrives",
+    )
+    yield for_all_inputs(
+        "revocation",
+        machine.fired("report revokes").implies(~valid),
+        statement="a report that revokes takes the position away in the step in which it arrives",
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +91,7 @@ class _Before:
 
     @property
     def narrow(self) -> Bool:
-        """Within the limit on either side, its age charged."""
+        """Within the limit on either side, when widened by its age."""
         charged = with_unit(self.age * self.config.run_mm, MM)
         widths = (before(self.slot.below), before(self.slot.above))
         return all_of(width <= self.config.margin_limit_mm - charged for width in widths)
@@ -104,7 +111,7 @@ def _on_its_way(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a report that is sent is on its way",
         own.sent.implies(flying.there & as_sent),
-        statement="what the sender sends is on its way as it was sent, in place of what was sent before",
+        statement="a report that is sent is on its way as it was sent, in place of the one sent before",
     )
     yield for_all_inputs(
         "a report on its way is not changed",
@@ -125,7 +132,7 @@ def _arrived(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a report that arrives is given out",
         (arrives & usable).implies(valid & known.is_in(own.held)),
-        statement="a position that arrives, no wider than the limit with its age charged, is given out as it was sent",
+        statement="a position that arrives, no wider than the limit when widened by its age, is given out as it was sent",
     )
     yield for_all_inputs(
         "a report that arrives without a usable position takes the last one away",
@@ -146,5 +153,5 @@ def _kept(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "the age is told",
         ite(valid, age.eq(with_unit(own.held.age * own.config.period_ms, MS)), age.eq(0)),
-        statement="the age of what is given out is told, and none where nothing is",
+        statement="the age of a given position is reported, and 0 where there is none",
     )

@@ -1,4 +1,4 @@
-"""What must hold of the direction of travel by reflector models (RFL-D5)."""
+"""Properties of the direction of travel by reflector models (RFL-D5)."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from safeloc.models.travel_direction import TravelDirection
 from safeloc.models.travel_direction.variables import AGAINST, ALONG, UNKNOWN, Parts
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
-LAW = "of the two models recognised around a balise at least one is that of the map's reflector there"
+LAW = "at least one of the two models recognised around a balise is that of the map's reflector there"
 REQUIREMENTS = ("RFL-D5",)
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: TravelDirection) -> list[Property]:
-    """Every property of the direction machine."""
+    """Return every property of the direction machine."""
     makers = (_true, _both, _begins, _confirmed, _taken_back, _agrees, _stays, _turning, _half, _contradiction)
     return [prop for maker in makers for prop in maker(model)]
 
 
 def _passed_last(own: Parts) -> Num:
-    """The model read of the reflector passed last, this cycle included."""
+    """Return the model of the last reflector passed, this cycle included."""
     return ite(own.passed.ne(NO_MODEL), own.passed, before(own.last))
 
 
 def _tells(own: Parts) -> Bool:
-    """A balise between reflectors of different models."""
+    """Return whether the vehicle reads a balise between reflectors of different models."""
     return own.balise & own.after.ne(own.before) & own.after.ne(NO_MODEL) & own.before.ne(NO_MODEL)
 
 
@@ -44,13 +44,13 @@ def _true(model: TravelDirection) -> Iterator[Property]:
     yield reachable(
         "against is found",
         stated.eq(AGAINST) & model.machine.flag("contradicts"),
-        statement="a vehicle that runs against the expected direction is found out",
+        statement="the machine can notice a vehicle that runs against the expected direction",
         requirements=REQUIREMENTS,
     )
 
 
 def _both(model: TravelDirection) -> Iterator[Property]:
-    """A stated direction rests on both models."""
+    """Yield that a stated direction rests on both models."""
     machine, own = model.machine, model.own
     stated, (_, half, *_) = machine.output("direction"), machine.modes
     newly = stated.ne(UNKNOWN) & earlier_num(stated).ne(stated)
@@ -58,7 +58,7 @@ def _both(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "both models count",
         newly.implies(before(machine.mode).eq(half) & seen & ite(was(own.along), stated.eq(ALONG), stated.eq(AGAINST))),
-        statement="a direction is stated only after a balise whose one neighbour was passed and whose other is seen ahead",
+        statement="the machine states a new direction only if the vehicle passed one neighbour of a balise and sees the other one ahead",
     )
 
 
@@ -77,14 +77,14 @@ def _begins(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "a decision begins with the model passed",
         begun.implies(along | against),
-        statement="the model passed last is that of one neighbour of the balise, and the other neighbour's is awaited ahead",
+        statement="a decision begins only if the last model passed is that of one neighbour of the balise; it awaits the other one's",
     )
     agrees = machine.output("direction").eq(ite(passed.eq(own.before), ALONG, AGAINST))
     fits = passed.eq(own.before) | passed.eq(own.after)
     yield for_all_inputs(
         "a model passed before a balise begins a decision",
         (_tells(own) & ~own.backwards & fits).implies(half | agrees),
-        statement="a balise whose neighbour was passed begins a decision, or agrees with the direction that is stated",
+        statement="a balise after one of its neighbours begins a decision, or agrees with the stated direction",
     )
 
 
@@ -95,21 +95,21 @@ def _confirmed(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "the awaited model states the direction",
         (waits & own.ahead.eq(before(own.awaited))).implies(stated.eq(ite(was(own.along), ALONG, AGAINST))),
-        statement="the awaited model ahead states the direction that the model passed began",
+        statement="if the awaited model is seen ahead, the machine states the direction of the half decision",
     )
     yield for_all_inputs(
         "another model ends the decision",
         (waits & own.ahead.ne(NO_MODEL) & own.ahead.ne(before(own.awaited))).implies(
             machine.mode.eq(machine.modes[0]) & stated.eq(UNKNOWN)
         ),
-        statement="another model ahead than the awaited one ends the decision without a direction",
+        statement="if another model is seen ahead, the decision ends without a direction",
     )
     yield for_all_inputs(
         "a decision waits for a reflector",
         (waits & own.ahead.eq(NO_MODEL)).implies(
             machine.mode.eq(machine.modes[1]) & own.awaited.eq(before(own.awaited)) & own.along.iff(was(own.along))
         ),
-        statement="while no reflector is seen ahead, a decision stays open as it began",
+        statement="while no reflector is seen ahead, a half decision stays as it began",
     )
 
 
@@ -122,7 +122,7 @@ def _taken_back(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "a balise that fits the other direction takes it back",
         (_tells(own) & refuted).implies(stated.eq(UNKNOWN)),
-        statement="a direction is stated no longer when the models passed fit the other one",
+        statement="the machine withdraws a direction if the last model passed before a balise fits the other direction",
     )
 
 
@@ -135,7 +135,7 @@ def _agrees(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "a balise that fits the direction leaves it stated",
         (_tells(own) & ~own.backwards & agrees).implies(stated.eq(earlier_num(stated))),
-        statement="a direction stays stated at a balise whose models are passed in its order",
+        statement="a direction stays at a balise if the last model passed before it fits that direction",
     )
 
 
@@ -145,12 +145,12 @@ def _stays(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "a stated direction stays between balises",
         (~own.balise & ~own.backwards & earlier_num(stated).ne(UNKNOWN)).implies(stated.eq(earlier_num(stated))),
-        statement="a direction that was stated is taken back only at a balise, or when the vehicle turns",
+        statement="the machine withdraws a direction only at a balise, or when the vehicle turns",
     )
     yield for_all_inputs(
         "the model passed last is kept",
         own.last.eq(ite(own.backwards, NO_MODEL, _passed_last(own))),
-        statement="the model of the reflector passed last is kept until another one is passed or the vehicle turns",
+        statement="the machine stores the model of the last reflector passed until the vehicle passes another one or turns",
     )
 
 
@@ -161,7 +161,7 @@ def _turning(model: TravelDirection) -> Iterator[Property]:
         own.backwards.implies(
             machine.output("direction").eq(UNKNOWN) & own.last.eq(NO_MODEL) & machine.mode.eq(machine.modes[0])
         ),
-        statement="after moving backwards nothing is stated until another balise",
+        statement="when the vehicle turns, the machine withdraws the direction and forgets the last model",
     )
 
 
@@ -183,5 +183,5 @@ def _contradiction(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "another direction than expected contradicts",
         model.machine.flag("contradicts").iff(known & stated.ne(own.expected)),
-        statement="a stated direction other than that of route and movement authority is flagged in every step, and nothing else is",
+        statement="the machine reports a contradiction exactly in the steps in which it states another direction than route and authority",
     )

@@ -1,4 +1,4 @@
-"""What must hold of the turn-off seen in the radar image (RFL-12)."""
+"""Properties of the turn-off seen in the radar image (RFL-12)."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from safeloc.models.turn_off import TurnOff
 from safeloc.models.turn_off.variables import COURSE, STRAIGHT, UNDECIDED, Parts
 
 LAW = (
-    "a switch is told while it lies ahead, with its reflector; lateral places within their error; the image of a reflector "
-    "moves as it must on straight track and in a turnout"
+    "the map gives a switch while it lies ahead, with its reflector; lateral places are measured within their error; the image "
+    "of a reflector moves as geometry demands on straight track and in a turnout"
 )
 REQUIREMENTS = ("RFL-12",)
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -20,7 +20,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: TurnOff) -> list[Property]:
-    """Every property of the turn-off machine."""
+    """Return every property of the turn-off machine."""
     makers = (
         _course,
         _contradiction,
@@ -41,23 +41,23 @@ def _was_watching(model: TurnOff) -> Bool:
 
 
 def _same_switch(own: Parts) -> Bool:
-    """No other switch is told, or its reflector is not measured."""
+    """Return whether the map gives no other switch, or the radar does not measure its reflector."""
     return ~own.switch.present | own.switch.value.eq(before(own.here)) | ~own.measured
 
 
 def _course(model: TurnOff) -> Iterator[Property]:
-    """The course that is stated is the true one."""
+    """Yield that a stated course is true."""
     machine, own = model.machine, model.own
     course = machine.output("course")
     yield under_assumption(
         "course is true",
         all_of(course.eq(label).implies(own.true.eq(label)) for label in COURSE[1:]),
-        statement="straight, left or right are stated only where the vehicle takes that course",
+        statement="the machine states straight, left or right only if the vehicle takes that course",
     )
     yield for_all_inputs(
         "course only after the switch",
         machine.mode.eq(machine.modes[3]).iff(course.ne(UNDECIDED)),
-        statement="nothing is stated until the lateral motion has decided",
+        statement="the machine states a course exactly while the lateral motion has decided",
     )
 
 
@@ -68,19 +68,19 @@ def _contradiction(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "contradiction",
         machine.flag("contradicts").iff(known & course.ne(own.authorised)),
-        statement="a course other than that by map and movement authority is flagged in every step in which it is stated, and "
-        "nothing else is",
+        statement="the machine reports a contradiction exactly in the steps in which it states another course than map and movement "
+        "authority",
     )
     yield reachable(
         "a contradiction is found",
         machine.flag("contradicts"),
-        statement="a vehicle that takes another course than authorised is found out",
+        statement="the machine can notice a vehicle that takes another course than authorised",
         requirements=REQUIREMENTS,
     )
 
 
 def _decided(model: TurnOff) -> Iterator[Property]:
-    """A turn that must show is seen, and a turn that cannot show is not stated."""
+    """Yield that a turn is stated once it must show, and not before it can show."""
     machine, own, config = model.machine, model.own, model.own.config
     through = (own.low - own.true_switch >= config.decide_mm) & (own.low - own.true_switch <= config.give_up_mm)
     yield under_assumption(
@@ -88,7 +88,7 @@ def _decided(model: TurnOff) -> Iterator[Property]:
         (_was_watching(model) & own.measured & ~own.switch.present & through & (own.high >= own.true_switch)).implies(
             machine.output("course").eq(own.true)
         ),
-        statement="surely beyond the turnout, the first measurement of the reflector behind the switch states the true course",
+        statement="surely beyond the turnout, the first measurement of the reflector behind the switch leads to the true course",
     )
     newly = machine.output("course").ne(earlier_num(machine.output("course")))
     yield for_all_inputs(
@@ -96,7 +96,7 @@ def _decided(model: TurnOff) -> Iterator[Property]:
         (newly & machine.output("course").ne(UNDECIDED)).implies(
             _was_watching(model) & own.measured & (own.high >= own.here)
         ),
-        statement="a course is stated only where the vehicle may be on the switch and its reflector is measured",
+        statement="the machine newly states a course only if the vehicle may be on the switch and the radar measures its reflector",
     )
 
 
@@ -111,7 +111,7 @@ def _straight(model: TurnOff) -> Iterator[Property]:
             & (own.low - before(own.here) >= config.decide_mm)
             & between(-config.straight_mm, moved, config.straight_mm)
         ),
-        statement="straight on is stated only when the vehicle is surely through and a turn would have shown",
+        statement="the machine states straight on only when the vehicle is surely beyond the turnout and a turn would show",
     )
 
 
@@ -123,13 +123,13 @@ def _noting(model: TurnOff) -> Iterator[Property]:
         machine.mode.one_of(over, ahead).implies(
             own.noted.eq(before(own.noted)) | (own.noted.eq(own.lateral) & own.measured & (own.high < own.here))
         ),
-        statement="the lateral place is noted only while the vehicle is surely before the switch, from a measurement",
+        statement="the machine notes a lateral place only from a measurement while the vehicle is surely before the switch",
     )
     error = own.config.lateral_error_mm
     yield under_assumption(
         "the noted place is the reflector's",
         machine.mode.one_of(over, ahead).implies(between(-error, own.place - own.noted, error)),
-        statement="what is noted is where the reflector behind that switch lies beside the axis, within the lateral error",
+        statement="the noted place is the true lateral place of the reflector behind the switch, within the lateral error",
     )
 
 
@@ -139,14 +139,14 @@ def _watched(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "watched from the switch on",
         machine.mode.eq(ahead).implies(own.high < own.here) & machine.mode.eq(over).implies(own.high >= own.here),
-        statement="the image is watched just while the vehicle may be on the switch",
+        statement="the machine watches the image exactly while the vehicle may be on the switch",
     )
     yield for_all_inputs(
         "the switch is that of the map",
         (own.here.ne(before(own.here)) & machine.mode.ne(idle)).implies(
             own.switch.present & own.here.eq(own.switch.value) & machine.mode.eq(ahead)
         ),
-        statement="another switch is watched only where the map tells it",
+        statement="the machine watches another switch only if the map gives it",
     )
 
 
@@ -158,18 +158,18 @@ def _given_up(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "given up only without an image",
         (machine.mode.eq(unseen) & before(machine.mode).ne(unseen)).implies(far | unmeasured),
-        statement="the decision is given up only far beyond the switch, or after too many cycles without a measurement",
+        statement="the machine gives the decision up only far beyond the switch, or after too many cycles without a measurement",
     )
     yield for_all_inputs(
         "given up in the end",
         (machine.mode.eq(over) & _was_watching(model)).implies(~far & ~unmeasured),
-        statement="far beyond the switch, or after too many cycles without a measurement, the image is watched no longer",
+        statement="far beyond the switch, or after too many cycles without a measurement, the machine stops watching the image",
     )
     yield for_all_inputs(
         "an image of another reflector decides nothing",
         (own.measured & own.switch.present & own.switch.value.ne(before(own.here)) & (own.high < own.switch.value))
         .implies(machine.output("course").eq(UNDECIDED) & machine.mode.ne(idle)),
-        statement="when the reflector behind another switch comes into view, that switch is watched, and nothing is stated")  # fmt: skip
+        statement="when the radar measures the reflector behind another switch ahead, the machine watches that switch and states no course")  # fmt: skip
 
 
 def _misses(model: TurnOff) -> Iterator[Property]:
@@ -178,7 +178,7 @@ def _misses(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "cycles without a measurement are counted",
         (machine.flag("watching") & _was_watching(model)).implies(own.misses.eq(ite(~own.measured, one_more, 0))),
-        statement="while the image is watched, cycles in a row without a measurement are counted",
+        statement="while it watches the image, the machine counts cycles in a row without a measurement",
     )
 
 
@@ -190,7 +190,7 @@ def _backs_off(model: TurnOff) -> Iterator[Property]:
         (own.high < own.here).implies(
             machine.output("course").eq(UNDECIDED) & machine.mode.one_of(ahead, idle, unseen)
         ),
-        statement="a vehicle that backed off, or comes to another switch, is told no course",
+        statement="surely before the watched switch, also after backing off, the machine states no course",
     )
 
 
@@ -201,10 +201,10 @@ def _announced(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "a switch in view is watched",
         (told & before(machine.mode).eq(idle)).implies(machine.mode.eq(ahead) & own.here.eq(own.switch.value)),
-        statement="a switch that surely lies ahead, and whose reflector is measured, is watched from then on",
+        statement="from IDLE the machine begins to watch a switch that surely lies ahead and whose reflector the radar measures",
     )
     yield for_all_inputs(
         "the same switch stays watched",
         (_was_watching(model) & _same_switch(own)).implies(own.here.eq(before(own.here))),
-        statement="a switch that is watched is left only for another one that is told",
+        statement="the machine stops watching a switch only for another one that the map gives",
     )

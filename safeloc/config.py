@@ -1,4 +1,4 @@
-"""Configuration fields that carry unit, range, default and source."""
+"""Configurations, whose fields have a unit, a range, a default and a source."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Config(BaseModel):
-    """Base of every configuration: frozen, strict about types, and refusing unknown fields."""
+    """Base of every configuration: it is frozen, checks types strictly, and refuses unknown fields."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 @dataclasses.dataclass(frozen=True)
 class Configurations:
-    """Configurations in which a machine is proved beside its defaults, so that no case stays folded away (safeloc.assurance.splits).
+    """Further configurations in which a machine is proved, for the cases that its defaults fold away (safeloc.assurance.splits).
 
     named  name -> configuration
-    never  splits that no configuration makes live, as "file: source text", and why that is right
+    never  splits that no configuration makes live, as "file: source text" -> the reason why none is needed
     """
 
     named: Mapping[str, BaseModel] = dataclasses.field(default_factory=dict)
@@ -28,22 +28,22 @@ class Configurations:
 
 
 def quantity(default: int, unit: str, low: int, high: int, source: str) -> Any:
-    """Declare a whole-number field: `default` in `unit`, low <= value <= high, and the source of the figure.
+    """Declare a whole-number field with default, unit, range (low <= value <= high) and the source of its figure.
 
-    Sources: [S] read in the document named, [D] derived, [M] from memory and therefore only a default.
+    A source begins with [S] for a document that was read, [D] for a derivation, [M] for memory, thus only a default.
     """
     return Field(default=default, ge=low, le=high, json_schema_extra={"unit": unit, "source": source})
 
 
 class Derived(property):
-    """A figure computed from the fields of its configuration; reports list it after them."""
+    """A figure computed from the fields of its configuration; reports list it after the fields."""
 
     unit: str
     source: str
 
 
 def derived(unit: str, source: str) -> Callable[[Callable[[Any], int]], Derived]:
-    """Make a method of a configuration a figure in `unit`, with a description."""
+    """Return a decorator that turns a method of a configuration into a derived figure in `unit`; `source` explains it."""
 
     def made(compute: Callable[[Any], int]) -> Derived:
         figure = Derived(compute)
@@ -54,13 +54,13 @@ def derived(unit: str, source: str) -> Callable[[Callable[[Any], int]], Derived]
 
 
 def derived_figures(config: BaseModel) -> Iterator[tuple[str, Derived]]:
-    """Name and figure of everything that follows from a configuration's fields."""
+    """Yield every derived figure of a configuration with its name."""
     for kind in reversed(type(config).__mro__):
         yield from ((name, value) for name, value in vars(kind).items() if isinstance(value, Derived))
 
 
 def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
-    """Return every figure of a configuration with its unit and the source of its default; then what follows from them."""
+    """Yield name, value, unit and source of every figure of a configuration: its fields, then its derived figures."""
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
         if isinstance(value, BaseModel):

@@ -6,8 +6,8 @@ SafelocError
 │   └── TruthValueError    ... a symbolic term was used as a Python value (also a TypeError)
 ├── InputError             a value given to a machine is wrong (also a ValueError)
 │   ├── StreamError        ... in a stream, with its file and line
-│   ├── SnapshotError      ... a snapshot that is damaged, or of something else
-│   └── UnforeseenError    ... in a way that safeloc was not ready for: refused, and a defect of safeloc to be reported
+│   ├── SnapshotError      ... in a snapshot that is damaged, or of another machine, configuration or version
+│   └── UnforeseenError    ... and makes safeloc itself fail: it is refused; report it as a defect of safeloc
 ├── PropertyError          a property cannot be checked on this machine or trace
 ├── EngineError            a solver or back end gave an impossible answer, or is missing
 └── NotProvedError         a verdict that was required to be Proved is not
@@ -29,11 +29,11 @@ class ModelError(SafelocError):
 
 
 class UnitError(ModelError, TypeError):
-    """Terms of different units or kinds were combined."""
+    """Terms of different units or kinds are combined."""
 
 
 class TruthValueError(ModelError, TypeError):
-    """A symbolic term was used where Python needs a value."""
+    """A symbolic term is used where Python needs a value."""
 
 
 class InputError(SafelocError, ValueError):
@@ -45,15 +45,15 @@ class StreamError(InputError):
 
 
 class SnapshotError(InputError):
-    """A snapshot does not fit: it is damaged, newer, or of another machine or configuration."""
+    """A snapshot cannot be used: it is damaged, newer, or of another machine or configuration."""
 
 
 class UnforeseenError(InputError):
-    """An input that made safeloc itself fail. It is refused; the message names the input and the line of safeloc."""
+    """An input makes safeloc itself fail, and is refused; the message names the input and the line of safeloc."""
 
 
 class PropertyError(SafelocError):
-    """A property cannot be evaluated on what it was given."""
+    """A property is declared wrongly, or cannot be checked on this machine or trace."""
 
 
 class EngineError(SafelocError, RuntimeError):
@@ -61,11 +61,11 @@ class EngineError(SafelocError, RuntimeError):
 
 
 class NotProvedError(SafelocError, AssertionError):
-    """`require_proved` met a verdict other than Proved."""
+    """`require_proved` got a verdict other than Proved."""
 
 
 def declared_at() -> str:
-    """`file:line` of the nearest caller that is not the engine itself: the place to mend."""
+    """Return `file:line` of the nearest caller outside of the engine: the place that the user has to correct."""
     frame = sys._getframe(1)
     while frame.f_back is not None and is_engine(frame.f_globals.get("__name__", "")):
         frame = frame.f_back
@@ -73,6 +73,6 @@ def declared_at() -> str:
 
 
 def is_engine(module: str) -> bool:
-    """Whether a module is the engine's own: neither a machine nor a property, and no user's code."""
+    """Return whether a module belongs to the engine: neither a shipped machine nor a property, nor a user's code."""
     inside = module == "safeloc" or module.startswith("safeloc.")
     return (inside and not module.startswith(_USER_PACKAGES)) or module == "dataclasses"

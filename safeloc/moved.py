@@ -1,4 +1,4 @@
-"""Modules that have moved or are gone: an import by the old name is refused, and the message says what to do."""
+"""Modules that were moved or removed: an import by the old name is refused, and the message says what to do."""
 
 from __future__ import annotations
 
@@ -135,9 +135,9 @@ MOVED = {
     "safeloc.verdict": "safeloc.language.verdict",
     "safeloc.verification": "safeloc.proof.verification",
 }
-"""Old name -> new name; what stood below the old one stands below the new one. Python asks for the upper one first.
+"""Old name -> new name, also for the modules below it, since Python imports the upper package first.
 
-Where something stands elsewhere after all, a second row leads on from there.
+If one of these lower modules has another place, it has a row of its own.
 """
 
 _A_FILE_EACH = (
@@ -152,14 +152,14 @@ GONE = {
     "of each machine; Entry.make hands it to the target.",
     "safeloc.shipped.markers": _A_FILE_EACH,
 }
-"""Old name -> what to do instead."""
+"""Name of a removed module -> instructions for its users."""
 
 
-class OldNames(MetaPathFinder):
-    """Asked before any other finder, since a folder that an update left behind would pass for an empty package."""
+class _OldNames(MetaPathFinder):
+    """Refuses old names before any other finder, since a folder left behind by an update would pass for an empty package."""
 
     def find_spec(self, name: str, _path: Sequence[str] | None, _target: ModuleType | None = None) -> None:
-        """Find nothing. ImportError for a name of before the move, and for one that is gone."""
+        """Find nothing; ImportError for the old name of a moved module, and for a removed one."""
         if name in GONE:
             raise ImportError(f"{name}: {GONE[name]}", name=name)
         if name in MOVED:
@@ -168,4 +168,4 @@ class OldNames(MetaPathFinder):
 
 def refuse_old_names() -> None:
     """Refuse every import by an old name with a message that gives the new one."""
-    sys.meta_path.insert(0, OldNames())
+    sys.meta_path.insert(0, _OldNames())

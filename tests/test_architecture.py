@@ -99,7 +99,7 @@ KNOWS = {
     "catalogue": ("language", "runtime", "reported", "railway.pictures", "shipped", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target"),
     "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config"),
-    "cli": (*ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue", "config"),
+    "cli": (*ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue"),
 }  # fmt: skip
 """Each room, or module at the root, and what it may import beside itself and the errors. The railway's have a row each.
 

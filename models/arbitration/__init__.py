@@ -1,18 +1,18 @@
-"""Which of several positions counts: the intersection of all that are valid, or nothing (RFL-13, MRK-D3).
+"""Arbitration between several positions: the intersection of all that are valid, or nothing (RFL-13, MRK-D3).
 
-Every way of locating states an interval that holds the front end, or nothing. Of those that state one, the position is
-what they have in common; the one with the smallest margin leads and gives the estimate. Where they exclude each other at
-least one of them is wrong, and nobody can say which: nothing is given out any more, and two that exclude each other are
-named. A position is given out again only when all that state one agree, and one of them has just accepted an absolute
-reference. What states nothing narrows nothing.
+Each source states an interval that holds the front end, or nothing. The position is the common part of all stated intervals;
+the source with the smallest margin leads and gives the estimate. If intervals exclude each other, at least one is wrong, and it
+is unknown which: the machine withdraws the position and names two sources that exclude each other. It gives out a position again
+only when all stated intervals agree, and one of their sources has just accepted an absolute reference. A source that states
+nothing narrows nothing.
 
     WITHHELD  nothing is given out
     ODOMETRY, BALISE, ...  the position is given out; the source that the mode names leads
 
-The min safe front end is given out apart. It never advances by more than the distance estimated for the cycle (OCORA
-7244), even where a better source comes in and narrows the interval at a blow: it then lags behind the interval's own lower
-end until it has caught up. The distance estimated is what the odometer measured, or, where it measured nothing, the change
-of the estimated position, as far as a vehicle can run in a cycle.
+The min safe front end is a separate output. It never advances by more than the distance estimated for the cycle (OCORA
+7244), even where a better source joins and narrows the interval at once: it then lags behind the interval's lower end until it
+has caught up. The estimated distance is the odometer's, or, without one, the change of the estimated position, limited to the
+run of a vehicle in a cycle.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from safeloc.language.expr import (
     Lit,
     Num,
     NumVar,
-    Var,
     as_num,
     between,
     exact_to,
     ite,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM
 from safeloc.language.world import Law, World
 from safeloc.models.arbitration.cycle import Cycle
@@ -58,7 +58,7 @@ class Arbitration:
 
 
 def build(own: Parts) -> Arbitration:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("WITHHELD", *(source.name.upper() for source in own.sources))
     current = current_mode(table)
     given = current.ne(table[0])
@@ -113,8 +113,8 @@ def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
     lost, *given = cycle.table
     nobody = Lit(0, own.named)
 
-    def drop(reason: Num, first: Num = nobody, second: Num = nobody) -> dict[Var, Expr]:
-        return {**_nothing(own), own.reason: reason, own.first: first, own.second: second}
+    def drop(reason: Num, first: Num = nobody, second: Num = nobody) -> Updates:
+        return together(_nothing(own), {own.reason: reason, own.first: first, own.second: second})
 
     clash, carried = cycle.any_valid & ~cycle.agree, tuple(given)
     named = drop(CONTRADICTION, cycle.highest_low(), cycle.lowest_high())
@@ -143,14 +143,14 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
         yield Transition(f"{source.name} leads first", lost, target, begins, begun, REQUIREMENTS, 0)
     if len(own.sources) > 1:
         clash = cycle.any_valid & ~cycle.agree & own.first.eq(Lit(0, own.named))
-        named: dict[Var, Expr] = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
-        yield Transition(
-            "contradiction while withheld", lost, lost, clash, {**_nothing(own), **named, own.reason: CONTRADICTION}, REQUIREMENTS, 1
-        )  # fmt: skip
+        named: Updates = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
+        noticed = together(_nothing(own), named, {own.reason: CONTRADICTION})
+        yield Transition("contradiction while withheld", lost, lost, clash, noticed, REQUIREMENTS, 1)
     yield Transition("nothing to give out", lost, lost, set=_nothing(own), requirements=REQUIREMENTS, rank=2)
 
 
-def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
+def _told(own: Parts, cycle: Cycle, lag: Num) -> Updates:
+    """The interval that all valid sources have in common is given out."""
     nobody = Lit(0, own.named)
     return {
         own.position: cycle.estimate,
@@ -164,7 +164,8 @@ def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
     }
 
 
-def _nothing(own: Parts) -> dict[Var, Expr]:
+def _nothing(own: Parts) -> Updates:
+    """No position is given out."""
     zero = as_num(0, MM)
     return {own.position: zero, own.below: zero, own.above: zero, own.lag: zero, own.referred: FALSE}
 
@@ -181,7 +182,7 @@ def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:
 
 
 def _sources_hold_the_truth(own: Parts) -> dict[str, Law]:
-    """What a source states, where it states anything, holds the truth."""
+    """Return the laws that an interval which a source states holds the truth."""
     return {
         f"{source.name} holds the truth": Law(
             source.valid.implies(source.holds(own.next_truth)),

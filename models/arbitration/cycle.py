@@ -1,4 +1,4 @@
-"""What the sources that state an interval have in common in a cycle, and which of them leads."""
+"""Common part of the intervals that sources state in a cycle, and the leading source."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """What the sources have in common in a cycle, and who leads."""
+    """Common part of the sources' intervals in a cycle, and the leading source."""
 
     own: Parts
     mode: NumVar
@@ -103,7 +103,7 @@ class Cycle:
 
     @cached_property
     def tolerable(self) -> Bool:
-        """What all have in common is no wider than tolerable, on either side."""
+        """The common part is no wider than tolerable, on either side."""
         most = self.own.config.tolerance_mm
         return (self.estimate - self.low <= most) & (self.high - self.estimate <= most)
 
@@ -126,7 +126,7 @@ class Cycle:
 
     @cached_property
     def lag(self) -> Num:
-        """How far the min safe front end lies behind the lower end after the cycle."""
+        """Distance of the min safe front end behind the lower end after the cycle."""
         before = self.own.position - self.own.below
         return maximum(self.own.lag + (self.low - before) - self.estimated, 0)
 

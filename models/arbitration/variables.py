@@ -32,7 +32,7 @@ SOURCES = ("odometry", "balise", "reflector", "satellite", "fibre")
 
 
 class ArbitrationConfig(Config):
-    """Which ways of locating there are, and what is tolerable."""
+    """Names of the sources, and the tolerable errors."""
 
     sources: tuple[str, ...] = SOURCES
     own: tuple[str, ...] = Field(default=(), description="sources of your own, after these")
@@ -61,7 +61,7 @@ class ArbitrationConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """What one way of locating states in a cycle.
+    """Inputs from one source in a cycle.
 
     valid       it states an interval, and may: trusted, current, within its own limits
     reference   it has accepted an absolute reference in this cycle

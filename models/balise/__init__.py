@@ -26,20 +26,25 @@ from safeloc.language.expr import (
     Bool,
     Expr,
     Lit,
+    Num,
     NumVar,
-    Var,
+    abs_,
     all_of,
+    as_num,
     between,
     ceil_to,
     floor_to,
     ite,
+    minimum,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
-from safeloc.language.units import MM
+from safeloc.language.rows import Updates, together
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.judgement import Judged
+from safeloc.models.balise.linking import EMPTY, NO_REACTION, NOT_LOCATED, NOTHING, Record, Slot
 from safeloc.models.balise.reckoning import as_reckoned
-from safeloc.models.balise.variables import BaliseConfig, Parts, parts
+from safeloc.models.balise.variables import Ahead, BaliseConfig, Parts, parts
 from safeloc.models.balise.world import ODOMETER, is_doubted, world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.interval import Interval
@@ -49,7 +54,7 @@ __all__ = ["ODOMETER", "Balise", "build", "machine"]
 
 
 def machine(config: BaliseConfig | None = None) -> Machine:
-    """The balise machine of a vehicle (RFL-5, RFL-9, RFL-D4)."""
+    """Return the balise machine of a vehicle (RFL-5, RFL-9, RFL-D4)."""
     return build(parts(config or BaliseConfig())).machine
 
 
@@ -63,7 +68,7 @@ class Balise:
 
 
 def build(own: Parts) -> Balise:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     waits = [] if own.config.trust_first_group else ["CANDIDATE"]
     mode = modes("DELOCALIZED", *waits, "LOCATED")
     current = current_mode(mode)
@@ -72,8 +77,8 @@ def build(own: Parts) -> Balise:
     made = Machine(
         name="balise",
         modes=mode,
-        inputs=own.inputs,
-        state=own.state(),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, located),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
         world=world(own),
@@ -94,21 +99,21 @@ def build(own: Parts) -> Balise:
 def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the mode that reports a position."""
     lost, located = mode[0], mode[-1]
-    told = {**cycle.listen(), **cycle.supervise()}
-    reset = {**told, **cycle.remember(), **own.held.become(cycle.narrowed)}
-    kept = {**told, **cycle.carry_on(), **own.held.become(cycle.run_on)}
-    acted: dict[Var, Expr] = {var: told[var] for var in (own.memory.reaction, own.memory.ended, own.linking.judged)}
+    every = together(_seen(own, cycle), _linking_outcome(own, cycle))
+    supervised = together(every, _linking(own, cycle))
+    reset = together(supervised, _group_counts(own, cycle), own.held.become(cycle.narrowed))
+    kept = together(supervised, _run_since_group(own, cycle), own.held.become(cycle.run_on))
     accepted, rejected = cycle.accepted, cycle.announced & ~cycle.accepted
     expected = cycle.sightings[0].seen
 
-    def drop(reason: Lit) -> dict[Var, Expr]:
-        return {**told, **cycle.unsupervised(), **acted, **cycle.forget(), own.memory.reason: reason}
+    def drop(reason: Lit) -> Updates:
+        return together(every, _no_linking(own), _no_position(own), {own.memory.reason: reason})
 
     def judged(*verdicts: Lit) -> Bool:
         return rejected & cycle.verdict.one_of(*verdicts)
 
-    def stay(name: str, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int) -> Transition:
-        return Transition(name, located, located, when, updates, trace, rank)
+    def stay(name: str, when: Bool, updates: Updates, requirements: tuple[str, ...], rank: int) -> Transition:
+        return Transition(name, located, located, when, updates, requirements, rank)
 
     after = ~cycle.usable(cycle.narrowed) & accepted | ~cycle.usable(cycle.run_on) & ~accepted
     yield Transition("sensors failed", located, lost, own.odometer.failed, drop(SENSOR_FAILURE), ("RFL-D4",), 0)
@@ -132,32 +137,126 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
 def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report nothing."""
     lost, located = mode[0], mode[-1]
-    told = {**cycle.listen(), **cycle.unsupervised()}
-    first = {**told, **cycle.remember(), **own.held.become(cycle.fix)}
-    sure = {**first, own.memory.reason: LOCATED}
+    every = together(_seen(own, cycle), _no_linking(own), _no_linking_outcome(own))
+    first = together(every, _group_counts(own, cycle), own.held.become(cycle.fix))
+    sure = together(first, {own.memory.reason: LOCATED})
     if own.config.trust_first_group:
         yield Transition("first group is trusted", lost, located, cycle.accepted, sure, ("RFL-5",), 8)
-    else:
-        yield from _candidate(cycle, mode, told, first, sure)
-    yield Transition("wait for a group", lost, lost, set=told, requirements=("RFL-D4",), rank=10)
-
-
-def _candidate(
-    cycle: Judged, mode: tuple[Lit, ...], told: dict[Var, Expr], first: dict[Var, Expr], sure: dict[Var, Expr]
-) -> Iterator[Transition]:
-    """A first group waits for a different one that agrees with it."""
-    lost, candidate, located = mode
-    carried = {**told, **cycle.carry_on(), **cycle.own.held.become(cycle.run_on)}
-    is_candidate = cycle.verdict.eq(v.CANDIDATE)
-    gone = cycle.own.odometer.failed | ~cycle.usable(cycle.run_on)
+        yield Transition("wait for a group", lost, lost, TRUE, every, ("RFL-D4",), 10)
+        return
+    candidate, is_candidate = mode[1], cycle.verdict.eq(v.CANDIDATE)
+    gone = own.odometer.failed | ~cycle.usable(cycle.run_on)
+    dropped = together(every, _no_position(own))
+    carried = together(every, _run_since_group(own, cycle), own.held.become(cycle.run_on))
     yield Transition("group is a candidate", (lost, candidate), candidate, is_candidate, first, ("RFL-D4",), 8)
     yield Transition("group confirms the candidate", candidate, located, cycle.accepted, sure, ("RFL-5", "RFL-D4"), 8)
-    yield Transition("candidate lost", candidate, lost, gone, {**told, **cycle.forget()}, ("RFL-D4",), 9)
-    yield Transition("carry the candidate", candidate, candidate, set=carried, requirements=("RFL-D4",), rank=10)
+    yield Transition("candidate lost", candidate, lost, gone, dropped, ("RFL-D4",), 9)
+    yield Transition("carry the candidate", candidate, candidate, TRUE, carried, ("RFL-D4",), 10)
+    yield Transition("wait for a group", lost, lost, TRUE, every, ("RFL-D4",), 10)
+
+
+# ------------------------------------------------------------------ groups of updates: what the transitions set
+
+
+def _seen(own: Parts, cycle: Judged) -> Updates:
+    """Set by every transition: distance, direction of running, national value, and the verdict on the telegram."""
+    _, direction = own.heading.after(own.odometer.distance)
+    received, national = own.national.received, own.national
+    accuracy: Updates = {
+        national.known: national.known | received.present,
+        national.kept: ite(received.present, received.value, national.kept),
+    }
+    return together(own.odometer.listen(), direction, accuracy, {own.memory.verdict: cycle.verdict})
+
+
+def _linking(own: Parts, cycle: Judged) -> Updates:
+    """The announced groups without those that are done with, and the groups that were given up."""
+    memory, linking = own.memory, own.linking
+    groups = linking.after(cycle.left, cycle.announcement)
+    return together(
+        *(_stores(slot, group) for slot, group in zip(linking.slots, groups, strict=True)),
+        {memory.given_up: cycle.given_up_after, memory.missed: cycle.missed_after},
+    )
+
+
+def _no_linking(own: Parts) -> Updates:
+    """No group is announced, so none can be missed."""
+    nothing: Updates = {own.memory.given_up: as_num(0, COUNT), own.memory.missed: as_num(0, COUNT)}
+    return together(*(_stores(slot, EMPTY) for slot in own.linking.slots), nothing)
+
+
+def _stores(slot: Slot, group: Record) -> Updates:
+    return {
+        slot.group: group.group, slot.place: group.place, slot.accurate: group.accurate, slot.accuracy: group.accuracy,
+        slot.reaction: group.reaction, slot.orientation: group.orientation,
+    }  # fmt: skip
+
+
+def _linking_outcome(own: Parts, cycle: Judged) -> Updates:
+    """The verdict on the announcement, the number of groups given up, and the reaction."""
+    memory = own.memory
+    return {own.linking.judged: cycle.announcement, memory.ended: cycle.ended, memory.reaction: cycle.reaction}
+
+
+def _no_linking_outcome(own: Parts) -> Updates:
+    """An announcement is refused, and there is no reaction."""
+    refused = ite(own.linking.offered.silent, NOTHING, NOT_LOCATED)
+    return {own.linking.judged: refused, own.memory.ended: as_num(0, COUNT), own.memory.reaction: NO_REACTION}
+
+
+def _group_counts(own: Parts, cycle: Judged) -> Updates:
+    """The group that was read sets the interval; its telegram gives the next reflector."""
+    read, memory, here = own.read, own.memory, cycle.place
+    group: Updates = {
+        memory.group: read.group.value,
+        memory.place: here,
+        memory.accuracy: cycle.accuracy,
+        memory.run: abs_(read.since.value_or(as_num(0, MM))),
+        memory.measured: read.since.present,
+        memory.direction: cycle.direction,
+    }
+    return together(
+        group,
+        _lies(own.reflector, read.reflector.present, here + read.reflector.value),
+        _lies(own.search, read.search.present, here + read.search.value),
+    )
+
+
+def _run_since_group(own: Parts, cycle: Judged) -> Updates:
+    """The run since the last group grows by the distance; a reflector that was passed is forgotten."""
+    memory, passed = own.memory, cycle.run_on.low
+    run: Updates = {
+        memory.run: minimum(memory.run + abs_(own.odometer.distance), v.FARTHEST_MM),
+        memory.measured: memory.measured & own.odometer.admitted,
+    }
+    places = (own.reflector, own.search)
+    return together(run, *(_lies(one, one.lies_ahead(passed), one.place) for one in places))
+
+
+def _no_position(own: Parts) -> Updates:
+    """There is no interval, and no group is remembered."""
+    memory = own.memory
+    group: Updates = {
+        memory.group: as_num(0, COUNT),
+        memory.run: as_num(0, MM),
+        memory.measured: FALSE,
+        memory.direction: v.DIRECTION_UNKNOWN,
+    }
+    nowhere = Interval(*(as_num(0, NM) for _ in range(3)))
+    places = (own.reflector, own.search)
+    return together(own.held.become(nowhere), group, *(_lies(one, FALSE, one.place) for one in places))
+
+
+def _lies(one: Ahead, known: Bool, place: Num) -> Updates:
+    """A place ahead; 0 where it is not known."""
+    return {one.known: known, one.place: ite(known, place, as_num(0, MM))}
+
+
+# ------------------------------------------------------------------ terms of the table
 
 
 def _definitions(cycle: Judged) -> dict[str, Expr]:
-    """Names for what the table speaks of."""
+    """Name the terms of the table."""
     named: dict[str, Expr] = {
         "telegram judged": cycle.verdict,
         "telegram accepted": cycle.accepted,
@@ -237,7 +336,7 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
 
 
 def _alike(own: Parts) -> dict[str, Bool]:
-    """What the machine keeps of inputs is what the world knows of them."""
+    """Return the lemmas that machine and world store the same of the inputs."""
     seen, told, odometer = own.world, own.national, own.odometer
     found = {
         "the national accuracy is the one received": seen.national.eq(

@@ -1,4 +1,4 @@
-"""What one cycle means to the balise machine: the telegram judged, linking supervised, the interval after it.
+"""One cycle of the balise machine: the verdict on the telegram, the supervision of linking, and the interval after it.
 
 Every term is built once and shared by all transitions, the assumption and the properties.
 """
@@ -11,9 +11,7 @@ from functools import cached_property
 from safeloc.language.expr import (
     FALSE,
     Bool,
-    Expr,
     Num,
-    Var,
     abs_,
     all_of,
     any_of,
@@ -23,9 +21,9 @@ from safeloc.language.expr import (
     maximum,
     minimum,
 )
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, NM
 from safeloc.models.balise import variables as v
-from safeloc.models.balise.linking import NO_REACTION, NOT_LOCATED, NOTHING, SERVICE_BRAKE, TRAIN_TRIP, Record
+from safeloc.models.balise.linking import NO_REACTION, SERVICE_BRAKE, TRAIN_TRIP, Record
 from safeloc.models.balise.telegram import UNKNOWN, UNLINKED
 from safeloc.models.vocabulary.first_of import first_of
 from safeloc.models.vocabulary.interval import Interval
@@ -82,7 +80,7 @@ class Judged:
 
     @cached_property
     def credible(self) -> Bool:
-        """What was read is a group's own, undamaged and recent, and read while running forwards."""
+        """The telegram is undamaged and recent, and was read while running forwards."""
         read = self.own.read
         return all_of([read.well_formed, ~read.corrupted, ~read.stale, ~self.backwards])
 
@@ -117,7 +115,7 @@ class Judged:
 
     @cached_property
     def place(self) -> Num:
-        """Where the map has the group, mm: linking, else what came with the telegram."""
+        """Place of the group on the map, mm: that of linking, else the one that came with the telegram."""
         return self._of_seen(*(one.record.place for one in self.sightings), default=self.own.read.place.value)
 
     @cached_property
@@ -133,7 +131,7 @@ class Judged:
 
     @cached_property
     def fix(self) -> Interval:
-        """Where the telegram puts the front end at the end of the cycle."""
+        """Interval of the front end at the end of the cycle by the telegram alone."""
         odometer = self.own.odometer
         return self.own.config.reader.fix(
             self.own.read, self.place, self.accuracy, odometer.distance, odometer.admitted
@@ -142,7 +140,7 @@ class Judged:
     @cached_property
     def agrees(self) -> Bool:
         """The fix and the interval can both be true: they share at least what the odometer's constant takes up."""
-        return self.run_on.meets(self.fix, self.own.config.reader.constant_nm)
+        return self.run_on.overlap(self.fix) >= self.own.config.reader.constant_nm
 
     @cached_property
     def inside(self) -> Bool:
@@ -168,7 +166,7 @@ class Judged:
 
     @cached_property
     def verdict(self) -> Num:
-        """What becomes of the telegram."""
+        """Verdict on the telegram."""
         read, memory = self.own.read, self.own.memory
         return first_of(
             (read.silent, v.NONE),
@@ -200,7 +198,7 @@ class Judged:
 
     @cached_property
     def _unfit(self) -> list[tuple[Bool, Num]]:
-        """What speaks against a group without linking, wherever the vehicle is."""
+        """Reasons to refuse a group without linking, wherever the vehicle is."""
         read = self.own.read
         return [
             (~read.complete, v.INCOMPLETE),
@@ -250,7 +248,7 @@ class Judged:
 
     @cached_property
     def ended(self) -> Num:
-        """How many announced groups are given up in this cycle."""
+        """Number of announced groups that are given up in this cycle."""
         total: Num = as_num(0, COUNT)
         for gone in self.given_up:
             total = total + ite(gone, as_num(1, COUNT), as_num(0, COUNT))
@@ -274,90 +272,36 @@ class Judged:
 
     @cached_property
     def announcement(self) -> Num:
-        """What becomes of this cycle's announcement, in a mode that reports a position."""
+        """Verdict on this cycle's announcement, in a mode that reports a position."""
         record = self.own.linking.offered.record
         _, last = self.own.config.reader.window(record.place, record.accuracy_or(self.own.national.accuracy))
         return self.own.linking.verdict(self.left, self.run_on.low > last)
 
-    # ------------------------------------------------------------------ updates
+    # ------------------------------------------------------------------ values after the cycle
 
     @cached_property
     def narrowed(self) -> Interval:
-        """The interval after an accepted telegram: what it and the run-on interval have in common."""
+        """The interval after an accepted telegram: what the telegram's and the run-on interval have in common."""
         return self.run_on.narrowed(self.fix)
 
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle, whatever the mode."""
-        own = self.own
-        heard = own.odometer.listen() | own.heading.after(own.odometer.distance)[1] | own.national.listen()
-        return {**heard, own.memory.verdict: self.verdict}
-
-    def supervise(self) -> dict[Var, Expr]:
-        """Updates of linking in a mode that reports a position."""
-        memory, linking = self.own.memory, self.own.linking
+    @cached_property
+    def given_up_after(self) -> Num:
+        """The last announced group that was given up; the farther one of two in one cycle."""
         nearest_last = reversed(list(zip(self.given_up, self.sightings, strict=True)))
-        given_up = first_of(*((gone, one.record.group) for gone, one in nearest_last), default=memory.given_up)
-        in_row = minimum(memory.missed + self.ended, 2)
-        return {
-            **linking.become(linking.after(self.left, self.announcement)),
-            linking.judged: self.announcement,
-            memory.given_up: given_up,
-            memory.missed: ite(self.announced & self.accepted, as_num(0, COUNT), in_row),
-            memory.ended: self.ended,
-            memory.reaction: self.reaction,
-        }
+        return first_of(*((gone, one.record.group) for gone, one in nearest_last), default=self.own.memory.given_up)
 
-    def remember(self) -> dict[Var, Expr]:
-        """Updates by a telegram that counts: the group, and what it says of the next reflector."""
-        own, memory = self.own, self.own.memory
-        here = self.place
-        return {
-            memory.group: own.read.group.value,
-            memory.place: here,
-            memory.accuracy: self.accuracy,
-            memory.run: abs_(own.read.since.value_or(as_num(0, MM))),
-            memory.measured: own.read.since.present,
-            memory.direction: self.direction,
-            **own.reflector.become(own.read.reflector.present, here + own.read.reflector.value),
-            **own.search.become(own.read.search.present, here + own.read.search.value),
-        }
+    @cached_property
+    def missed_after(self) -> Num:
+        """Announced groups in a row that were given up, at most 2."""
+        in_row = minimum(self.own.memory.missed + self.ended, 2)
+        return ite(self.announced & self.accepted, as_num(0, COUNT), in_row)
 
     @cached_property
     def direction(self) -> Num:
-        """ALONG once a group was passed in the orientation expected, or a second group lies surely beyond the first."""
+        """ALONG once a group was passed in the expected orientation, or a second group lies surely beyond the first."""
         read, memory = self.own.read, self.own.memory
         oriented = read.passed.ne(UNKNOWN) & self.orientation.ne(UNKNOWN)
         beyond = memory.group.ne(0) & (
             self.fix.low > exact_to(memory.place + self.own.config.antenna_mm, NM) + self.run_on.above
         )
         return ite(oriented | beyond, v.ALONG, memory.direction)
-
-    def carry_on(self) -> dict[Var, Expr]:
-        """Updates of what an earlier telegram said, in a cycle without one that counts."""
-        run = minimum(self.own.memory.run + abs_(self.own.odometer.distance), v.FARTHEST_MM)
-        told = {**self.own.reflector.keep(self.run_on.low), **self.own.search.keep(self.run_on.low)}
-        measured = self.own.memory.measured & self.own.odometer.admitted
-        return {**told, self.own.memory.run: run, self.own.memory.measured: measured}
-
-    def unsupervised(self) -> dict[Var, Expr]:
-        """Updates of linking in a mode that reports nothing: no group is announced, so none can be missed."""
-        own, memory, zero = self.own, self.own.memory, as_num(0, COUNT)
-        return {
-            **own.linking.forget(),
-            own.linking.judged: ite(own.linking.offered.silent, NOTHING, NOT_LOCATED),
-            **dict.fromkeys((memory.given_up, memory.missed, memory.ended), zero),
-            memory.reaction: NO_REACTION,
-        }
-
-    def forget(self) -> dict[Var, Expr]:
-        """Updates after which there is no interval, and nothing of groups is remembered."""
-        own, memory = self.own, self.own.memory
-        nowhere = Interval(*(as_num(0, NM) for _ in range(3)))
-        told = {**own.reflector.become(FALSE, own.reflector.place), **own.search.become(FALSE, own.search.place)}
-        group: dict[Var, Expr] = {
-            memory.group: as_num(0, COUNT),
-            memory.run: as_num(0, MM),
-            memory.measured: FALSE,
-            memory.direction: v.DIRECTION_UNKNOWN,
-        }
-        return {**own.held.become(nowhere), **group, **told}

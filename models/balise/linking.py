@@ -1,7 +1,7 @@
-"""Linking: the groups that the map announces, nearest first, each with what to do if it is not found.
+"""Linking: the groups that the map announces, nearest first, each with the reaction if it is not found.
 
-Announcements come one a cycle and are held until their group is found or given up. Groups are announced only to a
-vehicle that has a position, ahead of it and in order; what breaks that is refused with its reason. The location
+One announcement may come in a cycle; it is stored until its group is found or given up. Groups are announced only to a
+vehicle that has a position, ahead of it and in order; any other announcement is refused, with its reason. The location
 accuracy comes from linking, else from the national values, else from the default (SUBSET-026 3.6.4.2.3).
 """
 
@@ -11,16 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
-    Expr,
-    Lit,
     Num,
     NumVar,
     Optional,
-    Var,
     all_of,
     any_of,
     as_num,
@@ -32,7 +30,6 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM
 from safeloc.models.balise.telegram import ORIENTATION, UNKNOWN, chosen
 from safeloc.models.vocabulary.first_of import first_of
@@ -50,7 +47,7 @@ NOTHING, TAKEN, WITHDRAWN, MALFORMED, NOT_LOCATED, FULL, KNOWN, BEHIND, OUT_OF_O
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One announced group; `group` is 0 where there is none. `accuracy` counts only where it is `accurate`."""
+    """One announced group; `group` is 0 where there is none. `accuracy` is valid only where `accurate` holds."""
 
     group: Num
     place: Num
@@ -61,24 +58,28 @@ class Record:
 
     @property
     def held(self) -> Bool:
-        """There is one."""
+        """There is a group."""
         return self.group.ne(0)
 
     def accuracy_or(self, otherwise: Num) -> Num:
-        """Its own location accuracy, else the other one."""
+        """Return its own location accuracy, else the other one, mm."""
         return ite(self.accurate, self.accuracy, otherwise)
 
-    def become(self, other: Record) -> dict[Var, Expr]:
-        """Updates that make the other record its own, of a record whose fields are variables."""
-        own, new = self._fields(), other._fields()
-        return {var: term for var, term in zip(own, new, strict=True) if isinstance(var, Var)}
 
-    def _fields(self) -> tuple[Expr, ...]:
-        return (self.group, self.place, self.accurate, self.accuracy, self.reaction, self.orientation)
+@dataclass(frozen=True, eq=False)
+class Slot(Record):
+    """State variables that store an announced group."""
+
+    group: NumVar
+    place: NumVar
+    accurate: BoolVar
+    accuracy: NumVar
+    reaction: NumVar
+    orientation: NumVar
 
 
 def either(condition: Bool, then: Record, other: Record) -> Record:
-    """`then` where the condition holds, else `other`."""
+    """Return `then` where the condition holds, else `other`."""
     return Record(
         ite(condition, then.group, other.group),
         ite(condition, then.place, other.place),
@@ -94,7 +95,7 @@ EMPTY = Record(as_num(0, COUNT), as_num(0, MM), ~TRUE, as_num(0, MM), NO_REACTIO
 
 @dataclass(frozen=True, eq=False)
 class Announcement:
-    """The inputs of one announcement. ADD appends a group, REPLACE starts a new list with it, WITHDRAW ends linking."""
+    """The inputs of one announcement: ADD appends a group, REPLACE starts a new list with it, WITHDRAW ends linking."""
 
     order: Optional
     group: Optional
@@ -110,7 +111,7 @@ class Announcement:
 
     @cached_property
     def silent(self) -> Bool:
-        """Nothing is announced."""
+        """There is no announcement."""
         return ~any_of(one.present for one in self.inputs)
 
     @cached_property
@@ -125,7 +126,7 @@ class Announcement:
 
     @cached_property
     def well_formed(self) -> Bool:
-        """A withdrawal names no group; any other order says everything that has no default."""
+        """A withdrawal names no group; any other order gives all values that have no default."""
         needed = (self.group, self.place, self.reaction, self.orientation)
         named = all_of(one.present for one in needed)
         bare = ~any_of(one.present for one in (*needed, self.accuracy))
@@ -133,7 +134,7 @@ class Announcement:
 
     @cached_property
     def record(self) -> Record:
-        """What it announces; meaningful only where it is well formed and no withdrawal."""
+        """The announced group; valid only if the announcement is well formed and no withdrawal."""
         given = self.accuracy.present
         return Record(
             self.group.value,
@@ -145,33 +146,38 @@ class Announcement:
         )
 
 
-def announcement(*, last_identity: int, position_limit_mm: int) -> Announcement:
-    """An announcement with fresh variables named `linking_...`."""
+def announcement(declared: Declared, *, last_identity: int, position_limit_mm: int) -> Announcement:
+    """Declare the inputs of an announcement, named `linking_...`."""
     return Announcement(
-        chosen("linking_order", ORDER),
-        optional("linking_group", COUNT, 1, last_identity),
-        optional("linking_position_mm", MM, -position_limit_mm, position_limit_mm),
-        optional("linking_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM),
-        chosen("linking_reaction", REACTION),
-        chosen("linking_orientation", ORIENTATION),
+        declared.sensor(chosen("linking_order", ORDER)),
+        declared.sensor(optional("linking_group", COUNT, 1, last_identity)),
+        declared.sensor(optional("linking_position_mm", MM, -position_limit_mm, position_limit_mm)),
+        declared.sensor(optional("linking_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM)),
+        declared.sensor(chosen("linking_reaction", REACTION)),
+        declared.sensor(chosen("linking_orientation", ORIENTATION)),
     )
 
 
-def slot(name: str, *, last_identity: int, position_limit_mm: int) -> Record:
-    """A record of fresh state variables named `name_...`."""
-    return Record(
-        number(f"{name}_group", COUNT, 0, last_identity),
-        number(f"{name}_position_mm", MM, -position_limit_mm, position_limit_mm),
-        boolean(f"{name}_accuracy_given"),
-        number(f"{name}_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM),
-        choice(f"{name}_reaction", enumeration(REACTION)),
-        choice(f"{name}_orientation", enumeration(ORIENTATION)),
+def slot(declared: Declared, name: str, *, last_identity: int, position_limit_mm: int) -> Slot:
+    """Declare the state of an empty slot, named `name_...`."""
+    limit = position_limit_mm
+    return Slot(
+        declared.state(number(f"{name}_group", COUNT, 0, last_identity), first=0),
+        declared.state(number(f"{name}_position_mm", MM, -limit, limit), first=0),
+        declared.state(boolean(f"{name}_accuracy_given"), first=False),
+        declared.state(number(f"{name}_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        declared.state(choice(f"{name}_reaction", enumeration(REACTION)), first=NO_REACTION),
+        declared.state(choice(f"{name}_orientation", enumeration(ORIENTATION)), first=UNKNOWN),
     )
 
 
 @dataclass(frozen=True, eq=False)
 class National:
-    """The national value for the location accuracy, as far as one was received."""
+    """The national value for the location accuracy.
+
+    received     input
+    known, kept  state: a value was received, and the last one
+    """
 
     received: Optional
     known: BoolVar
@@ -184,55 +190,34 @@ class National:
         default = as_num(self.default_mm, MM)
         return ite(self.received.present, self.received.value, ite(self.known, self.kept, default))
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: none was received."""
-        return {self.known: False, self.kept: 0}
 
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
-        kept = ite(self.received.present, self.received.value, self.kept)
-        return {self.known: self.known | self.received.present, self.kept: kept}
-
-
-def national(default_mm: int) -> National:
-    """National values with fresh variables."""
-    received = optional("national_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM)
-    kept = number("national_accuracy_kept_mm", MM, 0, LARGEST_ACCURACY_MM)
-    return National(received, boolean("national_accuracy_known"), kept, default_mm)
+def national(declared: Declared, default_mm: int) -> National:
+    """Declare the national value; none was received yet."""
+    return National(
+        declared.sensor(optional("national_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM)),
+        declared.state(boolean("national_accuracy_known"), first=False),
+        declared.state(number("national_accuracy_kept_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        default_mm,
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Linking:
-    """The announced groups, nearest first. No group is held behind an empty place."""
+    """The announced groups, nearest first; no group is stored behind an empty place.
 
-    slots: tuple[Record, ...]
+    offered   inputs: the announcement of the cycle
+    judged    state: the verdict on it
+    """
+
+    slots: tuple[Slot, ...]
     offered: Announcement
     judged: NumVar
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: nothing is announced."""
-        empty: dict[Var, Initial] = {}
-        for one in self.slots:
-            for var, term in one.become(EMPTY).items():
-                empty[var] = False if isinstance(var, BoolVar) else term.value if isinstance(term, Lit) else 0
-        return {**empty, self.judged: NOTHING}
-
-    def become(self, records: Sequence[Record]) -> dict[Var, Expr]:
-        """Updates that make the records its own."""
-        updates: dict[Var, Expr] = {}
-        for one, record in zip(self.slots, records, strict=True):
-            updates |= one.become(record)
-        return updates
-
-    def forget(self) -> dict[Var, Expr]:
-        """Updates after which nothing is announced."""
-        return self.become([EMPTY] * len(self.slots))
-
     def advanced(self, by: Sequence[Bool]) -> list[Record]:
-        """The records left when the first `n + 1` are done with, where `by[n]` holds; all of them where none does."""
+        """Return the records without the first `n + 1`, where `by[n]` holds; all of them where none holds."""
         result = []
         for index, one in enumerate(self.slots):
-            left = one
+            left: Record = one
             for done, condition in enumerate(by):
                 later = index + done + 1
                 left = either(condition, self.slots[later] if later < len(self.slots) else EMPTY, left)
@@ -240,7 +225,7 @@ class Linking:
         return result
 
     def verdict(self, left: Sequence[Record], passed: Bool) -> Num:
-        """What becomes of the announcement. `passed`: the vehicle is surely beyond the place of the announced group."""
+        """Return the verdict on the announcement. `passed`: the vehicle is surely beyond the place of the announced group."""
         offered, record = self.offered, self.offered.record
         appends = ~offered.replaces
         named = any_of(one.held & one.group.eq(record.group) for one in left)
@@ -257,7 +242,7 @@ class Linking:
         )
 
     def after(self, left: Sequence[Record], verdict: Num) -> list[Record]:
-        """The records after the announcement, given those that are left of the cycle."""
+        """Return the records after the announcement, given those that the cycle leaves."""
         taken = verdict.eq(TAKEN)
         emptied = verdict.eq(WITHDRAWN) | (taken & self.offered.replaces)
         kept = [either(emptied, EMPTY, one) for one in left]
@@ -269,12 +254,12 @@ class Linking:
         return result
 
 
-def linking(slots: int, *, last_identity: int, position_limit_mm: int) -> Linking:
-    """Linking with fresh variables: the nearest group is `expected`, the others are `announced_2` and so on."""
+def linking(declared: Declared, slots: int, *, last_identity: int, position_limit_mm: int) -> Linking:
+    """Declare the variables of linking: the nearest group is `expected`, the others are `announced_2` and so on."""
     names = ["expected", *(f"announced_{number_}" for number_ in range(2, slots + 1))]
     bounds = {"last_identity": last_identity, "position_limit_mm": position_limit_mm}
     return Linking(
-        tuple(slot(name, **bounds) for name in names),
-        announcement(**bounds),
-        choice("linking_judged", enumeration(ANNOUNCED)),
+        tuple(slot(declared, name, **bounds) for name in names),
+        announcement(declared, **bounds),
+        declared.state(choice("linking_judged", enumeration(ANNOUNCED)), first=NOTHING),
     )

@@ -1,4 +1,4 @@
-"""The margin as the line audit reckons it: the layout rules with this vehicle's figures."""
+"""The margin by the rules of the line audit, with this vehicle's figures."""
 
 from __future__ import annotations
 

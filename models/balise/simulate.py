@@ -24,10 +24,10 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 DISPLACED_MM = 40_000
-"""How far beyond both margins and twice its accuracy a displaced group lies."""
+"""Distance of a displaced group beyond both margins and twice its accuracy."""
 Steps = list[dict[str, Cell]]
 KINDS = Kinds(
     "a balise group",
@@ -118,10 +118,7 @@ def simulate(
     sensors.KINDS.require(sensor_faults, places=["odometer"], length=len(motion.position_nm))
     KINDS.require(faults, places=[group.identity for group in known], timed=False)
     _check_routes(routes)
-    law = Law(
-        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
-    )
-    distances = measured or measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
+    distances = measured or measure("odometer", motion, config.odometer, rng, dropout=dropout, faults=sensor_faults)
     in_force = config.default_accuracy_mm if national_accuracy_mm is None else national_accuracy_mm
     spots = _spots(config, known, in_force, rng, faults)
     passages = list(_passages(motion, spots, config.period_ms, rng, missed))
@@ -143,7 +140,7 @@ def _spots(
     rng: np.random.Generator,
     faults: Sequence[Fault],
 ) -> list[Passage]:
-    """Where the front end really is when each group is read: off by up to nine tenths of all accuracies."""
+    """Return the true place of the front end at each reading: off by up to nine tenths of all accuracies."""
     kinds = {fault.where: fault.kind for fault in faults}
     signs = {"early": -1, "late": 1}
     spots = []
@@ -159,7 +156,7 @@ def _spots(
 
 
 def _displaced_mm(config: BaliseConfig, group: Group, national_mm: int) -> int:
-    """How far off a displaced group lies."""
+    """Return the distance of a displaced group from its place on the map."""
     return 2 * (config.tolerance_mm + max(national_mm, group.accuracy_mm or 0)) + DISPLACED_MM
 
 

@@ -1,10 +1,10 @@
-"""A balise group as it was read in one cycle: what the antenna and the map say of it, and where it puts the vehicle.
+"""A balise group as the antenna read it in one cycle, and the place of the vehicle that follows from it.
 
 A group has one to eight balises; number 1 is its origin, and rising numbers are its nominal direction (SUBSET-026
 3.4.2.2). A single balise has no orientation of its own. Number 1 also gives the time of reading.
 
-Place and orientation come with the telegram, or are looked up by identity in the map; they serve where no linking
-speaks. The telegram may say how far the next reflector is, or from where to search for it (RFL-9).
+Place and orientation come with the telegram, or from the map by the group's identity; they are used where linking gives none.
+The telegram may give the distance of the next reflector, or the place from where to search for it (RFL-9).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     Lit,
@@ -43,16 +44,16 @@ PASSED, FAILED = CHECK
 
 @dataclass(frozen=True, eq=False)
 class Telegram:
-    """The inputs of one group reading. The first seven belong to every reading, the others may be absent.
+    """The inputs of one group reading. Those up to `age` belong to every reading, the others may be absent.
 
-    total, read      how many balises the group has, and how many of them were read
+    total, read      number of balises of the group, and number of those that were read
     first, last      the numbers of the balise read first and of the one read last
-    check            whether the check bits of all that was read are right
+    check            PASSED if the check bits of all balises that were read are right
     age              time since the antenna stood over balise 1
     place            the place of balise 1 along the route
-    orientation      in which orientation a vehicle that runs along the route passes the group
+    orientation      the orientation in which a vehicle that runs along the route passes the group
     since            distance measured since the antenna stood over balise 1 (latched counter)
-    reflector, search  from balise 1 to the next reflector, and to where its search may begin
+    reflector, search  distance from balise 1 to the next reflector, and to the place where its search may begin
     """
 
     group: Optional
@@ -82,12 +83,12 @@ class Telegram:
 
     @cached_property
     def silent(self) -> Bool:
-        """Nothing was read."""
+        """There is no reading."""
         return ~any_of(one.present for one in self.inputs)
 
     @cached_property
     def well_formed(self) -> Bool:
-        """Everything that belongs to a reading is there, and its numbers fit each other."""
+        """All inputs that belong to every reading are there, and the numbers fit each other."""
         total, read = self.total.value, self.read.value
         first, last = self.first.value, self.last.value
         numbers = (read <= total) & (first <= total) & (last <= total) & read.eq(1).iff(first.eq(last))
@@ -95,7 +96,7 @@ class Telegram:
 
     @cached_property
     def corrupted(self) -> Bool:
-        """Some check bits are wrong: not even the identity can be believed."""
+        """Some check bits are wrong: even the identity may be false."""
         return self.check.value.eq(FAILED)
 
     @cached_property
@@ -105,7 +106,7 @@ class Telegram:
 
     @cached_property
     def stale(self) -> Bool:
-        """Older than permitted."""
+        """The reading is older than permitted."""
         return self.age.value > self.age_limit_ms
 
     @cached_property
@@ -115,51 +116,57 @@ class Telegram:
         return ite(first.eq(last), UNKNOWN, ite(first < last, NOMINAL, REVERSE))
 
     def against(self, orientation: Num) -> Bool:
-        """Passed in the other orientation than expected; never so while either is unknown."""
+        """Return whether the group was passed in the other orientation than expected; never if either is unknown."""
         known = self.passed.ne(UNKNOWN) & orientation.ne(UNKNOWN)
         return known & self.passed.ne(orientation)
 
     @property
     def expected_along(self) -> Num:
-        """The orientation that the telegram or the map expects; UNKNOWN where neither says."""
+        """The orientation in which the group has to be passed, by telegram or map; UNKNOWN where neither gives it."""
         return ite(self.orientation.present, self.orientation.value, UNKNOWN)
 
 
 def telegram(
-    *, last_identity: int, position_limit_mm: int, max_step_mm: int, age_limit_ms: int, reflector_reach_mm: int
+    declared: Declared,
+    *,
+    last_identity: int,
+    position_limit_mm: int,
+    max_step_mm: int,
+    age_limit_ms: int,
+    reflector_reach_mm: int,
 ) -> Telegram:
-    """A group reading with fresh variables named `telegram_...`."""
+    """Declare the inputs of a group reading, named `telegram_...`."""
     return Telegram(
-        group=optional("telegram_group", COUNT, 1, last_identity),
-        link=chosen("telegram_link", LINK),
-        check=chosen("telegram_check", CHECK),
-        total=optional("telegram_total", COUNT, 1, LARGEST_GROUP),
-        read=optional("telegram_read", COUNT, 1, LARGEST_GROUP),
-        first=optional("telegram_first", COUNT, 1, LARGEST_GROUP),
-        last=optional("telegram_last", COUNT, 1, LARGEST_GROUP),
-        age=optional("telegram_age_ms", MS, 0, 10 * age_limit_ms),
-        place=optional("telegram_position_mm", MM, -position_limit_mm, position_limit_mm),
-        orientation=chosen("telegram_orientation", ORIENTATION),
-        since=optional("telegram_since_mm", MM, -10 * max_step_mm, 10 * max_step_mm),
-        reflector=optional("telegram_reflector_mm", MM, 0, reflector_reach_mm),
-        search=optional("telegram_search_mm", MM, 0, reflector_reach_mm),
+        group=declared.sensor(optional("telegram_group", COUNT, 1, last_identity)),
+        link=declared.sensor(chosen("telegram_link", LINK)),
+        check=declared.sensor(chosen("telegram_check", CHECK)),
+        total=declared.sensor(optional("telegram_total", COUNT, 1, LARGEST_GROUP)),
+        read=declared.sensor(optional("telegram_read", COUNT, 1, LARGEST_GROUP)),
+        first=declared.sensor(optional("telegram_first", COUNT, 1, LARGEST_GROUP)),
+        last=declared.sensor(optional("telegram_last", COUNT, 1, LARGEST_GROUP)),
+        age=declared.sensor(optional("telegram_age_ms", MS, 0, 10 * age_limit_ms)),
+        place=declared.sensor(optional("telegram_position_mm", MM, -position_limit_mm, position_limit_mm)),
+        orientation=declared.sensor(chosen("telegram_orientation", ORIENTATION)),
+        since=declared.sensor(optional("telegram_since_mm", MM, -10 * max_step_mm, 10 * max_step_mm)),
+        reflector=declared.sensor(optional("telegram_reflector_mm", MM, 0, reflector_reach_mm)),
+        search=declared.sensor(optional("telegram_search_mm", MM, 0, reflector_reach_mm)),
         age_limit_ms=age_limit_ms,
     )
 
 
 def chosen(name: str, of: tuple[Lit, ...]) -> Optional:
-    """An input that may be absent and holds a member of an enumeration."""
+    """Make an input that holds a member of an enumeration and may be absent."""
     return Optional(choice(name, enumeration(of)), boolean(f"{name}.present"))
 
 
 @dataclass(frozen=True, eq=False)
 class Reader:
-    """The antenna and what is charged for it.
+    """The antenna, and the errors of a reading.
 
-    antenna_mm    how far the antenna is behind the front end
-    detection_mm  how far from balise 1 the antenna may be when it says it stands over it
-    constant_nm   the odometer's one-off constant, charged from the reading on
-    since_ppm     the odometer's rate, charged on the distance run since the reading
+    antenna_mm    distance of the antenna behind the front end
+    detection_mm  greatest distance of the antenna from balise 1 when it reports to stand over it
+    constant_nm   the odometer's one-off constant, added from the reading on
+    since_ppm     the odometer's rate, added for the distance run since the reading
     """
 
     antenna_mm: int
@@ -171,16 +178,16 @@ class Reader:
     measuring_step_mm: int
 
     def window(self, place: Num, accuracy: Num) -> tuple[Num, Num]:
-        """The first and the last possible place of the front end when a group is read, nm (3.4.4.4.3)."""
+        """Return the first and the last possible place of the front end when the antenna reads a group, nm (3.4.4.4.3)."""
         spread = accuracy + self.detection_mm
         front = place + self.antenna_mm
         return exact_to(front - spread, NM), exact_to(front + spread, NM)
 
     def run_since(self, read: Telegram, distance: Num, admitted: Bool) -> tuple[Num, Num]:
-        """How far the vehicle may have run backwards and forwards since the reading, nm, where `since` is absent.
+        """Return how far the vehicle may have run backwards and forwards since the reading, nm, where `since` is absent.
 
-        Its age at the highest speed, and one measuring step. A reading of this cycle is charged only in the direction
-        that the cycle was measured in; of an older one, the direction is unknown.
+        It is the run at the highest speed in the age of the reading, and one measuring step. After a reading of this cycle the
+        vehicle ran in the direction measured for the cycle; after an older one the direction is unknown.
         """
         reach = exact_to(Lit(self.max_speed_mm_s, MM_S) * read.age.value, NM)
         least = as_num(self.measuring_step_mm * NM_PER_MM, NM)
@@ -190,7 +197,7 @@ class Reader:
         return back, forth
 
     def fix(self, read: Telegram, place: Num, accuracy: Num, distance: Num, admitted: Bool) -> Interval:
-        """Where the front end is at the end of the cycle, given the group's place and location accuracy in mm."""
+        """Return the interval of the front end at the end of the cycle, given the group's place and location accuracy in mm."""
         since = read.since.value_or(as_num(0, MM))
         back, forth = self.run_since(read, distance, admitted)
         spread = exact_to(accuracy + self.detection_mm, NM) + self.constant_nm

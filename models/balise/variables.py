@@ -7,37 +7,31 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     BoolVar,
-    Expr,
     Num,
     NumVar,
-    Optional,
-    Var,
-    as_num,
     boolean,
     choice,
     enumeration,
     exact_to,
-    ite,
     members,
     number,
 )
-from safeloc.language.machine import Initial
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.balise.linking import (
     LARGEST_ACCURACY_MM,
     NO_REACTION,
     REACTION,
-    Linking,
-    National,
     linking,
     national,
 )
-from safeloc.models.balise.telegram import Reader, Telegram, telegram
+from safeloc.models.balise.telegram import Reader, telegram
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.interval import Held
+from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Heading, Odometer, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
@@ -88,13 +82,13 @@ READ = members(
     TOO_COARSE,
 ) = READ
 FARTHEST_MM = 10**12
-"""Where the count of measured distance ends: a million kilometres."""
+"""Upper limit of the count of measured distance: a million kilometres."""
 DIRECTION = members("direction", "UNKNOWN", "ALONG")
 DIRECTION_UNKNOWN, ALONG = DIRECTION
 
 
 class BaliseConfig(Config):
-    """Everything about vehicle, odometer and line that the balise machine depends on."""
+    """Vehicle, odometer and line of a balise machine."""
 
     odometer: ErrorLaw = WHEEL
     period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
@@ -139,7 +133,7 @@ class BaliseConfig(Config):
 
     @property
     def limits(self) -> Limits:
-        """What the odometer needs, rounded so that gates are no tighter than physics."""
+        """Limits of the odometer, rounded so that the checks are no tighter than physics."""
         step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
         change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
         gap = self.gap_limit_cycles
@@ -149,7 +143,7 @@ class BaliseConfig(Config):
 
     @property
     def reader(self) -> Reader:
-        """What is charged for a reading."""
+        """The antenna, and the errors of a reading."""
         return Reader(
             self.antenna_mm,
             self.detection_mm,
@@ -163,15 +157,17 @@ class BaliseConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What is remembered of groups, and what the last cycle did.
+    """State: what the machine remembers of groups, and the outcome of the last cycle.
 
-    group, place     the last group that counted (accepted, or the candidate); 0: none
-    given_up         the last announced group whose expectation ended without it being accepted; 0: none
+    group, place     the last group that set the interval (accepted, or the candidate); 0: none
+    given_up         the last announced group whose expectation ended without acceptance; 0: none
     missed           announced groups in a row that were given up, at most 2
     ended            announced groups given up in this cycle
-    accuracy         location accuracy that the last group that counted was charged with
+    accuracy         location accuracy of the last group that set the interval
     run              distance measured since that group
-    measured         that is the whole way: the group came with a latched counter, and no distance was missing since
+    measured         `run` is the whole way: the group came with a latched counter, and no distance was missing since
+    direction        ALONG once groups have shown that the vehicle runs along the route
+    verdict, reaction, reason   of the cycle: on the telegram, of linking, and why no position is reported
     """
 
     group: NumVar
@@ -187,176 +183,164 @@ class Memory:
     reaction: NumVar
     reason: NumVar
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: nothing was read."""
-        zeros = (self.group, self.place, self.given_up, self.missed, self.ended, self.accuracy, self.run)
-        counts: dict[Var, Initial] = dict.fromkeys(zeros, 0)
-        said: dict[Var, Initial] = {self.verdict: NONE, self.reaction: NO_REACTION, self.reason: NO_REFERENCE}
-        return {**counts, self.measured: False, self.direction: DIRECTION_UNKNOWN, **said}
-
 
 @dataclass(frozen=True, eq=False)
 class Ahead:
-    """What the last accepted telegram says of the next reflector (RFL-9): its place, and from where to search."""
+    """State: a place that the last accepted telegram gave (RFL-9); 0 while it is not `known`."""
 
     known: BoolVar
     place: NumVar
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: nothing is known."""
-        return {self.known: False, self.place: 0}
-
-    def become(self, known: Bool, place: Num) -> dict[Var, Expr]:
-        """Updates; an unknown place holds 0."""
-        return {self.known: known, self.place: ite(known, place, as_num(0, MM))}
-
-    def keep(self, passed: Num) -> dict[Var, Expr]:
-        """Updates of a cycle without a telegram; forgotten once the min safe front end (`passed`, nm) is beyond it."""
-        return self.become(self.known & (passed <= exact_to(self.place, NM)), self.place)
+    def lies_ahead(self, passed_nm: Num) -> Bool:
+        """Return whether the place is known and the min safe front end is not beyond it."""
+        return self.known & (passed_nm <= exact_to(self.place, NM))
 
 
 @dataclass(frozen=True, eq=False)
-class World:
-    """The environment: where the front end really is, and what the errors really are; nm.
-
-    truth, true_step        the front end, and how far it runs in the cycle
-    wander, next_wander     the one-off part of the odometer's error, before the cycle and, freely chosen, after it
-    heard, silent           the last distance that the odometer delivered and that can have been run, mm, and the cycles since
-    backwards, rolled       which way the vehicle runs as measured, and how far it has run against that without a break, mm
-    national                the national location accuracy, as last received, mm
-    doubted                 the identity of the last group that was not where it was to be, while no other one served; 0: none
-    spot                    where balise 1 of the group that is read really lies
-    true_since              how far the vehicle has really run since the reading
-    reading_wander          the one-off part of the odometer's error at the reading
-    """
+class Movement:
+    """The true movement of a vehicle and its odometer's one-off error, each with its value after the cycle; nm."""
 
     truth: NumVar
     true_step: NumVar
     wander: NumVar
     next_wander: NumVar
-    heard: NumVar
-    silent: NumVar
-    backwards: BoolVar
-    rolled: NumVar
-    national: NumVar
-    doubted: NumVar
-    spot: NumVar
-    true_since: NumVar
-    reading_wander: NumVar
 
 
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """The variables the machine is made of; properties read them by name."""
-
-    config: BaliseConfig
-    odometer: Odometer
-    heading: Heading
-    held: Held
-    read: Telegram
-    linking: Linking
-    national: National
-    memory: Memory
-    reflector: Ahead
-    search: Ahead
-    world: World
-
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """All inputs; each may be absent, but for what a judged distance is charged."""
-        offered = self.linking.offered.inputs
-        return [*self.odometer.inputs, *self.read.inputs, *offered, self.national.received]
-
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        state: dict[Var, Initial] = {}
-        for part in (
-            self.held,
-            self.odometer,
-            self.heading,
-            self.linking,
-            self.national,
-            self.memory,
-            self.reflector,
-            self.search,
-        ):
-            state |= part.state()
-        return state
-
-
-def parts(config: BaliseConfig) -> Parts:
-    """Fresh variables for one machine."""
-    limits = config.limits
-    lines = {"last_identity": config.last_group_identity, "position_limit_mm": config.position_limit_mm}
-    return Parts(
-        config,
-        odometer(config.odometer, limits, told=config.told_distance),
-        Heading(boolean("backwards"), number("rolled_mm", MM, 0, config.reversal_mm), config.reversal_mm),
-        _held(config),
-        telegram(
-            **lines,
-            max_step_mm=limits.max_step_mm,
-            age_limit_ms=config.telegram_age_limit_ms,
-            reflector_reach_mm=config.reflector_reach_mm,
-        ),
-        linking(config.announced_groups, **lines),
-        national(config.default_accuracy_mm),
-        _memory(config),
-        _ahead("reflector", config),
-        _ahead("search", config),
-        _world(config),
-    )
-
-
-def _held(config: BaliseConfig) -> Held:
-    place, tolerance = config.position_limit_mm * NM_PER_MM, config.limits.tolerance_nm
-    return Held(
-        number("position_nm", NM, -place, place),
-        number("margin_above_nm", NM, 0, tolerance),
-        number("margin_below_nm", NM, 0, tolerance),
-    )
-
-
-def _memory(config: BaliseConfig) -> Memory:
-    place, identities = config.position_limit_mm, config.last_group_identity
-    return Memory(
-        group=number("last_group", COUNT, 0, identities),
-        place=number("last_group_position_mm", MM, -place, place),
-        given_up=number("given_up_group", COUNT, 0, identities),
-        missed=number("missed_in_row", COUNT, 0, 2),
-        ended=number("given_up_now", COUNT, 0, config.announced_groups),
-        accuracy=number("charged_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM),
-        run=number("run_mm", MM, 0, FARTHEST_MM),
-        measured=boolean("whole_run_measured"),
-        direction=choice("known_direction", enumeration(DIRECTION)),
-        verdict=choice("telegram_judged", enumeration(READ)),
-        reaction=choice("linking_reaction_now", enumeration(REACTION)),
-        reason=choice("reason", enumeration(REASON)),
-    )
-
-
-def _ahead(name: str, config: BaliseConfig) -> Ahead:
-    reach = config.position_limit_mm + config.reflector_reach_mm
-    return Ahead(boolean(f"{name}_told"), number(f"{name}_place_mm", MM, -reach, reach))
-
-
-def _world(config: BaliseConfig) -> World:
+def movement(config: BaliseConfig) -> Movement:
+    """Make the variables of a movement; a machine that follows another one's movement takes that one's."""
     limits, half = config.limits, config.odometer.wander_nm
-    line = (config.position_limit_mm + 2 * config.tolerance_mm) * NM_PER_MM
-    since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
-    apart = line + since + (config.antenna_mm + config.detection_mm) * NM_PER_MM
-    return World(
+    line = _line_nm(config)
+    return Movement(
         number("truth_nm", NM, -line, line),
         number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
         number("odometer_wander_nm", NM, -half, half),
         number("odometer_next_wander_nm", NM, -half, half),
-        number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm),
-        number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1),
-        boolean("truly_backwards"),
-        number("truly_rolled_mm", MM, 0, config.reversal_mm),
-        number("national_accuracy_told_mm", MM, 0, LARGEST_ACCURACY_MM),
-        number("doubted_group", COUNT, 0, config.last_group_identity),
-        number("read_place_nm", NM, -apart, apart),
-        number("true_since_nm", NM, -since, since),
-        number("reading_wander_nm", NM, -half, half),
+    )
+
+
+def _line_nm(config: BaliseConfig) -> int:
+    return (config.position_limit_mm + 2 * config.tolerance_mm) * NM_PER_MM
+
+
+class Ghosts:
+    """The variables of the world: the true place of the front end, and the true errors; nm.
+
+    truth, true_step        the front end, and its run in the cycle
+    wander, next_wander     the one-off part of the odometer's error, before the cycle and, freely chosen, after it
+    heard, silent           the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
+    backwards, rolled       the direction of running as measured, and the distance run against it without a break, mm
+    national                the national location accuracy, as last received, mm
+    doubted                 the identity of the last group that lay far from its place, until another group serves; 0: none
+    spot                    the true place of balise 1 of the group that is read
+    true_since              the true run of the vehicle since the reading
+    reading_wander          the one-off part of the odometer's error at the reading
+    """
+
+    def __init__(self, declared: Declared, config: BaliseConfig, moved: Movement) -> None:
+        limits, half, most = config.limits, config.odometer.wander_nm, LARGEST_ACCURACY_MM
+        self.truth = declared.ghost(moved.truth, first=ANY)
+        self.wander = declared.ghost(moved.wander, first=ANY)
+        told = number("national_accuracy_told_mm", MM, 0, most)
+        self.national = declared.ghost(told, first=config.default_accuracy_mm)
+        self.doubted = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
+        self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
+        self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
+        self.heard = number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm)
+        self.silent = number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1)
+        if not config.told_distance:
+            declared.ghost(self.heard, first=0)
+            declared.ghost(self.silent, first=config.gap_limit_cycles + 1)
+        since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
+        apart = _line_nm(config) + since + (config.antenna_mm + config.detection_mm) * NM_PER_MM
+        self.true_step = declared.choice(moved.true_step)
+        self.next_wander = declared.choice(moved.next_wander)
+        self.spot = declared.choice(number("read_place_nm", NM, -apart, apart))
+        self.true_since = declared.choice(number("true_since_nm", NM, -since, since))
+        self.reading_wander = declared.choice(number("reading_wander_nm", NM, -half, half))
+
+
+class Parts:
+    """The variables of the machine and its world; properties read them by name.
+
+    held                the interval of the front end
+    odometer, heading   the measured distance, and the direction of running
+    read                inputs: the group reading of the cycle
+    linking, national   the announced groups, and the national location accuracy
+    memory              state: groups read before, and the outcome of the cycle
+    reflector, search   state: place of the next reflector, and place where its search may begin
+    world               ghosts
+    """
+
+    def __init__(self, config: BaliseConfig, moved: Movement | None = None) -> None:
+        self.declared = declared = Declared()
+        self.config, limits = config, config.limits
+        lines = {"last_identity": config.last_group_identity, "position_limit_mm": config.position_limit_mm}
+        self.held = _held(declared, config)
+        self.odometer = _odometer(declared, config)
+        self.heading = Heading(
+            declared.state(boolean("backwards"), first=False),
+            declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0),
+            config.reversal_mm,
+        )
+        self.read = telegram(
+            declared,
+            **lines,
+            max_step_mm=limits.max_step_mm,
+            age_limit_ms=config.telegram_age_limit_ms,
+            reflector_reach_mm=config.reflector_reach_mm,
+        )
+        self.linking = linking(declared, config.announced_groups, **lines)
+        self.national = national(declared, config.default_accuracy_mm)
+        self.memory = _memory(declared, config)
+        self.reflector = _ahead(declared, "reflector", config)
+        self.search = _ahead(declared, "search", config)
+        self.world = Ghosts(declared, config, moved or movement(config))
+
+
+def parts(config: BaliseConfig, *, moved: Movement | None = None) -> Parts:
+    """Declare the variables of one machine; `moved`: the true movement, where another machine's world moves the vehicle."""
+    return Parts(config, moved)
+
+
+def _held(declared: Declared, config: BaliseConfig) -> StoredInterval:
+    place, tolerance = config.position_limit_mm * NM_PER_MM, config.limits.tolerance_nm
+    return StoredInterval(
+        declared.state(number("position_nm", NM, -place, place), first=0),
+        declared.state(number("margin_above_nm", NM, 0, tolerance), first=0),
+        declared.state(number("margin_below_nm", NM, 0, tolerance), first=0),
+    )
+
+
+def _odometer(declared: Declared, config: BaliseConfig) -> Odometer:
+    found = odometer(config.odometer, config.limits, told=config.told_distance)
+    for var in found.inputs:
+        declared.sensor(var)
+    for kept, first in found.state().items():
+        declared.state(kept, first=first)
+    return found
+
+
+def _memory(declared: Declared, config: BaliseConfig) -> Memory:
+    place, identities = config.position_limit_mm, config.last_group_identity
+    return Memory(
+        group=declared.state(number("last_group", COUNT, 0, identities), first=0),
+        place=declared.state(number("last_group_position_mm", MM, -place, place), first=0),
+        given_up=declared.state(number("given_up_group", COUNT, 0, identities), first=0),
+        missed=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
+        ended=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
+        accuracy=declared.state(number("charged_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        run=declared.state(number("run_mm", MM, 0, FARTHEST_MM), first=0),
+        measured=declared.state(boolean("whole_run_measured"), first=False),
+        direction=declared.state(choice("known_direction", enumeration(DIRECTION)), first=DIRECTION_UNKNOWN),
+        verdict=declared.state(choice("telegram_judged", enumeration(READ)), first=NONE),
+        reaction=declared.state(choice("linking_reaction_now", enumeration(REACTION)), first=NO_REACTION),
+        reason=declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE),
+    )
+
+
+def _ahead(declared: Declared, name: str, config: BaliseConfig) -> Ahead:
+    reach = config.position_limit_mm + config.reflector_reach_mm
+    return Ahead(
+        declared.state(boolean(f"{name}_told"), first=False),
+        declared.state(number(f"{name}_place_mm", MM, -reach, reach), first=0),
     )

@@ -30,7 +30,6 @@ from safeloc.language.expr import (
     maximum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.telegram import LINKED, NOMINAL, PASSED, REVERSE, UNKNOWN
@@ -43,12 +42,8 @@ KEPT = "the groups that the map announced are read where the machine keeps them;
 
 
 def world(own: Parts) -> World:
-    """The true position, the odometer's error, and what is true of the group that is read."""
+    """Make the world: the true movement, the odometer's error, and the true place of the group that is read."""
     seen = own.world
-    first: dict[Var, Initial] = {
-        seen.truth: ANY, seen.wander: ANY, seen.national: own.config.default_accuracy_mm, seen.doubted: 0,
-        seen.backwards: False, seen.rolled: 0,
-    }  # fmt: skip
     moves: dict[Var, Expr] = {
         seen.truth: after(own),
         seen.wander: wander_after(own),
@@ -57,10 +52,8 @@ def world(own: Parts) -> World:
         **_rolling(own),
     }
     if not own.config.told_distance:
-        first |= measuring(own).first()
         moves |= measuring(own).moves()
-    choices: list[Var] = [seen.true_step, seen.next_wander, seen.spot, seen.true_since, seen.reading_wander]
-    return World(first, choices, moves, _laws(own), KEPT)
+    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own), KEPT)
 
 
 def _laws(own: Parts) -> dict[str, Bool | Law]:
@@ -77,7 +70,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
 
 
 def after(own: Parts) -> Num:
-    """Where the front end is at the end of the cycle, nm."""
+    """Return the place of the front end at the end of the cycle, nm."""
     return own.world.truth + own.world.true_step
 
 
@@ -85,7 +78,7 @@ def after(own: Parts) -> Num:
 
 
 def physics(config: BaliseConfig) -> Physics:
-    """What the vehicle can run, and how finely it is measured."""
+    """Return the limits of the vehicle's movement, and of its measurement."""
     return Physics(
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
         config.gap_limit_cycles, config.gap_limit_cycles + 1,
@@ -93,7 +86,7 @@ def physics(config: BaliseConfig) -> Physics:
 
 
 def measuring(own: Parts) -> Measuring:
-    """The odometer as the world has it, where it is heard itself."""
+    """Return the world's view of the odometer, where the machine reads it directly."""
     return Measuring(own.odometer.law, own.odometer.step, own.world.heard, own.world.silent, physics(own.config))
 
 
@@ -106,7 +99,7 @@ def can_be_run(own: Parts) -> Bool:
 
 
 def wander_after(own: Parts) -> Num:
-    """Of a distance that comes judged it may move in every cycle: whatever it does is told."""
+    """Return the one-off error after the cycle. With a checked distance it may change in every cycle: the reported error covers it."""
     counts = TRUE if own.config.told_distance else can_be_run(own)
     return ite(counts, own.world.next_wander, own.world.wander)
 
@@ -241,7 +234,7 @@ def _age_law(own: Parts) -> Law:
 
 
 def _in_age(own: Parts) -> Num:
-    """What the vehicle runs at its highest speed in the age of the reading; mm/s x ms x 1000 = nm."""
+    """Return the run at the highest speed in the age of the reading; mm/s x ms x 1000 = nm."""
     return with_unit(own.read.age.value * (own.config.max_speed_mm_s * THOUSAND), NM)
 
 
@@ -255,7 +248,7 @@ def national(own: Parts) -> Num:
 
 
 def _far_nm(own: Parts, accuracy: Num) -> Num:
-    """How far off a group lies, at least, that is not where the map has it: where no interval and no reading reach, nm."""
+    """Return the least distance of a misplaced group from its place on the map: beyond every interval and every reading, nm."""
     config = own.config
     fixed = 2 * config.tolerance_mm + 2 * config.detection_mm + config.odometer.constant_mm
     cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
@@ -362,7 +355,7 @@ def _serves(own: Parts) -> Bool:
 
 
 def _fine_enough(own: Parts) -> Bool:
-    """What it says is no coarser than the tolerance, and on the line."""
+    """The reading puts the front end on the line, no less accurately than the tolerance."""
     config, read = own.config, own.read
     since = ite(read.since.present, read.since.value, as_num(0, MM))
     slack = ite(read.since.present, _counted_wrong(own), _in_age(own) + config.measuring_step_mm * NM_PER_MM)

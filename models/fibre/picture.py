@@ -7,7 +7,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from safeloc.railway.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, VirtualSection, Waterfall
+from safeloc.railway.pictures import (
+    LoudFibre,
+    NamedInterval,
+    SectionState,
+    Stretch,
+    TrueEnds,
+    VirtualSection,
+    Waterfall,
+)
 from safeloc.reported import Reported
 
 STREAMS = Path(__file__).parents[1] / "streams"
@@ -15,18 +23,18 @@ STREAMS = Path(__file__).parents[1] / "streams"
 
 def picture() -> Waterfall:
     """Return the picture of position signals, the reported interval and the mode."""
-    return Waterfall("Fibre", loud, (Interval("interval", Reported()),), signals=("position_signal",))
+    return Waterfall("Fibre", loud, (NamedInterval("interval", Reported()),), signals=("position_signal",))
 
 
 def area_picture(sections: int) -> Waterfall:
     """Return the picture of a train in a line area: reported front, both ends, modes, and virtual sections."""
-    ends = [Interval(f"{end} located", _reported(end, "valid")) for end in ("front", "rear")]
+    ends = [NamedInterval(f"{end} located", _reported(end, "valid")) for end in ("front", "rear")]
     numbers = range(1, sections + 1)
     names = ("front", "rear", "emitter", "verification")
     return Waterfall(
         "Fibre area",
         loud,
-        (Interval("front, given out", _reported("verification", "trusted")), *ends),
+        (NamedInterval("front, given out", _reported("verification", "trusted")), *ends),
         tuple(
             SectionState(f"section {n}", f"section_{n}.from_mm", f"section_{n}.to_mm", f"section_{n}.mode")
             for n in numbers

@@ -36,13 +36,12 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates
-from safeloc.language.units import MM, NM, NM_PER_MM, UM, UM_PER_MM
+from safeloc.language.units import MM, NM, NM_PER_MM, PPM_PER_ONE, UM, UM_PER_MM
 from safeloc.models.fibre_area.parting import PartingConfig, Parts, parts
 from safeloc.models.fibre_area.report_world import world
 
 __all__ = ["Believed", "PartingConfig", "Parts", "Report", "build", "parts"]
 REQUIREMENTS = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
-PPM_OF_ALL = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +64,7 @@ class Believed:
     def run(self) -> Num:
         """Least run of the train in the cycle: the measured run less its greatest error, mm rounded down."""
         told, size = self.own.told_run, ite(self.down, -self.own.run, self.own.run)
-        sure = with_unit(size * (PPM_OF_ALL - told.rate_ppm), NM) - told.floor_mm * NM_PER_MM
+        sure = with_unit(size * (PPM_PER_ONE - told.rate_ppm), NM) - told.floor_mm * NM_PER_MM
         return maximum(floor_to(sure, MM), 0)
 
     @cached_property

@@ -1,21 +1,22 @@
-"""The guard of a receiver: of the positions that a receiver reports, only what map and motion allow (MRK-D6).
+"""The guard of a receiver: it passes on only those of the receiver's positions that map and motion allow (MRK-D6).
 
-A receiver's position may serve as marker information, but its own quality flags do not bound its error. So a fix is
-judged by the map (is it on the track, and is it clear on which), by what a vehicle can do (can it be there by now, at
-that speed) and by how often in a row the receiver has agreed with both. Flags are not read at all.
+A receiver's position may serve as marker information, but the receiver's quality flags do not bound its error. So the guard
+checks a fix by the map (is it on the track, and on which one), by the vehicle's possible motion (can it be there by now, at
+that speed) and by the number of fixes in a row that agreed with both. It does not read the flags.
 
-    WITHDRAWN   nothing is held: the receiver's word is all there is, and it is not enough
-    RECOVERING  one or more fixes in a row agree among themselves; nothing is passed on
-    PASSING     a fix that agrees with what is held is passed on and narrows it
-    PROBATION   the receiver said something implausible, or contradicted itself: nothing is passed on and nothing narrows,
-                until as many fixes in a row agree as are asked for
+    WITHDRAWN   no interval is stored: the receiver alone is not enough
+    RECOVERING  one or more fixes in a row agree with each other; none is passed on
+    PASSING     a fix that agrees with the stored interval is passed on and narrows it
+    PROBATION   a fix was implausible, or contradicted the one before: none is passed on and nothing narrows, until the
+                configured number of fixes in a row agree
 
-A row is broken as well where a vehicle cannot have run from one fix near the way to the next, whatever became of the first.
-A fix is refused whose course crosses the way, or runs against the only direction in which the way may be run, and one at a place
-that the vehicle cannot have come to from where it was last known, however long ago. Only the host lets that place be forgotten.
+A row also ends where a vehicle cannot have run from one fix near the way to the next, whatever the verdict on the first was.
+The guard refuses a fix whose course crosses the way, or runs against the only permitted direction, and one at a place that the
+vehicle cannot have reached from its last known place, however long ago. Only the host's new start forgets that place.
 
-What is held is an interval of places along the way and one of speeds. Without a fix that passes, both grow by all that
-the vehicle can do; what is wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along the way, speeds um/s, negative against the way's direction.
+The guard stores an interval of places along the way and one of speeds. Without a fix that passes, both grow by the vehicle's
+possible motion; an interval wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along
+the way, speeds um/s, negative against the way's direction.
 """
 
 from __future__ import annotations
@@ -23,8 +24,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
+from safeloc.language.expr import Bool, Expr, Lit, Num, as_num, between, ceil_to, floor_div, floor_to, ite
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.language.world import World
 from safeloc.models.guard import law
@@ -37,7 +39,7 @@ REQUIREMENTS = ("MRK-D6",)
 
 
 def machine(config: GuardConfig | None = None) -> Machine:
-    """The guard's machine (MRK-D6)."""
+    """Return the guard's machine (MRK-D6)."""
     return build(parts(config or GuardConfig())).machine
 
 
@@ -56,7 +58,7 @@ class Guard:
 
 
 def build(own: Parts) -> Guard:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
     current, judged = current_mode(table), judge(own)
     holding, recovering = current.one_of(*table[2:]), current.eq(table[1])
@@ -81,8 +83,8 @@ def build(own: Parts) -> Guard:
         lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]), recovering)},
         definitions=_definitions(judged),
         doc=(
-            "Passes on of a receiver's positions what map and motion allow, each with the interval along the way that "
-            "the vehicle is in. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "
+            "Passes on those of a receiver's positions that map and motion allow, each with the interval along the way that "
+            "contains the vehicle. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "
             "that each follow from the one before as a vehicle can run, the one that completes the number asked for, and every "
             "further one, is wrong by no more than its error bound. Nothing is assumed of any other fix, nor of the receiver's "
             "quality flags. A receiver that errs along the track, slowly enough for a vehicle, for that many fixes, is not noticed."
@@ -92,7 +94,7 @@ def build(own: Parts) -> Guard:
 
 
 def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """How long the row of agreeing fixes is in each mode."""
+    """Return the lemmas on the number of agreeing fixes in each mode."""
     lost, recovering, passing, probation = table
     full = own.config.confirmations
     return {
@@ -106,18 +108,18 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 
 def _heard(cycle: Judged, row: Transition) -> Transition:
-    """Every other transition holds what was delivered as the last fix near the way, if it is one, and as the place last known."""
-    return replace(row, set={**row.set, **cycle.near_after, **cycle.known_after})
+    """Add to every other transition that it stores the fix as the last one near the way, and as the last known place, if it is one."""
+    return replace(row, set=together(row.set, cycle.near_after, cycle.known_after))
 
 
 def _new_start(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Transition:
-    """The host's word that nothing known before counts; what is delivered in the same step does not count either."""
+    """The host orders a new start: nothing known before is used any more, nor a fix of the same step."""
     judged = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
-    nothing = {**become(own, _nothing()), **_nowhere(own), own.agreed: as_num(0, COUNT), own.judged: judged}
+    nothing = together(become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.judged: judged})
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
 
 
-def _nowhere(own: Parts) -> dict[Var, Expr]:
+def _nowhere(own: Parts) -> Updates:
     """No fix has come near the way, and nothing is known of the vehicle: it may be anywhere on the line."""
     low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
     return {
@@ -126,21 +128,21 @@ def _nowhere(own: Parts) -> dict[Var, Expr]:
 
 
 def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Transitions while an interval is held that has the truth in it."""
+    """Transitions while an interval is stored that contains the truth."""
     lost, _, passing, probation = table
     both, config = (passing, probation), own.config
     narrow, coasted = cycle.with_fix, cycle.coasted
     full, none = as_num(config.confirmations, COUNT), as_num(0, COUNT)
     kept = usable(config, coasted.box)
 
-    def coast(agreed: Num, judged: Num) -> dict[Var, Expr]:
-        return {**become(own, coasted), own.agreed: agreed, own.judged: judged}
+    def coast(agreed: Num, judged: Num) -> Updates:
+        return together(become(own, coasted), {own.agreed: agreed, own.judged: judged})
 
-    passed = {**become(own, narrow), own.agreed: full, own.judged: PASSED}
+    passed = together(become(own, narrow), {own.agreed: full, own.judged: PASSED})
     goes_on = cycle.agrees & cycle.follows
     yield Transition("fix passed on", passing, passing, goes_on, passed, REQUIREMENTS, 0)
     yield Transition("receiver believed again", probation, passing, goes_on & cycle.confirmed, passed, REQUIREMENTS, 0)
-    lose = {**become(own, _nothing()), own.agreed: none, own.judged: _withheld(cycle)}
+    lose = together(become(own, _nothing()), {own.agreed: none, own.judged: _withheld(cycle)})
     yield Transition("window given up", both, lost, ~kept, lose, REQUIREMENTS, 1)
     doubt = coast(none, cycle.verdict)
     yield Transition("implausible fix", both, probation, cycle.implausible, doubt, REQUIREMENTS, 2)
@@ -162,30 +164,31 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
 
 
 def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Transitions while nothing is known of the truth: fixes are compared with each other only."""
+    """Transitions while no interval contains the truth for sure: fixes are only compared with each other."""
     lost, recovering, passing, _ = table
     fresh, config = cycle.fresh, own.config
     none, one = as_num(0, COUNT), as_num(1, COUNT)
-    empty = {**become(own, _nothing()), own.agreed: none}
-    candidate = {**become(own, fresh), own.judged: UNCONFIRMED}
-    full = {**become(own, fresh), own.agreed: as_num(config.confirmations, COUNT), own.judged: PASSED}
+
+    def begun_by(agreed: Num, judged: Num) -> Updates:
+        return together(become(own, fresh), {own.agreed: agreed, own.judged: judged})
+
+    full = begun_by(as_num(config.confirmations, COUNT), PASSED)
     agrees = cycle.agrees & cycle.begins
     yield Transition("receiver believed", recovering, passing, agrees & cycle.confirmed, full, REQUIREMENTS, 6)
-    yield Transition(
-        "fix agrees", recovering, recovering, agrees, {**candidate, own.agreed: cycle.more}, REQUIREMENTS, 7
-    )
-    begin = {**candidate, own.agreed: one}
+    another = begun_by(cycle.more, UNCONFIRMED)
+    yield Transition("fix agrees", recovering, recovering, agrees, another, REQUIREMENTS, 7)
+    begin, anew = begun_by(one, UNCONFIRMED), begun_by(one, cycle.verdict)
     yield Transition("first fix", lost, recovering, cycle.begins, begin, REQUIREMENTS, 7)
-    anew = {**become(own, fresh), own.judged: cycle.verdict, own.agreed: one}
     yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, REQUIREMENTS, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
-    yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, REQUIREMENTS, 9)
-    waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}
+    empty = together(become(own, _nothing()), {own.agreed: none, own.judged: cycle.verdict})
+    yield Transition("fixes dropped", recovering, lost, unusable, empty, REQUIREMENTS, 9)
+    waiting = together(_carried(own, cycle.coasted.box), {own.judged: cycle.verdict})
     yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
     yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.fair}, requirements=REQUIREMENTS, rank=10)
 
 
-def _carried(own: Parts, box: Box) -> dict[Var, Expr]:
+def _carried(own: Parts, box: Box) -> Updates:
     """The box of the last fix, moved; it is no anchor."""
     return become(own, begun(box))
 
@@ -196,12 +199,12 @@ def _nothing() -> Held:
 
 
 def _withheld(cycle: Judged) -> Num:
-    """The reason where a fix that keeps its gates is withheld all the same."""
+    """Return the reason: that of the verdict, or UNCONFIRMED for a fix that passed all checks and is withheld all the same."""
     return ite(cycle.agrees, UNCONFIRMED, cycle.verdict)
 
 
 def _definitions(cycle: Judged) -> dict[str, Expr]:
-    """Names for what the table speaks of."""
+    """Name the terms of the table."""
     return {
         "delivery judged": cycle.verdict,
         "delivery judged alone": cycle.alone,

@@ -1,4 +1,4 @@
-"""Where a vehicle is along its way and how fast, as an interval each: moved by what it can do, narrowed by a fix."""
+"""Place of a vehicle along its way and its speed, an interval each: widened by the vehicle's possible motion, narrowed by a fix."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ class Box:
         return self.high - self.low
 
     def holds(self, place: Num, speed: Num) -> Bool:
-        """Whether a place and a speed lie in it."""
+        """Return whether a place and a speed lie in it."""
         return (self.low <= place) & (place <= self.high) & (self.slow <= speed) & (speed <= self.fast)
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """Where the vehicle was some steps ago."""
+    """Place of the vehicle some steps ago."""
 
     low: Num
     high: Num
@@ -66,7 +66,7 @@ class Held:
 
 
 def held(own: Parts) -> Held:
-    """What the state variables hold before the step."""
+    """Return the box and the anchor before the step."""
     return Held(Box(own.low, own.high, own.slow, own.fast), Anchor(own.anchor_low, own.anchor_high, own.anchor_steps))
 
 
@@ -94,14 +94,14 @@ def half_nm(own: Parts) -> Num:
 
 
 def of_fix(own: Parts) -> Box:
-    """What a fix says by itself; its speed has no direction."""
+    """Return the box by a fix alone; its speed has no direction."""
     place, half, fast = exact_to(own.fix.value, NM), half_nm(own), as_num(own.config.max_speed_mm_s * 1_000, UM_S)
     most = ite(own.speed.present, minimum(_speed(own) + own.config.speed_error_mm_s * 1_000, fast), fast)
     return Box(place - half, place + half, -most, most)
 
 
 def near_now(own: Parts) -> tuple[Num, Num]:
-    """Where the vehicle is by now if the last fix near the way is true, however fast it ran: from, to; nm."""
+    """Return the place of the vehicle by now if the last fix near the way is true, at any permitted speed: from, to; nm."""
     config = own.config
     ran, reach = as_num(config.max_speed_mm_s * config.period_ms * UM_PER_MM + config.way_nm, NM), reach_nm(config)
     return (
@@ -111,7 +111,7 @@ def near_now(own: Parts) -> tuple[Num, Num]:
 
 
 def known_now(own: Parts) -> tuple[Num, Num]:
-    """Where the vehicle is by now by what was last known of it, however fast it ran in a permitted direction: from, to; nm."""
+    """Return the place of the vehicle by now from its last known place, at any speed in a permitted direction: from, to; nm."""
     config = own.config
     ran, reach = as_num(config.max_speed_mm_s * config.period_ms * UM_PER_MM + config.way_nm, NM), reach_nm(config)
     back = own.advance & ~own.forwards_only
@@ -122,7 +122,7 @@ def known_now(own: Parts) -> tuple[Num, Num]:
 
 
 def narrowed(own: Parts, box: Box) -> Box:
-    """What the box and the fix have in common. The receiver's speed counts in the direction that the box knows."""
+    """Return the common part of the box and the fix. The receiver's speed has the direction that the box allows."""
     fix, error = of_fix(own), own.config.speed_error_mm_s * 1_000
     least = ite(own.speed.present, _speed(own) - error, as_num(-error, UM_S))
     slow, fast = maximum(box.slow, fix.slow), minimum(box.fast, fix.fast)

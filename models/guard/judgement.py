@@ -151,7 +151,7 @@ def _of_fault(own: Parts) -> Num:
 
 
 def _fair(own: Parts, known: tuple[Num, Num]) -> Num:
-    """What speaks against a fix near the way: a course that crosses it or runs against it, or a place out of reach."""
+    """Return the verdict on a fix near the way by course and reach: it crosses the way, runs against it, or is out of reach."""
     fix, (low, high), limit = of_fix(own), known, own.config.course_limit_mrad
     back = own.course.value >= HALF_TURN_MRAD - limit
     along = (own.course.value <= limit) | (back & ~own.forwards_only)
@@ -163,7 +163,7 @@ def _fair(own: Parts, known: tuple[Num, Num]) -> Num:
 
 
 def _verdict(own: Parts, fair: Num, ahead: Box, after: Box) -> Num:
-    """What speaks against it besides: where the vehicle can be now, and how fast.
+    """Return the verdict by the held interval as well: the places and speeds that the vehicle can have now.
 
     A fix whose charge only just reaches where the vehicle can be might be true, and is withheld all the same.
     """

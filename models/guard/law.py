@@ -33,7 +33,6 @@ from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM, UM, UM_PER_MM, 
 from safeloc.language.world import Law
 from safeloc.models.guard.variables import FAULT, HALF_TURN_MRAD, NO_FAULT, GuardConfig, Parts
 
-UM_S_PER_MM_S = 1_000
 FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
 
 
@@ -76,7 +75,7 @@ def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
 
 
 def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
-    """How the ghosts move. `run` is counted from the machine's anchor; while nothing is held it rests."""
+    """Return the moves of the ghosts. `run` counts from the machine's anchor; while no interval is held it rests."""
     ran = own.run + own.next_truth - own.truth
     anchored = own.advance & (own.anchor_steps + 1).eq(own.config.speed_window_ms // own.config.period_ms)
     return {
@@ -133,7 +132,7 @@ def _place(own: Parts) -> Num:
 
 
 def _error(own: Parts) -> Num:
-    """What a fix may be wrong by: of itself, by its distance off the track, and by its age at the highest speed."""
+    """Return the error bound of a fix: its own, that by its distance off the track, and the run at the highest speed in its age."""
     config = own.config
     beside = with_unit(own.offset * config.offset_charge_permille, UM)
     aged = with_unit(own.age * config.max_speed_mm_s, UM)
@@ -141,7 +140,7 @@ def _error(own: Parts) -> Num:
 
 
 def _reach(own: Parts) -> tuple[Num, Num]:
-    """Where a vehicle can be that the last fix near the way was true of: from, to."""
+    """Return the place of a vehicle for which the last fix near the way was true: from, to."""
     fastest = with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM)
     ran = exact_to(fastest, NM) + _bend_nm(own.config)
     return (
@@ -158,7 +157,7 @@ def _along(own: Parts) -> Bool:
 
 
 def _sure_reach(own: Parts) -> tuple[Num, Num]:
-    """Where the vehicle can be since a row was last true: from, to; however fast it ran, and back only where that is permitted."""
+    """Return the place of the vehicle since a row was last true: from, to; at any speed, and back only where that is permitted."""
     ran = exact_to(with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM), NM) + _bend_nm(own.config)
     least = ite(own.forwards_only, own.sure_low, maximum(own.sure_low - ran, own.sure_low.low))
     most = minimum(own.sure_high + ran, own.sure_high.high)
@@ -183,7 +182,7 @@ def _promised(own: Parts) -> Bool:
 
 
 def _row_after(own: Parts) -> Num:
-    """How many fair fixes follow from each other; one off the track, across it or out of reach ends the row, one elsewhere
+    """Return the number of fair fixes in a row; one off the track, across it or out of reach ends the row, one elsewhere
     begins it anew."""
     (low, high), place, error = _reach(own), _place(own), _error(own)
     follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)
@@ -201,7 +200,7 @@ def _place_true(own: Parts) -> Bool:
 
 def _speed_true(own: Parts) -> Bool:
     wrong = abs_(own.next_speed) - exact_to(own.speed.value, UM_S)
-    return abs_(wrong) <= own.config.speed_error_mm_s * UM_S_PER_MM_S
+    return abs_(wrong) <= own.config.speed_error_mm_s * UM_PER_MM
 
 
 # ------------------------------------------------------------------ the vehicle
@@ -230,7 +229,7 @@ def _strongest(config: GuardConfig) -> int:
 
 
 def _bend_nm(config: GuardConfig) -> int:
-    """What a change of speed adds to the way of a period at most: a T^2 / 2."""
+    """Return the most that a change of speed adds to the distance of a period: a T^2 / 2."""
     return _strongest(config) * config.period_ms**2 // 2
 
 

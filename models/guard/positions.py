@@ -37,7 +37,7 @@ FAULTS = {
 
 @dataclass(frozen=True)
 class Told:
-    """What the receiver says at a second, and where the vehicle is: mm along stem and main."""
+    """Report of the receiver at a second, and the place of the vehicle: mm along stem and main."""
 
     second: int
     truth_mm: int

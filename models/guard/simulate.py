@@ -25,7 +25,7 @@ NO_FIX = next(number for number, fault in enumerate(FAULT) if fault.label == "NO
 
 @dataclass
 class _Vehicle:
-    """Where it really is: nm, um/s, and the acceleration it keeps for some steps."""
+    """True movement: nm, um/s, and the acceleration that holds for some steps."""
 
     place_nm: int
     speed_um_s: int
@@ -34,7 +34,7 @@ class _Vehicle:
 
 
 FIRST_TRUTH: Mapping[str, Value] = {"truth_nm": 0, "true_speed_um_s": 0}
-"""Where the vehicle is before the first step, at rest."""
+"""Place of the vehicle before the first step, at rest."""
 
 
 def simulate(config: GuardConfig | None = None, *, seed: int, seconds: int = 240) -> list[dict[str, Value]]:
@@ -58,7 +58,7 @@ def simulate(config: GuardConfig | None = None, *, seed: int, seconds: int = 240
 
 @dataclass
 class _Spell:
-    """What the receiver does for some fixes."""
+    """Behaviour of the receiver for some fixes."""
 
     kind: str
     fixes: int
@@ -94,7 +94,7 @@ def _quiet(vehicle: _Vehicle) -> dict[str, Value]:
 
 
 def _delivered(vehicle: _Vehicle, config: GuardConfig, random: Random, spell: _Spell) -> dict[str, Value]:
-    """What the receiver says of where the vehicle is."""
+    """Return the receiver's report of the vehicle's place."""
     if spell.kind in ("silence", "no fix"):
         return {} if spell.kind == "silence" else {"fault": NO_FIX}
     offset = random.choice((0, random.randint(0, config.offset_limit_mm), config.offset_limit_mm))

@@ -34,7 +34,7 @@ QUARTER_TURN_MRAD = 1_571
 
 
 class GuardConfig(Config):
-    """What map and motion allow, and how often a receiver must agree with both before it is believed."""
+    """Limits by map and motion, and the number of fixes that have to agree with both before one is passed on."""
 
     period_ms: int = quantity(100, "ms", 2, 2_000, "[D] a step of the guard; a multiple of 2")
     tolerance_mm: int = quantity(30_000, "mm", 2, 500_000, "[S] OCORA 7239: 30 m on main line")
@@ -83,7 +83,7 @@ class GuardConfig(Config):
 
     @property
     def worst_error_mm(self) -> int:
-        """What a fresh fix at the offset limit is charged."""
+        """Error bound of a fresh fix at the offset limit."""
         return self.fix_error_mm - -self.offset_limit_mm * self.offset_charge_permille // 1_000
 
     @property
@@ -107,7 +107,7 @@ class GuardConfig(Config):
         return self.speed_change_um_s * self.period_ms // 2
 
     def lag_nm(self, steps: int) -> int:
-        """How far the distance of so many steps may lie from the speed at their end times their duration."""
+        """Return the most by which the distance of so many steps differs from the speed at their end times their duration."""
         return steps * self.way_nm + self.speed_change_um_s * self.period_ms * steps * (steps + 1) // 2
 
 
@@ -183,5 +183,5 @@ def parts(config: GuardConfig) -> Parts:
 
 
 def reach_nm(config: GuardConfig) -> int:
-    """How far an interval that is held may reach: the line, and a window at its end."""
+    """Return the farthest places that an interval may contain: the line, and a window at its end."""
     return (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM

@@ -1,4 +1,4 @@
-"""The machines' configurations for one vehicle: its figures for the audit, and how it moves."""
+"""Configurations of the machines for one vehicle: from its figures for the audit, and from its movement."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.motion import VehicleConfig
 
 SPEED_SHARE = 0.9
-"""How much of the speed gate a vehicle uses; the rest is for what the odometer measures too much."""
+"""Share of the speed limit that a vehicle uses; the rest is for what the odometer measures too much."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class LineVehicle:
     """A vehicle on a line.
 
     layout       its figures for the audit; None: every machine has its defaults
-    in_time      radar and balise reader bring what they measure to the end of the cycle: nothing is charged for their latency
-    trust_first  the first balise group of a run is vouched for (a line with one group on a route needs that, or nothing
-                 is ever reported by the machines that locate on groups alone)
+    in_time      radar and balise reader extrapolate their measurements to the end of the cycle: their latency adds no error
+    trust_first  the first balise group of a run is known to be right. A line with one group on a route needs that: otherwise the
+                 machines that locate on groups alone never report anything
     """
 
     name: str = "default figures"
@@ -40,26 +40,26 @@ class LineVehicle:
 
     @property
     def national_mm(self) -> int:
-        """The location accuracy of groups without an own figure."""
+        """Location accuracy of groups without a figure of their own, mm."""
         return (self.layout or LayoutConfig()).balise_accuracy_mm
 
     @property
     def detection_mm(self) -> int:
-        """The detection accuracy of a balise."""
+        """Detection accuracy of a balise, mm."""
         return (self.layout or LayoutConfig()).detection_accuracy_mm
 
     @property
     def radar_error_mm(self) -> int:
-        """The error of a measured reflector, without that of the map."""
+        """Error of a measured reflector, without that of the map, mm."""
         return max(1, (self.layout or LayoutConfig()).radar_error_mm)
 
     @property
     def antenna_mm(self) -> int:
-        """How far the balise antenna is behind the front end."""
+        """Distance of the balise antenna behind the front end, mm."""
         return (self.layout or LayoutConfig()).antenna_offset_mm
 
     def odometry(self) -> OdometryConfig:
-        """Both units of a device have the law that the vehicle's odometry has."""
+        """Return the configuration: both units of a device have the law of the vehicle's odometry."""
         if self.layout is None:
             return OdometryConfig(trust_first_marker=self.trust_first)
         return OdometryConfig(
@@ -73,7 +73,7 @@ class LineVehicle:
         )
 
     def balise(self) -> BaliseConfig:
-        """Antenna, accuracies and law of the vehicle."""
+        """Return the configuration with antenna, accuracies and error law of the vehicle."""
         if self.layout is None:
             return BaliseConfig(trust_first_group=self.trust_first)
         return BaliseConfig(
@@ -88,7 +88,7 @@ class LineVehicle:
         )
 
     def reflector(self) -> ReflectorConfig:
-        """Radar, map accuracy and law of the vehicle."""
+        """Return the configuration with radar, map accuracy and error law of the vehicle."""
         plain = ReflectorConfig()
         frame_ms, balise_ms = (0, 0) if self.in_time else (plain.frame_latency_ms, plain.balise_latency_ms)
         if self.layout is None:
@@ -108,7 +108,7 @@ class LineVehicle:
         )
 
     def stop_point(self, stops: int) -> StopPointConfig:
-        """For platforms of so many stop points."""
+        """Return the configuration for platforms of so many stop points."""
         number = max(StopPointConfig().stop_points, stops)
         if self.layout is None:
             return StopPointConfig(stop_points=number)
@@ -120,7 +120,7 @@ class LineVehicle:
         )
 
     def route(self, routes: int, longest_mm: int) -> RouteConfig:
-        """For so many routes, of which the longest is so long."""
+        """Return the configuration for so many routes, of which the longest is so long."""
         number, longest = max(RouteConfig().routes, routes), max(RouteConfig().length_limit_mm, longest_mm)
         if self.layout is None:
             return RouteConfig(routes=number, length_limit_mm=longest)
@@ -137,7 +137,7 @@ class LineVehicle:
         )
 
     def turn_off(self) -> TurnOffConfig:
-        """The defaults: nothing of it depends on the vehicle's figures."""
+        """Return the defaults: nothing of it depends on the vehicle's figures."""
         return TurnOffConfig()
 
     def _law(self, kind: str) -> ErrorLaw:
@@ -155,7 +155,7 @@ class LineVehicle:
 
 
 def fitting(vehicle: LineVehicle, machine: str, *figures: int) -> Config:
-    """The configuration of a machine for a vehicle. InputError where the vehicle's figures do not suit the machine."""
+    """Return the configuration of a machine for a vehicle; InputError if the vehicle's figures do not suit the machine."""
     make = getattr(vehicle, machine)
     try:
         config = make(*figures)

@@ -1,6 +1,6 @@
 """A vehicle along a route of a line, as step streams of the machines that locate on it.
 
-What goes wrong is named: without faults every sensor keeps its law, every group is read and every reflector is seen.
+Only named faults occur: without them every sensor keeps its law, the vehicle reads every group and sees every reflector.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ MOST_ROUTES = 16
 class Journey:
     """One vehicle on one route.
 
-    rivals   the routes among which the route machine has to find this one; this one is among them
+    rivals   the routes among which the route machine has to find this one; they include this one
     """
 
     route: Route
@@ -66,10 +66,10 @@ class Journey:
 
 @dataclass(frozen=True)
 class Stream:
-    """The steps of one machine on one journey, and the configuration they were made with.
+    """The steps of one machine on one journey, and the configuration that they were made with.
 
-    stop     the stop point it is about; empty for all machines but that of stop points
-    struck   the faults that were put in, with where
+    stop     the stop point that the steps lead to; empty for all machines but that of stop points
+    struck   the faults that were put in, with their places
     """
 
     machine: str
@@ -80,7 +80,7 @@ class Stream:
 
 
 def streams(journey: Journey, machine: str) -> Iterator[Stream]:
-    """The streams of a machine: one, or one for each stop point, or none where the route gives it nothing to do.
+    """Return the streams of a machine: one, or one for each stop point, or none if the route has nothing for it.
 
     InputError for a machine that drives on no line, a vehicle that does not suit it, or a fault off the route.
     """
@@ -90,7 +90,7 @@ def streams(journey: Journey, machine: str) -> Iterator[Stream]:
 
 
 def motion_of(journey: Journey, gate_mm_s: int, period_ms: int, halts: Sequence[Halt] = ()) -> Motion:
-    """From standstill at the route's start to its end, or over the halts; at 80 to 100 % of what is permitted."""
+    """Return the motion from standstill at the route's start to its end, or over the halts; at 80 to 100 % of the permitted speed."""
     top = min(journey.vehicle.motion.max_speed_mm_s, int(gate_mm_s * SPEED_SHARE))
     share = random.Random(journey.seed).uniform(0.8, 1.0)
     ways = halts or [Halt(journey.route.length_mm, STAND_S, top)]
@@ -99,7 +99,7 @@ def motion_of(journey: Journey, gate_mm_s: int, period_ms: int, halts: Sequence[
 
 
 def _struck(journey: Journey, machine: str, motion: Motion, reflector: str = "") -> list[Struck]:
-    """The machine's faults on this route. `reflector`: the one that is meant where a fault names none."""
+    """Return the machine's faults on this route; a fault that names no reflector strikes `reflector`."""
     asked = [one for one in journey.faults if machine in one.fault.outcomes]
     asked = [replace(one, at=reflector) if one.fault.where == "reflector" and not one.at else one for one in asked]
     return [found for one in asked if (found := placed(one, journey.route, motion)) is not None]
@@ -128,7 +128,7 @@ def _odometry(journey: Journey) -> Iterator[Stream]:
 
 
 def _of_odometry(struck: Sequence[Struck], max_step_mm: int) -> list[Fault]:
-    """Of the front reader, and of the front end's first unit."""
+    """Return the faults of the front reader, and of the front end's first unit."""
     found: list[Fault] = []
     for one in struck:
         found += [*one.of_reader(), *one.of_distance("front_wheel", max_step_mm)]
@@ -213,7 +213,7 @@ def _stop_point(journey: Journey) -> Iterator[Stream]:
 
 
 def _off_mm(name: str) -> int:
-    """How far from the stop point the vehicle first comes to stand."""
+    """Return the place at which the vehicle first comes to stand, relative to the stop point, mm."""
     return {"stop-overrun": OVERRUN_MM, "stop-short": -SHORT_MM}.get(name, 0)
 
 
@@ -227,7 +227,7 @@ def _route(journey: Journey) -> Iterator[Stream]:
     rivals = journey.rivals or [journey.route]
     if len(rivals) > MOST_ROUTES:
         raise InputError(
-            f"{len(rivals)} routes begin like {journey.route.name}, and the route machine tells {MOST_ROUTES} apart; give "
+            f"{len(rivals)} routes begin like {journey.route.name}, but the route machine distinguishes {MOST_ROUTES} at most; give "
             "a way from one place to another with fewer routes between them."
         )
     longest = max(one.length_mm for one in rivals)

@@ -1,4 +1,4 @@
-"""Where a named fault strikes on a route: at which group or reflector, in which cycles, in the words of each simulator."""
+"""Place of a named fault on a route: the group or reflector, the cycles, and the fault's name in each simulation."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ WITHIN = re.compile(r"(\d+)-(\d+)")
 class Struck:
     """A fault at its place on one route.
 
-    at, identity, place_mm  of the group or the reflector: its name on the map, its number on board, its place
+    at, identity, place_mm  name of the group or reflector on the map, its number on board, its place
     begin, end              cycles from `begin` up to, not including, `end`
-    model                   a model that is not that of any reflector of the line
+    model                   a model that no reflector of the line has
     """
 
     name: str
@@ -38,21 +38,21 @@ class Struck:
     model: str = "NONE"
 
     def of_group(self) -> list[Fault]:
-        """For the balise simulation."""
+        """Return the fault for the balise simulation."""
         return [Fault(kind, self.identity) for kind in self._kinds("group")]
 
     def of_reader(self) -> list[Fault]:
-        """For the front reader of the odometry simulation."""
+        """Return the fault for the front reader of the odometry simulation."""
         return [Fault(kind, "front_marker", self.begin, self.end) for kind in self._kinds("reader")]
 
     def of_distance(self, sensor: str, max_step_mm: int) -> list[Fault]:
-        """For a distance sensor of that name. A jump is beyond what the vehicle can run in a cycle, and within the
+        """Return the fault for a distance sensor. A jump is farther than the vehicle can run in a cycle, and within the
         input's range: farther ones would be stopped at the border."""
         figures = {"by_mm": max_step_mm + 500} if self.name == "distance-jump" else {}
         return [Fault(kind, sensor, self.begin, self.end, figures) for kind in self._kinds("distance")]
 
     def of_radar(self) -> list[Fault]:
-        """For the reflector simulation."""
+        """Return the fault for the reflector simulation."""
         figures: dict[str, dict[str, Figure]] = {
             "echoes-shifted": {"by_mm": SHIFT_MM},
             "decoy": {"by_mm": DECOY_MM, "model": self.model},
@@ -61,15 +61,15 @@ class Struck:
         return [Fault(kind, "", self.begin, self.end, more) for kind in self._kinds("radar")]
 
     def _kinds(self, simulation: str) -> list[str]:
-        """What that simulation calls it, if it makes it."""
+        """Return the fault's name in that simulation, if that makes it."""
         kind = FAULTS[self.name].kinds.get(simulation)
         return [] if kind is None else [kind]
 
 
 def placed(asked: Asked, route: Route, motion: Motion) -> Struck | None:
-    """The fault on this route; None where the group or reflector that it names is not on it.
+    """Return the fault on this route; None if the group or reflector that it names is not on the route.
 
-    Without a place: at the last group or reflector, or in the middle fifth. InputError for a place off the route, or a
+    A fault without a place strikes at the last group or reflector, or in the middle fifth. InputError for a place off the route, or a
     group or reflector that the line does not have.
     """
     match asked.fault.where:
@@ -107,7 +107,7 @@ def _at_reflector(asked: Asked, route: Route, motion: Motion) -> Struck | None:
     free = [model for model in MODELS if model not in {other.model for other in line.reflectors}]
     if asked.fault.name in ("model-misread", "decoy") and not free:
         raise InputError(
-            f"fault {asked.fault.name} needs a model that the line has not, and it has {', '.join(MODELS)}."
+            f"fault {asked.fault.name} needs a model that the line does not have, but the line has all of {', '.join(MODELS)}."
         )
     model = free[0] if free else "NONE"
     return Struck(asked.fault.name, dict(asked.fault.outcomes), begin, max(end, begin + 1), one.id, 0, place, model)
@@ -139,6 +139,6 @@ def _on_stretch(asked: Asked, route: Route, motion: Motion) -> Struck:
 
 
 def _reached(motion: Motion, place_mm: int) -> int:
-    """The first cycle at whose end the front end is at or beyond a place; the last one where it never gets there."""
+    """Return the first cycle at whose end the front end is at or beyond a place; the last cycle if it never gets there."""
     beyond = motion.position_nm >= place_mm * NM_PER_MM
     return int(beyond.argmax()) if bool(beyond.any()) else len(motion.position_nm) - 1

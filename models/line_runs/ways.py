@@ -1,4 +1,4 @@
-"""What each simulation needs to know of a way, taken from the map: markers, groups, reflectors, stop points, switches.
+"""Data of a way for the simulations, taken from the map: markers, groups, reflectors, stop points, switches.
 
 All places are mm along the route, for a vehicle that begins it with its front end at 0.
 """
@@ -31,7 +31,7 @@ MODELS = tuple(one.label for one in MODEL if one is not NO_MODEL)
 
 
 def identities(line: Line) -> dict[str, int]:
-    """Balise group -> its number on board: NID_BG where that is unique on the line, else the place in the map's list."""
+    """Return balise group -> its number on board: NID_BG if that is unique on the line, else the place in the map's list."""
     counts = Counter(group.identity for group in line.balise_groups)
     if max(counts.values(), default=0) <= 1 and 0 not in counts:
         return {group.id: group.identity for group in line.balise_groups}
@@ -39,12 +39,12 @@ def identities(line: Line) -> dict[str, int]:
 
 
 def balise_groups(route: Route) -> list[tuple[Met, elements.BaliseGroup]]:
-    """The groups met, in order."""
+    """Return the groups on the way, in order."""
     return [(met, met.element) for met in route.objects() if isinstance(met.element, elements.BaliseGroup)]
 
 
 def reflectors(route: Route) -> list[tuple[int, elements.Reflector]]:
-    """The reflectors met, in order. InputError for a model that no radar of the machines tells apart."""
+    """Return the reflectors on the way, in order; InputError for a model that no radar of the machines distinguishes."""
     found = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, elements.Reflector)]
     for _, one in found:
         if one.model not in MODELS:
@@ -56,13 +56,13 @@ def reflectors(route: Route) -> list[tuple[int, elements.Reflector]]:
 
 
 def markers(route: Route) -> list[tuple[int, int]]:
-    """Every group as a marker: identity and place, in order."""
+    """Return every group as a marker: identity and place, in order."""
     known = identities(route.topology.line)
     return [(known[group.id], met.position_mm) for met, group in balise_groups(route)]
 
 
 def accuracies(route: Route, national_mm: int, detection_mm: int) -> dict[int, int]:
-    """Marker -> how far from its place it may be read: its own location accuracy, or the national one, and detection."""
+    """Return marker -> greatest distance from its place at which it is read, mm: location accuracy (own or national) and detection."""
     known = identities(route.topology.line)
     return {known[group.id]: _accuracy_mm(group, national_mm) + detection_mm for _, group in balise_groups(route)}
 
@@ -72,7 +72,7 @@ def _accuracy_mm(group: elements.BaliseGroup, national_mm: int) -> int:
 
 
 def groups(route: Route) -> list[Group]:
-    """The groups as the balise machine's map has them; what the telegram says of a reflector is for this direction."""
+    """Return the groups as the balise machine's map has them; the reflector in a telegram is that of this direction."""
     known = identities(route.topology.line)
     return [_group(met, group, known[group.id]) for met, group in balise_groups(route)]
 
@@ -101,9 +101,9 @@ def _told(met: Met, group: elements.BaliseGroup) -> elements.TelegramReflector |
 def reflector_route(
     route: Route, walk: Walk, *, antenna_mm: int, national_mm: int, detection_mm: int
 ) -> ReflectorRoute:
-    """Balises and reflectors of the route, and those of other branches that are seen on it.
+    """Return balises and reflectors of the route, and reflectors of other branches that the radar sees from it.
 
-    A balise's place is that of the front end when the antenna, `antenna_mm` behind it, reads it.
+    A balise's place is that of the front end when the antenna, `antenna_mm` behind it, reads the balise.
     """
     known, clear = identities(route.topology.line), clear_mm(walk, FARTHEST_CLEAR_MM)
     balises = tuple(
@@ -121,7 +121,7 @@ def reflector_route(
 
 
 def _search_from(met: Met, group: elements.BaliseGroup, antenna_mm: int) -> int | None:
-    """Counted from where the group is read, not from the group."""
+    """Return the distance after which the search begins, counted from the place of reading, not from the group."""
     told = _told(met, group)
     return None if told is None or told.search_from_mm is None else max(0, told.search_from_mm - antenna_mm)
 
@@ -131,7 +131,7 @@ def _reflector(one: elements.Reflector, place_mm: int, clear: Mapping[str, int])
 
 
 def _beside(route: Route, walk: Walk) -> Iterator[Reflector]:
-    """Reflectors of the other branches of the route's switches, where they would stand along it; each once."""
+    """Return the reflectors of the other branches of the route's switches, at their places along the route; each once."""
     own = {one.id for _, one in reflectors(route)}
     seen: dict[str, tuple[int, elements.Reflector]] = {}
     for place, one in _on_other_branches(route, walk):
@@ -164,7 +164,7 @@ def _placed(found: Iterator[Seen], junction_mm: int, sign: int) -> Iterator[tupl
 
 
 def platforms(route: Route) -> list[list[tuple[int, elements.StopPoint]]]:
-    """The stop points of each platform met, in order; a stop point that names no platform is one by itself."""
+    """Return the stop points of each platform on the way, in order; one that names no platform is a platform by itself."""
     found: dict[str, list[tuple[int, elements.StopPoint]]] = {}
     for met in route.objects():
         if isinstance(met.element, elements.StopPoint):
@@ -174,12 +174,12 @@ def platforms(route: Route) -> list[list[tuple[int, elements.StopPoint]]]:
 
 
 def stop_places(platform: Sequence[tuple[int, elements.StopPoint]]) -> tuple[StopPlace, ...]:
-    """The stop points of one platform as the machine's map has them."""
+    """Return the stop points of one platform as the machine's map has them."""
     return tuple(StopPlace(place, stop.window_before_mm, stop.window_after_mm) for place, stop in platform)
 
 
 def switches_ahead(route: Route) -> list[SwitchAhead]:
-    """The facing switches that are passed in view of the first reflector behind them."""
+    """Return the facing switches that the vehicle passes in view of the first reflector behind them."""
     behind = reflectors(route)
     found = []
     for met in route.switches():
@@ -191,7 +191,7 @@ def switches_ahead(route: Route) -> list[SwitchAhead]:
 
 
 def _course(route: Route, switch: elements.Switch, side: str) -> str:
-    """What the vehicle does at a switch: the branch of the stem's track, or the only one of a named track, is straight."""
+    """Return the course at a switch: the branch of the stem's track, or the only one of a named track, is straight."""
     edges = route.topology.edges
     tracks = {name: edges[branch].track for name, branch in (("left", switch.left), ("right", switch.right))}
     stem = edges[switch.stem].track
@@ -201,7 +201,7 @@ def _course(route: Route, switch: elements.Switch, side: str) -> str:
 
 
 def limits(route: Route) -> list[Limit]:
-    """The speed limits along the route, for its direction."""
+    """Return the speed limits along the route, for its direction."""
     found = []
     start = -route.start_mm
     for run in route.runs:
@@ -223,6 +223,6 @@ def _limit(one: elements.SpeedLimit, run: Run, start_mm: int, length_mm: int) ->
 
 
 def without(route: ReflectorRoute, *, balises: Sequence[int] = (), missing: Sequence[int] = ()) -> ReflectorRoute:
-    """The same with balises that are never read, and with reflectors (by place) that the track has not."""
+    """Return the route with balises that are never read, and with reflectors (by place) that are missing on the track."""
     read = tuple(one for one in route.balises if one.identity not in balises)
     return replace(route, balises=read, missing=frozenset(missing))

@@ -22,7 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Bool, BoolVar, Expr, Num, NumVar, Var
+from safeloc.language.expr import Bool, Expr, Num, Var
 from safeloc.language.machine import Machine
 from safeloc.models import arbitration, delocalized, motion, transmission
 from safeloc.models.arbitration import Arbitration, Source
@@ -61,7 +61,7 @@ class Localizer:
 
 @dataclass(frozen=True, eq=False)
 class More:
-    """What a composition adds behind a localizer's own machines, as for `compose`."""
+    """Machines that a composition adds behind a localizer's own, with arguments for `compose`."""
 
     machines: tuple[Machine, ...] = ()
     wires: Mapping[Var, Expr] = field(default_factory=dict)
@@ -96,18 +96,20 @@ def compose_machines(
     pieces |= further
     downlink, link_wires = _downlink(config, moves, pieces)
     counts = arbitration.build(arbitration_parts(config.arbitration_of(shipped, tuple(further))))
-    guard = delocalized.machine(
+    restrictive = delocalized.parts(
         delocalized.DelocalizedConfig(
             tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm
         )
     )
+    guard = delocalized.build(restrictive)
     uplink = _link("uplink", config.uplink, moves)
     more = behind(moves, guard, uplink)
     wires = {
         **{var: term for piece in pieces.values() for var, term in piece.wires.items()},
         **link_wires,
         **_into_arbitration(counts, moves, _all_stated(pieces, downlink)),
-        **_into_guard(guard, counts, moves),
+        **restrictive.reads(counts.machine),
+        restrictive.next_truth: moves.own.ghosts.truth,
         **_into_uplink(uplink, guard, moves),
         **more.wires,
     }
@@ -160,7 +162,7 @@ def _into_link(link: Transmission, valid: Bool, position: Num, below: Num, above
 
 
 def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> dict[str, Stated]:
-    """What arbitration hears, by source: of the fibre what has come on board."""
+    """Return each source's statement as arbitration gets it: of the fibre, the one that has arrived on board."""
     stated = {name: piece.stated for name, piece in pieces.items()}
     if downlink is not None:
         machine = downlink.machine
@@ -188,20 +190,6 @@ def _hears(source: Source, stated: Stated) -> dict[Var, Expr]:
         source.above: stated.above,
         source.reference: stated.reference,
         source.reason: stated.reason,
-    }
-
-
-def _into_guard(guard: Machine, counts: Arbitration, moves: Motion) -> dict[Var, Expr]:
-    sees, says = {var.name: var for var in guard.inputs if isinstance(var, (NumVar, BoolVar))}, counts.machine
-    position, below, above = heard_interval(says)
-    return {
-        sees["source_valid"]: says.flag("valid"),
-        sees["reference_accepted"]: says.flag("reference_accepted"),
-        sees["source_reason"]: says.output("reason"),
-        sees["source_position_mm"]: position,
-        sees["source_margin_above_mm"]: above,
-        sees["source_margin_below_mm"]: below,
-        next(iter(guard.world.choices)): moves.own.ghosts.truth,
     }
 
 

@@ -1,4 +1,4 @@
-"""What a localizer depends on: its sources, and what they share."""
+"""Configuration of a localizer: its sources, and the figures that they share."""
 
 from __future__ import annotations
 
@@ -55,16 +55,16 @@ class LocalizerConfig(Config):
 
     @property
     def arbitration(self) -> ArbitrationConfig:
-        """What arbitration depends on."""
+        """Configuration of arbitration."""
         return self.arbitration_of(tuple(name for name in SOURCES if name in self.sources), ())
 
     @property
     def widest_mm(self) -> int:
-        """The greatest margin of a source that is heard."""
+        """The greatest margin that arbitration accepts of a source."""
         return 10 * self.tolerance_mm
 
     def arbitration_of(self, shipped: tuple[str, ...], own: tuple[str, ...]) -> ArbitrationConfig:
-        """What arbitration depends on between these shipped sources and a user's own."""
+        """Return the configuration of arbitration between these shipped sources and a user's own."""
         return ArbitrationConfig(
             sources=shipped,
             own=own,
@@ -100,7 +100,7 @@ class LocalizerConfig(Config):
 
     @model_validator(mode="after")
     def _fits(self) -> LocalizerConfig:
-        """What is left out need not fit."""
+        """Refuse figures of used machines that do not fit each other; unused machines are not checked."""
         widest, used = self.widest_mm, self.used
         for name, limit in {
             "odometry.tolerance_mm": self.odometry.tolerance_mm,

@@ -38,7 +38,7 @@ SHARED_LAWS = ("the vehicle keeps to its highest speed", "the vehicle stays on t
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """What a source knows of its vehicle: some figures, and for its world the front end's true place.
+    """Vehicle as a source may read it: some figures, and for its world the front end's true place.
 
     truth, true_step    ghosts: the front end's place before the cycle, and its run in the cycle, nm
     period_ms           the cycle
@@ -131,7 +131,8 @@ def own_source(make: Maker, vehicle: Vehicle) -> OwnSource:
 
 def distinct(sources: Sequence[OwnSource]) -> None:
     """Refuse a source that is called like another one, or like a machine of the localizer: InputError with file and line."""
-    known = dict.fromkeys(TAKEN, "the localizer")
+    known: dict[str, str] = {}
+    known |= dict.fromkeys(TAKEN, "the localizer")
     for one in sources:
         name = one.machine.name
         if not name.isidentifier():

@@ -1,11 +1,11 @@
-"""How a run of the localizer is drawn: every source about the truth, what leads, and everything that was rejected."""
+"""Drawing of a run of the localizer: each source's interval about the truth, the leading source, and every rejected input."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.railway.pictures import Interval, Refusals, Sources, Things
+from safeloc.railway.pictures import NamedInterval, Refusals, Sources, Things
 from safeloc.reported import Reported
 
 PASSED_ON = Reported(
@@ -32,13 +32,13 @@ def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
     )
 
 
-def _interval(name: str) -> Interval:
-    """What a source states to arbitration: of the fibre what has come on board."""
+def _interval(name: str) -> NamedInterval:
+    """Return the outputs that a source states to arbitration: of the fibre, those that have arrived on board."""
     machine = {"satellite": "position", "fibre": "downlink"}.get(name, name)
     position, below, above, valid = (
         f"{machine}.{what}" for what in ("position_mm", "margin_below_mm", "margin_above_mm", "valid")
     )
-    return Interval(name, Reported(position, below, above, valid))
+    return NamedInterval(name, Reported(position, below, above, valid))
 
 
 def _whole() -> Iterator[Refusals]:

@@ -10,9 +10,11 @@ from safeloc.language.expr import Bool, Expr, Num, NumVar, Optional, Var, ite, m
 from safeloc.language.machine import Machine
 from safeloc.models import balise, odometry, reflector, satellite_selection, verification
 from safeloc.models import satellite as satellites
+from safeloc.models.balise.variables import movement as balise_movement
 from safeloc.models.balise.variables import parts as balise_parts
 from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import Motion
+from safeloc.models.odometry.ghosts import Movement
 from safeloc.models.odometry.variables import parts as odometry_parts
 from safeloc.models.reflector import variables as reflecting
 from safeloc.models.satellite import variables as satellite_words
@@ -23,7 +25,7 @@ from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFEREN
 
 @dataclass(frozen=True, eq=False)
 class Stated:
-    """What a source's machine states, in terms of that machine after the step."""
+    """Statement of a source's machine, in terms of that machine after the step."""
 
     valid: Bool
     position: Num
@@ -35,9 +37,9 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A source: its machines in order, how they are wired, what it states, and what sources before it owe it.
+    """A source: its machines in order, their wires, its statement, and the clauses that machines before it discharge.
 
-    models  what the machines were built as, for claims about each of them
+    models  the objects that the machines were built as, for properties of each of them
     """
 
     machines: tuple[Machine, ...]
@@ -48,12 +50,12 @@ class Piece:
 
 
 def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
-    """An odometer input that hears a unit of the vehicle."""
+    """Return the wires of an odometer input to a unit of the vehicle."""
     return {step.value: heard.value, step.present: heard.present}
 
 
 def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
-    """An odometer input that hears what is told of the vehicle's odometer."""
+    """Return the wires of an odometer input to the distance that `motion` reports."""
     if moves.own.check is None or more is None:
         return _same_distance(step, moves.own.odometer.step)
     says = moves.machine
@@ -61,8 +63,8 @@ def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[V
 
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe)
-    own = replace(own, ghosts=replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step))
+    moved = Movement(moves.own.ghosts.truth, moves.own.ghosts.true_step)
+    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=moved)
     model = odometry.build(own)
     wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
     told = {var: term for one in wires for var, term in one.items()}
@@ -70,11 +72,11 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = balise_parts(config.balise)
-    world = replace(own.world, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step)
-    if moves.own.ghosts.units is not None:
-        world = replace(world, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
-    own = replace(own, world=world)
+    seen = moves.own.ghosts
+    moved = replace(balise_movement(config.balise), truth=seen.truth, true_step=seen.true_step)
+    if seen.units is not None:
+        moved = replace(moved, wander=seen.units.told, next_wander=seen.units.next_told)
+    own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
     owed = _owed_law(Clause(model.machine, balise.ODOMETER), moves)
@@ -82,12 +84,12 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
 
 
 def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
-    """With a check unit the law of the distance is owed by `motion`."""
+    """Return the clause of the distance's law if `motion` discharges it: with a check unit."""
     return () if moves.own.check is None else (law,)
 
 
 def plainly(machine: Machine) -> Stated:
-    """What a machine states whose outputs have the common names and reasons."""
+    """Return the statement of a machine whose outputs have the common names and reasons."""
     return Stated(
         machine.flag("valid"),
         *heard_interval(machine),
@@ -97,11 +99,11 @@ def plainly(machine: Machine) -> Stated:
 
 
 def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = reflecting.parts(config.reflector)
-    ghosts = replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step)
-    if moves.own.ghosts.units is not None:
-        ghosts = replace(ghosts, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
-    own = replace(own, ghosts=ghosts)
+    seen = moves.own.ghosts
+    moving = replace(reflecting.moving(config.reflector), truth=seen.truth, true_step=seen.true_step)
+    if seen.units is not None:
+        moving = replace(moving, wander=seen.units.told, next_wander=seen.units.next_told)
+    own = reflecting.Parts(config.reflector, moving)
     model = reflector.build(own)
     machine = model.machine
     error = machine.output("error")
@@ -120,7 +122,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
     selection = satellite_selection.build(satellite_selection.parts(config.satellite.selection))
-    own = replace(satellite_words.parts(config.satellite), truth=moves.own.ghosts.truth)
+    own = satellite_words.parts(config.satellite, truth=moves.own.ghosts.truth)
     machine = satellites.build(own)
     wires = satellites.selection_wires(own, selection)
     wires[own.next_truth] = moves.own.ghosts.truth

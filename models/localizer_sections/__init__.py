@@ -115,7 +115,7 @@ class _Behind:
         self.sections = tuple(section(config.sections, name) for name in names)
 
     def more(self) -> More:
-        """What the composition adds."""
+        """Machines and wires that the composition adds."""
         machines = (self.ends.machine, self.far_uplink.machine, self.trackside.machine, self.area.machine)
         return More(
             (*machines, *(one.machine for one in self.sections)),
@@ -186,7 +186,7 @@ class _Behind:
         return wires
 
     def _into_area(self) -> Mapping[Var, Expr]:
-        """Ages are charged by the links, so the area has none left to charge."""
+        """The links have widened the intervals by their age, so the area adds none."""
         train, seen = self.train, self.trackside.machine
         told = seen.flag("told")
         wires: dict[Var, Expr] = {

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import NM_PER_MM, NM_PER_UM
 from safeloc.models.balise.groups import Group
 from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch
 from safeloc.models.localizer.simulation.simulate import first_state as localizer_first
@@ -21,7 +21,7 @@ from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
-FOLDER, SEED, UM_PER_MM, NM_PER_UM = Path(__file__).parents[1] / "streams", 3, 1_000, 1_000
+FOLDER, SEED = Path(__file__).parents[1] / "streams", 3
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _area(config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: 
 
 
 def first_state(config: LocalizerSectionsConfig, scene: Scene) -> dict[str, Value]:
-    """What is open at the start: the vehicle, its train, the area's ends and cuts."""
+    """Return first values of the open variables: the vehicle, its train, the area's ends and cuts."""
     far = _first_far_nm(config)
     first: dict[str, Value] = {
         **localizer_first(config.localizer, scene.journey),

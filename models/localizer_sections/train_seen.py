@@ -19,7 +19,6 @@ from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
-    Expr,
     Lit,
     Num,
     NumVar,
@@ -35,6 +34,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, MS, NM
 from safeloc.language.world import Law, World
 
@@ -64,11 +64,11 @@ class Heard:
 
     @property
     def inputs(self) -> list[Var]:
-        """What is heard of it."""
+        """Inputs of the report."""
         return [self.valid, self.position, self.below, self.above]
 
     def holds(self) -> Bool:
-        """What is given out of it holds the true place."""
+        """The interval that the link gives out holds the true place."""
         return self.valid.implies(between(exact_to(self.low, NM), self.next_truth, exact_to(self.high, NM)))
 
 
@@ -188,9 +188,9 @@ def _told_truly(holds: Bool, end: str) -> Law:
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     silent, front_only, whole = table
     low, high = _bounds(own)
-    last: dict[Var, Expr] = {own.known: own.front.valid, own.known_age: ite(own.front.valid, own.age, 0)}
-    told: dict[Var, Expr] = {**last, own.low: low, own.high: high, own.downwards: ~own.upwards}
-    nothing: dict[Var, Expr] = {**last, own.low: as_num(0, MM), own.high: as_num(0, MM), own.downwards: FALSE}
+    last: Updates = {own.known: own.front.valid, own.known_age: ite(own.front.valid, own.age, 0)}
+    told = together(last, {own.low: low, own.high: high, own.downwards: ~own.upwards})
+    nothing = together(last, {own.low: as_num(0, MM), own.high: as_num(0, MM), own.downwards: FALSE})
     fits = between(-own.limit_mm, low, own.limit_mm) & between(-own.limit_mm, high, own.limit_mm)
     yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, told, REQUIREMENTS, 0)
     yield Transition(

@@ -1,15 +1,16 @@
-"""The vehicle's own movement: the odometer that all ways of locating on board share, and where the vehicle really is.
+"""The vehicle's own movement: the odometer that all ways of locating on board share, and the true position of the vehicle.
 
-    SILENT     no distance can be believed, for longer than permitted
+    SILENT     there was no usable distance for longer than permitted
     MEASURING  distances come, or are missing for no longer than permitted
 
-`distance_mm` is the distance estimated for the cycle: the measured one where it is told, and none otherwise; nothing
-is ever put in the place of a missing distance. Without a check unit no error law is assumed here: whoever uses the
-distance charges its own, and assumes that the odometer keeps it.
+`distance_mm` is the distance estimated for the cycle: the measured one if it is reported, else 0; no guess takes the place of a
+missing distance. Without a check unit this machine assumes no error law: each machine that uses the distance adds the error of
+its own law, and assumes that the odometer keeps it.
 
-With a check unit, which measures the same distance by another principle, only one of the two is assumed to keep its law,
-nobody knows which (safeloc.models.motion.unit_check). A distance is told where both measured, and with it `more_nm`, what
-is to be charged beyond the law `MotionConfig.told`; so those who use it are owed what they charge, whatever the other does.
+With a check unit, which measures the same distance by another principle, only one of the two is assumed to keep its law, and
+it is unknown which (safeloc.models.motion.unit_check). The machine reports a distance where both units measured, and with it
+`more_nm`, the error to add beyond the law `MotionConfig.told`. It is proved that both together cover the error, whatever the
+other unit does.
 """
 
 from __future__ import annotations
@@ -20,23 +21,24 @@ from dataclasses import dataclass
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, number
-from safeloc.language.machine import Initial, Machine, Transition, modes
+from safeloc.language.declared import Declared
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Optional, Var, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM
 from safeloc.models.motion.told_error import lemmas, with_told_error
-from safeloc.models.motion.unit_check import UnitCheck, told_law, unit_check
-from safeloc.models.motion.world import Ghosts, Surroundings, ghosts, initially, world
+from safeloc.models.motion.unit_check import UnitCheck, measuring_unit, told_law, unit_check
+from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, Limits
 from safeloc.models.vocabulary.measuring_world import Physics
-from safeloc.models.vocabulary.odometer import Odometer, odometer
 
 __all__ = ["Motion", "MotionConfig", "Parts", "build", "parts"]
 REQUIREMENTS = ("MRK-4", "MRK-D1")
 
 
 class MotionConfig(Config):
-    """What a vehicle can do, its odometer, and the unit that checks it, if there is one."""
+    """Limits of the vehicle's movement, its odometer, and the unit that checks it, if there is one."""
 
     odometer: ErrorLaw = WHEEL
     check: ErrorLaw | None = None
@@ -74,12 +76,12 @@ class MotionConfig(Config):
 
     @property
     def told(self) -> ErrorLaw:
-        """The law that those who use the distance have to charge, apart from what is told beyond it."""
+        """The error law of the reported distance, without the error that is reported beyond it."""
         return self.odometer if self.check is None else told_law(self.odometer, self.check, self.band_mm)
 
     @property
     def physics(self) -> Physics:
-        """What the world knows of the vehicle's movement and its measurement."""
+        """The world's figures of the vehicle's movement and its measurement."""
         return Physics(
             self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm,
             self.gap_limit_cycles, self.gap_limit_cycles + 1,
@@ -87,12 +89,12 @@ class MotionConfig(Config):
 
     @property
     def creep(self) -> int | None:
-        """The fastest that a vehicle creeps which counts as standing, mm/s; None where none counts as standing."""
+        """The fastest creep of a vehicle that counts as standing, mm/s; None where none counts as standing."""
         return self.creep_mm_s if self.standing_believed else None
 
     @property
     def limits(self) -> Limits:
-        """What the odometer needs, rounded so that gates are no tighter than physics."""
+        """Limits of the odometer, rounded so that the checks are no tighter than physics."""
         step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
         change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
         gap, tolerance = self.gap_limit_cycles, 1
@@ -101,47 +103,46 @@ class MotionConfig(Config):
         )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
-    """The odometer, its check, what is told, and the world's variables."""
+    """The variables of the machine and its world.
 
-    config: MotionConfig
-    odometer: Odometer
-    check: UnitCheck | None
-    distance: NumVar
-    ghosts: Ghosts
+    odometer, check   the units: inputs, and state of their checks
+    distance          state: the distance estimated for the cycle
+    ghosts            of the world
+    """
+
+    def __init__(self, config: MotionConfig) -> None:
+        self.declared = declared = Declared()
+        self.config, limits = config, config.limits
+        farthest, check = limits.max_step_mm, config.check
+        self.odometer = measuring_unit(declared, config.odometer, limits)
+        self.check = None
+        if check is not None:
+            self.check = unit_check(declared, self.odometer, check, config.band_mm, config.creep)
+        self.distance = declared.state(number("distance_mm", MM, -farthest, farthest), first=0)
+        laws = None if check is None else (config.odometer, check)
+        self.ghosts = ghosts(declared, config.physics, config.position_limit_mm, laws, config.told)
 
     @property
     def around(self) -> Surroundings:
-        """What the world knows."""
+        """The ghosts with the inputs and figures that the world reads."""
         check = None if self.check is None else self.check.unit
         return Surroundings(self.ghosts, self.config.physics, self.odometer, check, self.config.creep)
 
     @property
     def told(self) -> Bool:
-        """The cycle's distance is told."""
+        """The cycle's distance is reported."""
         return self.odometer.admitted if self.check is None else self.check.checked
 
     @property
     def failed(self) -> Bool:
-        """Nothing was told for longer than permitted."""
+        """No distance was reported for longer than permitted."""
         return self.odometer.failed if self.check is None else self.check.failed
 
     @property
     def inputs(self) -> list[Optional]:
-        """What the units measure."""
+        """The measured distances."""
         return [self.odometer.step] if self.check is None else [self.odometer.step, self.check.unit.step]
-
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        checks = {} if self.check is None else self.check.state()
-        return {**self.odometer.state(), **checks, self.distance: 0}
-
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
-        checks = {} if self.check is None else self.check.listen()
-        distance = self.odometer.distance if self.check is None else self.check.distance
-        return {**self.odometer.listen(), **checks, self.distance: distance}
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,49 +154,41 @@ class Motion:
 
     @property
     def told(self) -> Bool:
-        """After the step: the cycle's distance is told."""
+        """After the step: the cycle's distance is reported."""
         return self.own.odometer.judged.eq(ADMITTED) if self.own.check is None else self.own.check.told
 
     @property
     def shared(self) -> list[Var]:
-        """Ghosts that those who use the distance have in common with it."""
+        """Ghosts that the machines that use the distance share with this one."""
         seen = self.own.ghosts
         return [seen.truth, seen.true_step, *([] if seen.units is None else (seen.units.told, seen.units.next_told))]
 
 
 def parts(config: MotionConfig) -> Parts:
-    """Fresh variables for one vehicle."""
-    limits = config.limits
-    laws = None if config.check is None else (config.odometer, config.check)
-    measures = odometer(config.odometer, limits)
-    return Parts(
-        config,
-        measures,
-        None if config.check is None else unit_check(measures, config.check, config.band_mm, config.creep),
-        number("distance_mm", MM, -limits.max_step_mm, limits.max_step_mm),
-        ghosts(config.physics, config.position_limit_mm, laws, config.told),
-    )
+    """Declare the variables of one vehicle."""
+    return Parts(config)
 
 
 def build(own: Parts) -> Motion:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("SILENT", "MEASURING")
-    around = world(own.around)
+    around = world(own.declared, own.around)
     made = Machine(
         name="motion",
         modes=table,
-        inputs=[*own.inputs],
-        state=own.state(),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own),
         transitions=list(_rows(own, table)),
         world=around if own.check is None else with_told_error(around, own.around, own.check),
         initially=initially(own.around),
         lemmas={} if own.check is None else lemmas(own.around, own.check),
         doc=(
-            "The vehicle's odometer, told only where the vehicle can have run the distance, and its true movement: no "
-            "faster than its highest speed, and on the line. With a check unit one of the two is assumed to keep its "
-            "law, whichever; and, unless configured otherwise, the vehicle to stand where the odometer measures nothing and the "
-            "check unit no more than its floor; what a distance is worth is told with it. Without one, that is assumed by those who use it."
+            "The vehicle's odometer, which reports only distances that the vehicle can have run, and the true movement: no "
+            "faster than the highest speed, and on the line. With a check unit one of the two units, unknown which, is assumed to "
+            "keep its law; and, unless configured otherwise, the vehicle is assumed to stand where the odometer measures nothing "
+            "and the check unit no more than its floor; each distance comes with its error bound. Without a check unit the "
+            "machines that use the distance assume its error law."
         ),
     )
     return Motion(made, own)
@@ -203,16 +196,25 @@ def build(own: Parts) -> Motion:
 
 def _rows(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     silent, measuring = table
-    heard = own.listen()
+    distance = own.odometer.distance if own.check is None else own.check.distance
+    every = together(own.odometer.listen(), *_checked(own.check), {own.distance: distance})
     agree = TRUE if own.check is None else ~own.check.disagree
-    yield Transition("distance told", table, measuring, own.told & agree, heard, ("MRK-4",), 0)
+    yield Transition("distance told", table, measuring, own.told & agree, every, ("MRK-4",), 0)
     if own.check is not None:
-        yield Transition("units disagree", table, measuring, own.check.disagree, heard, REQUIREMENTS, 0)
+        yield Transition("units disagree", table, measuring, own.check.disagree, every, REQUIREMENTS, 0)
         alone = own.check.alone & ~own.failed
-        yield Transition("distance without its check", measuring, measuring, alone, heard, REQUIREMENTS, 1)
-    yield Transition("silent too long", measuring, silent, own.failed, heard, ("MRK-D1",), 1)
-    yield Transition("distance missing", measuring, measuring, TRUE, heard, ("MRK-D1",), 2)
-    yield Transition("still silent", silent, silent, TRUE, heard, ("MRK-D1",), 2)
+        yield Transition("distance without its check", measuring, measuring, alone, every, REQUIREMENTS, 1)
+    yield Transition("silent too long", measuring, silent, own.failed, every, ("MRK-D1",), 1)
+    yield Transition("distance missing", measuring, measuring, TRUE, every, ("MRK-D1",), 2)
+    yield Transition("still silent", silent, silent, TRUE, every, ("MRK-D1",), 2)
+
+
+def _checked(check: UnitCheck | None) -> Iterator[Updates]:
+    """The check unit's distance, and the comparison of both, where there is such a unit."""
+    if check is not None:
+        yield check.unit.listen()
+        yield {check.apart: check.apart_after, check.told: check.checked, check.more: check.beyond}
+        yield {check.unheard: check.unheard_after}
 
 
 def _outputs(own: Parts) -> dict[str, Expr]:

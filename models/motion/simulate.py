@@ -1,4 +1,4 @@
-"""What a vehicle's units measure, and what motion tells of it: run through the machine itself."""
+"""Simulated distances of a vehicle's units, and the distance that motion reports of them: run through the machine itself."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ import numpy as np
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.motion import MotionConfig, build, parts
-from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 
 @lru_cache(maxsize=8)
@@ -25,7 +24,7 @@ def _on_board(config: str) -> Compiled:
 
 @dataclass(frozen=True)
 class Measured:
-    """What the units of the vehicle measured, and what those hear who share the odometer."""
+    """Distances of the vehicle's units, and the distances for the machines that share the odometer."""
 
     odometer: Distances
     check: Distances | None
@@ -36,14 +35,10 @@ def measured_by(
     name: str, config: MotionConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault]
 ) -> Measured:
     """Both units along a drive; `faults` are those of the odometer, which is called so."""
-    odometer, check = measure(name, motion, _law(config.odometer), rng, faults=faults), None
+    odometer, check = measure(name, motion, config.odometer, rng, faults=faults), None
     if config.check is not None:
-        check = measure("check", motion, _law(config.check), rng)
+        check = measure("check", motion, config.check, rng)
     return Measured(odometer, check, told(config, odometer, check))
-
-
-def _law(law: ErrorLaw) -> Law:
-    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
 
 
 def told(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:

@@ -1,8 +1,8 @@
-"""The error of what motion tells: a figure that those who use it reckon with, beside the world and not part of it.
+"""The error of the distance that motion reports: a figure for the machines that use it, beside the world and not part of it.
 
-What is told lies between both units, and what the machine has not charged yet (`apart`) is part of its one-off error. So
-this error follows the machine. It is DEFINED here, from what the lawful unit really does: the clause excludes no course of
-the world, and the users' law of the distance is owed, and proved, from it.
+The reported distance lies between those of both units, and the difference that the machine has not yet added to its error
+bound (`apart`) is part of its one-off error. So this error follows the machine. It is DEFINED here from the true error of the
+lawful unit: the clause excludes no course of the world, and the law that the users assume of the distance is proved from it.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from safeloc.language.expr import Bool, Num, as_num, ite
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.motion.unit_check import UnitCheck
@@ -20,7 +19,7 @@ DEFINED = "the one-off error of what is told"
 
 
 def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
-    """The world, with the error of what is told."""
+    """Return the world with the error of the reported distance."""
     seen = own.ghosts.units
     assert seen is not None
     law = Law(
@@ -33,8 +32,6 @@ def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
     )
     return replace(
         world,
-        ghosts={**world.ghosts, seen.told: ANY},
-        choices=[*world.choices, seen.next_told],
         moves={**world.moves, seen.told: seen.next_told},
         clauses={**world.clauses, DEFINED: law},
         reads_machine="the error of what a machine tells is defined by what it tells; no sensor's law reads the machine",
@@ -42,7 +39,7 @@ def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
 
 
 def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
-    """What is told errs as defined, and the machine's gate knows what the world knows."""
+    """Return the lemmas: the reported distance errs as defined, and the machine checks distances as the world does."""
     seen = own.ghosts.units
     assert seen is not None
     found = {DEFINED: seen.told.eq(seen.wander + _uncharged(seen, check.apart))}

@@ -1,20 +1,21 @@
-"""A second unit that checks an odometer, so that a single fault of either cannot make a told distance wrong (MRK-4, MRK-D1).
+"""A second unit that checks an odometer, so that a single fault of either cannot make a reported distance wrong (MRK-4, MRK-D1).
 
-Both units measure the same distance, and at least one of them keeps its law; nobody knows which. Told is a distance
-between the two, and with it what has to be charged beyond the odometer's law so that the charge covers its error in both
-cases:
+Both units measure the same distance, and at least one of them keeps its law; it is unknown which. The machine reports a
+distance between the two, and with it the error to add beyond the odometer's law, so that both together cover the error of
+the reported distance in both cases:
 
-    odometer lawful     its own law, and what is told beyond what it measured
-    check unit lawful   the check unit's law, and what is told short of what it measured
+    odometer lawful     its own law, and the reported distance less the one it measured
+    check unit lawful   the check unit's law, and the distance it measured less the reported one
 
-What they differ by is summed up, and only what does not come back is charged: the sum may wander within a band, which is
-charged once, as part of the one-off constant. What the odometer's law allows in a cycle beyond the check unit's brings
-the sum back towards 0 without charge. So for every run of cycles, whenever it began, constant and charges together cover
-the error. Nothing is judged by a threshold: units that agree cost little, a wheel that slides is charged what it misses.
+The machine sums up the difference of both units and adds only what does not come back: the sum may wander within a band,
+which is added once, as part of the one-off constant. Where the odometer's law allows a greater error in a cycle than the
+check unit's, that excess brings the sum back towards 0 at no cost. So for every run of cycles, whenever it began, constant and
+added errors together cover the error. There is no threshold: units that agree cost little, and a wheel that slides costs the
+distance it misses.
 
-A distance that comes without its check is not told. While the odometer measures nothing and the check unit no more than
-its floor, the vehicle is taken to stand: nothing is charged but what it may creep then. Where standing is not believed, such
-a cycle is charged as any other.
+A distance without its check is not reported. While the odometer measures nothing and the check unit no more than its floor,
+the vehicle counts as standing, and only its possible creep is added. If standing is not believed (`standing_believed`), such a
+cycle counts as any other.
 """
 
 from __future__ import annotations
@@ -22,14 +23,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     Bool,
     BoolVar,
-    Expr,
     Num,
     NumVar,
-    Var,
     abs_,
     all_of,
     as_num,
@@ -43,27 +43,27 @@ from safeloc.language.expr import (
     number,
     with_unit,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Odometer, most_told_nm
 from safeloc.models.vocabulary.odometer import odometer as a_unit
 
 
 def told_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
-    """The law of the distances told, apart from what is told beyond it: the constant covers either unit and the band."""
+    """Return the law of the reported distances, without the error reported beyond it: its constant covers either unit and the band."""
     constant = max(odometer.constant_mm, check.constant_mm + 2 * band_mm)
     return ErrorLaw.model_validate(odometer.model_dump() | {"constant_mm": constant})
 
 
 @dataclass(frozen=True, eq=False)
 class UnitCheck:
-    """The odometer, the unit that checks it, and what is told.
+    """The odometer, the unit that checks it, and the reported distance.
 
-    creep_nm    the fastest that a vehicle creeps which is taken to stand, nm a cycle; None: none is taken to stand
-    apart       what the two differ by and has not been charged, nm
-    told, more  whether the last cycle's distance is told, and the charge beyond the odometer's law, nm
-    unheard     cycles since a distance was told
+    creep_nm    the fastest creep of a vehicle that counts as standing, nm a cycle; None: no vehicle counts as standing
+    apart       the difference of both units that has not been added to the error bound, nm
+    told, more  the last cycle's distance is reported, and the error to add beyond the odometer's law, nm
+    unheard     cycles since a distance was reported
     """
 
     odometer: Odometer
@@ -77,12 +77,12 @@ class UnitCheck:
 
     @cached_property
     def checked(self) -> Bool:
-        """Both units measured, and each can have run that."""
+        """Both units measured a distance that the vehicle can have run."""
         return self.odometer.admitted & self.unit.admitted
 
     @cached_property
     def standing(self) -> Bool:
-        """The odometer measures nothing, and the check unit no more than its floor; where that is believed."""
+        """The vehicle counts as standing: the odometer measures nothing, and the check unit no more than its floor."""
         if self.creep_nm is None:
             return FALSE
         still = self.unit.law.floor_mm_s * self.unit.limits.period_ms // 1_000
@@ -90,29 +90,29 @@ class UnitCheck:
 
     @cached_property
     def difference(self) -> Num:
-        """What the check unit measured more than the odometer in the cycle, nm; only where both measured."""
+        """Distance of the check unit less that of the odometer in the cycle, nm; only where both measured."""
         return exact_to(self.unit.step.value - self.odometer.step.value, NM)
 
     @property
     def disagree(self) -> Bool:
-        """They differ by more in the cycle than both laws explain."""
+        """Both units differ by more in the cycle than their laws explain."""
         return self.checked & (abs_(self.difference) > self.odometer.most_error + self.unit.most_error)
 
     @property
     def alone(self) -> Bool:
-        """Only one of them measured."""
+        """Only one unit measured."""
         return (self.odometer.admitted | self.unit.admitted) & ~self.checked
 
     @property
     def failed(self) -> Bool:
-        """Nothing was told for longer than permitted."""
+        """No distance was reported for longer than permitted."""
         return ~self.checked & (self.unheard + 1 > self._unheard_limit)
 
     @property
     def _unheard_limit(self) -> int:
         return self.odometer.limits.gap_limit
 
-    # ------------------------------------------------------------------ what is charged
+    # ------------------------------------------------------------------ the error to add
 
     @cached_property
     def _sum(self) -> Num:
@@ -120,7 +120,7 @@ class UnitCheck:
 
     @cached_property
     def apart_after(self) -> Num:
-        """The difference that stays uncharged: towards 0 by what costs nothing, and within the band."""
+        """The difference that is not added yet: closer to 0 by what costs nothing, and within the band."""
         free = maximum(self.odometer.most_error - self.unit.most_error, 0)
         back = self._sum - maximum(-free, minimum(self._sum, free))
         kept = maximum(as_num(-self.band_nm, NM), minimum(back, self.band_nm))
@@ -133,7 +133,7 @@ class UnitCheck:
 
     @cached_property
     def shift(self) -> Num:
-        """How much more than the odometer's distance is told, mm: so much that either unit's case costs the same."""
+        """The reported distance less that of the odometer, mm: so chosen that the error is the same whichever unit is lawful."""
         size = abs_(self._settled)
         gap = maximum(size + self.unit.most_error - self.odometer.most_error, 0)
         half = with_unit(floor_div(minimum(gap, size * 2), 2 * NM_PER_MM), MM)
@@ -142,12 +142,12 @@ class UnitCheck:
 
     @cached_property
     def distance(self) -> Num:
-        """The distance told, mm; 0 where none is."""
+        """The reported distance, mm; 0 where there is none."""
         return ite(self.checked, self.odometer.step.value + self.shift, as_num(0, MM))
 
     @cached_property
     def beyond(self) -> Num:
-        """What the cycle is charged beyond the odometer's law, or, where nothing is told, beyond the highest speed; nm."""
+        """Error to add beyond the odometer's law, or, without a reported distance, beyond the highest speed; nm."""
         shift = exact_to(self.shift, NM)
         either = maximum(self.odometer.most_error + abs_(shift), self.unit.most_error + abs_(self._settled - shift))
         law = self.odometer.law.growth_nm(abs_(self.distance), as_num(0, MS), self.odometer.limits.period_ms)
@@ -155,40 +155,38 @@ class UnitCheck:
         return ite(self.checked, run, maximum(self._alone(self.odometer), self._alone(self.unit)))
 
     def _alone(self, one: Odometer) -> Num:
-        """A distance that comes alone may be the true one; what it says with its law may be beyond the highest speed."""
+        """Error beyond the highest speed, nm, if this unit's unchecked distance and its law imply a farther run."""
         said = exact_to(abs_(one.step.value), NM) + one.most_error
         return ite(one.admitted, maximum(said - one.limits.blind_nm, 0), as_num(0, NM))
 
-    # ------------------------------------------------------------------ state
-
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: nothing was told."""
-        silent: dict[Var, Initial] = {self.told: False, self.more: 0, self.unheard: self._unheard_limit + 1}
-        return {**self.unit.state(), self.apart: 0, **silent}
-
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
-        waited = minimum(self.unheard + 1, self._unheard_limit + 1)
-        return {
-            **self.unit.listen(),
-            self.apart: self.apart_after,
-            self.told: self.checked,
-            self.more: self.beyond,
-            self.unheard: ite(self.checked, as_num(0, COUNT), waited),
-        }
+    @property
+    def unheard_after(self) -> Num:
+        """Cycles since a distance was reported, after this one, counted up to one more than permitted."""
+        return ite(self.checked, as_num(0, COUNT), minimum(self.unheard + 1, self._unheard_limit + 1))
 
 
-def unit_check(odometer: Odometer, law: ErrorLaw, band_mm: int, creep_mm_s: int | None) -> UnitCheck:
-    """A check by a unit of that law, with fresh variables; `creep_mm_s`: of a vehicle that stands, None where none is believed to."""
+def unit_check(
+    declared: Declared, odometer: Odometer, law: ErrorLaw, band_mm: int, creep_mm_s: int | None
+) -> UnitCheck:
+    """Declare the variables of a check by a unit of that law; `creep_mm_s`: of a standing vehicle, None where standing is not believed."""
     limits, band = odometer.limits, band_mm * NM_PER_MM
     creep = None if creep_mm_s is None else creep_mm_s * limits.period_ms * (NM_PER_MM // 1_000)
     return UnitCheck(
         odometer,
-        a_unit(law, limits, "check"),
+        measuring_unit(declared, law, limits, "check"),
         band,
         creep,
-        number("units_apart_nm", NM, -band, band),
-        boolean("distance_told"),
-        number("told_more_nm", NM, 0, most_told_nm(limits.max_step_mm)),
-        number("unheard_cycles", COUNT, 0, limits.gap_limit + 1),
+        apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
+        told=declared.state(boolean("distance_told"), first=False),
+        more=declared.state(number("told_more_nm", NM, 0, most_told_nm(limits.max_step_mm)), first=0),
+        unheard=declared.state(number("unheard_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
     )
+
+
+def measuring_unit(declared: Declared, law: ErrorLaw, limits: Limits, name: str = "odometer") -> Odometer:
+    """Declare the variables of a unit that measures distance, named `name_...`."""
+    unit = a_unit(law, limits, name)
+    declared.sensor(unit.step)
+    for var, first in unit.state().items():
+        declared.state(var, first=first)
+    return unit

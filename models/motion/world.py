@@ -1,19 +1,20 @@
-"""The world of a vehicle's movement: where it really is, and which of its two units keeps its law.
+"""The world of a vehicle's movement: its true position, and the laws of its two units.
 
-    the lawful unit   delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing; nobody
-                      knows which of the two it is
-    the other unit    does as it likes
+    the lawful unit   delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing; it is
+                      unknown which of the two units this is
+    the other unit    delivers anything
     standing          where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or
-                      creeps no faster than configured; or nothing is said of that
+                      creeps no faster than configured; by configuration no such law holds
 
-Without a check unit nothing is assumed of the odometer here: who uses its distances assumes that it keeps its law.
+Without a check unit this world assumes nothing of the odometer: the machines that use its distances assume its law.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import (  # fmt: skip
+from safeloc.language.declared import Declared
+from safeloc.language.expr import (
     Bool,
     Expr,
     Num,
@@ -29,7 +30,7 @@ from safeloc.language.expr import (  # fmt: skip
     members,
     number,
 )
-from safeloc.language.machine import ANY, Initial
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.error_law import ErrorLaw
@@ -43,7 +44,7 @@ FIGURES = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s
 
 @dataclass(frozen=True, eq=False)
 class UnitGhosts:
-    """The last distance that was delivered and can have been run, and the cycles since then."""
+    """The last distance that a unit delivered and the vehicle can have run, and the cycles since then."""
 
     heard: NumVar
     silent: NumVar
@@ -51,12 +52,12 @@ class UnitGhosts:
 
 @dataclass(frozen=True, eq=False)
 class CheckGhosts:
-    """Of two units that check each other.
+    """Ghosts of two units that check each other.
 
-    lawful                     the unit that keeps its law; the other one may do as it likes
+    lawful                     the unit that keeps its law; the other one may deliver anything
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
-    told, next_told            the one-off part of the error of what is told (safeloc.models.motion.told_error)
-    odometer, check            what each of them delivered
+    told, next_told            the one-off part of the error of the reported distance (safeloc.models.motion.told_error)
+    odometer, check            the distances of either unit
     """
 
     lawful: NumVar
@@ -70,48 +71,54 @@ class CheckGhosts:
 
 @dataclass(frozen=True, eq=False)
 class Ghosts:
-    """The world's variables: where the front end is, how far it runs in the cycle, nm; and of two units what they keep."""
+    """The world's variables: place of the front end and its run in the cycle, nm; and those of two units that check each other."""
 
     truth: NumVar
     true_step: NumVar
     units: CheckGhosts | None
 
 
-def ghosts(physics: Physics, line_mm: int, laws: tuple[ErrorLaw, ErrorLaw] | None, told: ErrorLaw) -> Ghosts:
-    """Fresh variables; `laws` are those of odometer and check unit, if there is one."""
+def ghosts(
+    declared: Declared, physics: Physics, line_mm: int, laws: tuple[ErrorLaw, ErrorLaw] | None, told: ErrorLaw
+) -> Ghosts:
+    """Declare the world's variables; `laws` are those of odometer and check unit, if there is one."""
     line = line_mm * NM_PER_MM
     return Ghosts(
-        number("truth_nm", NM, -line, line),
-        number("true_step_nm", NM, -physics.farthest_nm, physics.farthest_nm),
-        None if laws is None else _units(physics, laws, told),
+        declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
+        declared.choice(number("true_step_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
+        None if laws is None else _units(declared, physics, laws, told),
     )
 
 
-def _units(physics: Physics, laws: tuple[ErrorLaw, ErrorLaw], told: ErrorLaw) -> CheckGhosts:
+def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw], told: ErrorLaw) -> CheckGhosts:
     most, of_told = (
         max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [told.constant_mm])
     )
     return CheckGhosts(
-        choice("lawful_unit", enumeration(LAWFUL)),
-        number("lawful_wander_nm", NM, -most, most),
-        number("lawful_next_wander_nm", NM, -most, most),
-        number("odometer_wander_nm", NM, -of_told, of_told),
-        number("odometer_next_wander_nm", NM, -of_told, of_told),
-        *(
-            UnitGhosts(
-                number(f"{name}_heard_mm", MM, -physics.farthest_mm, physics.farthest_mm),
-                number(f"{name}_silent_cycles", COUNT, 0, physics.longest_cycles),
-            )
-            for name in ("odometer", "check")
-        ),
+        lawful=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
+        wander=declared.ghost(number("lawful_wander_nm", NM, -most, most), first=ANY),
+        next_wander=declared.choice(number("lawful_next_wander_nm", NM, -most, most)),
+        odometer=_unit(declared, physics, "odometer"),
+        check=_unit(declared, physics, "check"),
+        told=declared.ghost(number("odometer_wander_nm", NM, -of_told, of_told), first=ANY),
+        next_told=declared.choice(number("odometer_next_wander_nm", NM, -of_told, of_told)),
+    )
+
+
+def _unit(declared: Declared, physics: Physics, name: str) -> UnitGhosts:
+    farthest = physics.farthest_mm
+    silent = number(f"{name}_silent_cycles", COUNT, 0, physics.longest_cycles)
+    return UnitGhosts(
+        declared.ghost(number(f"{name}_heard_mm", MM, -farthest, farthest), first=0),
+        declared.ghost(silent, first=physics.gap_limit_cycles + 1),
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """The ghosts with the raw inputs and figures that the world knows.
+    """The ghosts with the raw inputs and figures that the world reads.
 
-    `creep_mm_s`: the fastest that a vehicle creeps while its units measure nothing; None where nothing is said of that.
+    `creep_mm_s`: the fastest creep of a vehicle whose units measure nothing; None where no law holds of that.
     """
 
     ghosts: Ghosts
@@ -122,7 +129,7 @@ class Surroundings:
 
     @property
     def units(self) -> tuple[Measuring, Measuring]:
-        """Odometer and check unit as the world has them."""
+        """The world's view of odometer and check unit."""
         seen = self.ghosts.units
         assert seen is not None and self.check is not None
         of_odometer, of_check = seen.odometer, seen.check
@@ -140,26 +147,21 @@ class Surroundings:
         return ite(measures, seen.next_wander, seen.wander)
 
 
-def world(own: Surroundings) -> World:
-    """The true movement, and what the lawful unit and the vehicle keep."""
+def world(declared: Declared, own: Surroundings) -> World:
+    """Make the world: the true movement, and the laws of the vehicle and of the lawful unit."""
     seen = own.ghosts
     moves: dict[Var, Expr] = {seen.truth: seen.truth + seen.true_step}
-    first: dict[Var, Initial] = {seen.truth: ANY}
-    choices: list[Var] = [seen.true_step]
     laws = _vehicle_laws(own)
     if seen.units is not None:
-        first |= {seen.units.lawful: ANY, seen.units.wander: ANY}
         moves |= {seen.units.lawful: seen.units.lawful, seen.units.wander: own.wander_after}
         for unit in own.units:
-            first |= unit.first()
             moves |= unit.moves()
-        choices.append(seen.units.next_wander)
         laws |= _unit_laws(own, seen.units)
-    return World(first, choices, moves, laws)
+    return World(declared.ghosts, declared.choices, moves, laws)
 
 
 def initially(own: Surroundings) -> Bool:
-    """The lawful unit's one-off error is within its constant from the start, and what is told has that of the unit."""
+    """From the start the lawful unit's one-off error is within its constant, and the reported distance has the same one-off error."""
     seen = own.ghosts.units
     if seen is None:
         return as_num(0, NM).eq(0)

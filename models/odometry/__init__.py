@@ -20,27 +20,31 @@ from dataclasses import dataclass
 
 from safeloc.language.expr import (
     FALSE,
+    TRUE,
     Bool,
     Expr,
     Lit,
     Num,
     Var,
     any_of,
+    as_num,
     ceil_to,
     ite,
     members,
+    minimum,
 )
-from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import MM
-from safeloc.models.odometry.cycle import Judged, Situation, judge, nothing
-from safeloc.models.odometry.distance_device import Device, Values, choose
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
+from safeloc.language.units import COUNT, MM
+from safeloc.models.odometry.cycle import Judged, Reading, Remembered, Situation, judge
+from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, choose, nothing
 from safeloc.models.odometry.hidden_faults import with_hidden
 from safeloc.models.odometry.lemmas import lemmas
 from safeloc.models.odometry.marker_reading import ACCEPTED
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.odometry.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
-from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
 
 VALUES = members("values", "NONE", "M1", "M2")
 NO_VALUES, M1, M2 = VALUES
@@ -50,7 +54,7 @@ ENDS = ("front", "rear")
 
 
 def machine(config: OdometryConfig | None = None) -> Machine:
-    """The odometry machine of a vehicle (MRK-1 to MRK-6 and MRK-D1 to MRK-D6, without the delocalized state's latch)."""
+    """Return the odometry machine of a vehicle (MRK-1 to MRK-6, MRK-D1 to MRK-D6, without the latch of the delocalized state)."""
     return build(parts(config or OdometryConfig())).machine
 
 
@@ -64,12 +68,12 @@ class Odometry:
 
     @property
     def lead(self) -> Values:
-        """What is reported: the values of the device that the mode names."""
+        """The reported values: those of the device that the mode names."""
         return lead(self.own, self.machine.mode)
 
 
 def build(own: Parts, name: str = "odometry") -> Odometry:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     mode = modes("DELOCALIZED", "CANDIDATE", "FRONT", *(["REAR"] if len(own.devices) == 2 else []))
     current = current_mode(mode)
     situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
@@ -77,39 +81,22 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
     made = Machine(
         name=name,
         modes=mode,
-        inputs=[*(unit.step for unit in own.units), *own.readers[0].inputs, *own.readers[1].inputs, *own.train_data],
-        state=_state(own),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, mode),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
         world=with_hidden(world(own), judged),
         lemmas=lemmas(own, current, mode),
         definitions=_definitions(own, judged),
         doc=(
-            "Position of end A of the vehicle from distance measured since position markers, which a reader at either "
-            "end reads. Assumed: a unit delivers a distance that obeys its error law, or one that no vehicle can have run; no "
-            "cycle runs farther than the highest speed allows; a reader stood over the marker that it gives, within its "
-            "latency, the map has that marker within its accuracy, and the vehicle is as long as told. Once in the age limit "
-            "a reader may give a marker that lies far away instead (never, where the first marker is believed at once)."
+            "Position of end A of the vehicle from the distance measured since position markers, which a reader at either "
+            "end reads. Assumed: each unit delivers a distance that obeys its error law, or one that no vehicle can have run; the "
+            "vehicle keeps to its highest speed and is as long as its data say; a reader stood, within its latency, over the marker "
+            "that it reports, and the map has this marker within its accuracy. Once in the age limit a reader may report a marker "
+            "that lies far away instead (never, if the first marker is trusted at once)."
         ),
     )
     return Odometry(made, own, judged)
-
-
-def _state(own: Parts) -> dict[Var, Initial]:
-    state: dict[Var, Initial] = {}
-    for device in own.devices:
-        state |= device.state()
-    for reader in own.readers:
-        state |= reader.state()
-    state |= own.pending.state()
-    first: dict[Var, Initial] = {
-        own.backwards: False,
-        own.rolled: 0,
-        own.last_marker: 0,
-        own.last_place: 0,
-        own.reason: NO_REFERENCE,
-    }
-    return {**state, **first}
 
 
 # ------------------------------------------------------------------ the transition table
@@ -120,10 +107,12 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
     lost, located = mode[0], mode[2:]
     failed = any_of(moved.failed for moved in cycle.cycles)
     gone = ~cycle.any_alive
-    keep = {**cycle.listen(), **cycle.remember(), **_devices(own, cycle), own.reason: LOCATED}
+    keep = together(
+        _seen(own, cycle), _set_or_prolonged(own, cycle), _identities(own, cycle.remembered()), {own.reason: LOCATED}
+    )
 
-    def drop(reason: Lit) -> dict[Var, Expr]:
-        return {**cycle.listen(), **cycle.forget(), **_no_devices(own), own.reason: reason}
+    def drop(reason: Lit) -> Updates:
+        return together(_seen(own, cycle), _no_position(own), _no_identities(own), {own.reason: reason})
 
     if len(own.devices) == 2:
         yield Transition(
@@ -145,60 +134,114 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
         name = f"hand over to {ENDS[device]} device"
         yield Transition(name, located[other], located[device], _leads(own, cycle, device), keep, ("MRK-D3",), 5)
     for device, target in enumerate(located):
-        yield Transition(
-            f"run on {ENDS[device]} device", target, target, set=keep, requirements=("MRK-4", "MRK-D4"), rank=6
-        )
+        yield Transition(f"run on {ENDS[device]} device", target, target, TRUE, keep, ("MRK-4", "MRK-D4"), 6)
 
 
 def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report nothing."""
     lost, candidate, *located = mode
+    waiting, seen = (lost, candidate), _seen(own, cycle)
+    located_now: Updates = {own.reason: LOCATED}
     for reading in cycle.readings:
-        end = ENDS[reading.end]
-        only = {**cycle.listen(), **cycle.become_only(reading)}
-        first = {**only, **cycle.remember_only(reading)}
-        sure = {**only, **cycle.remember(), own.reason: LOCATED}
-        target = located[_index(own, reading.device)]
-        leads = reading.leading
-        yield Transition(
-            f"candidate marker at {end}",
-            (lost, candidate),
-            candidate,
-            reading.is_candidate & leads,
-            first,
-            ("MRK-D1",),
-            7,
-        )
-        yield Transition(
-            f"marker confirmed at {end}", candidate, target, reading.accepted & leads, sure, ("MRK-1", "MRK-D1"), 7
-        )
+        end, target, leads = ENDS[reading.end], located[_index(own, reading.device)], reading.leading
+        taken, sure = reading.is_candidate & leads, reading.accepted & leads
+        only = together(seen, _only_by(own, cycle, reading))
+        alone, both = (_identities(own, one) for one in (cycle.remembered_of(reading), cycle.remembered()))
+        first, agreed = together(only, alone), together(only, both, located_now)
+        yield Transition(f"candidate marker at {end}", waiting, candidate, taken, first, ("MRK-D1",), 7)
+        yield Transition(f"marker confirmed at {end}", candidate, target, sure, agreed, ("MRK-1", "MRK-D1"), 7)
         if own.config.trust_first_marker:
-            yield Transition(
-                f"trusted marker at {end}", lost, target, reading.accepted & leads, {**sure, **first, own.reason: LOCATED},
-                ("MRK-1",), 7,
-            )  # fmt: skip
-    kept: dict[Var, Expr] = {place: ite(cycle.reversed, 0, place) for place in (*own.pending.places, own.last_marker)}
-    carried: dict[Var, Expr] = {**cycle.listen(), **cycle.run_on(), **kept}
-    dropped = {**cycle.listen(), **cycle.forget(), **_no_devices(own)}
+            trusted = together(first, located_now)
+            yield Transition(f"trusted marker at {end}", lost, target, sure, trusted, ("MRK-1",), 7)
+    carried = together(seen, _prolonged(own, cycle), _identities_unless_turned(own, cycle))
+    dropped = together(seen, _no_position(own), _no_identities(own))
     yield Transition("candidate lost", candidate, lost, ~cycle.any_prolonged, dropped, ("MRK-D1",), 8)
-    yield Transition("carry the candidate", candidate, candidate, set=carried, requirements=("MRK-D1",), rank=9)
-    yield Transition("wait for a marker", lost, lost, set=cycle.listen(), requirements=("MRK-D1",), rank=9)
+    yield Transition("carry the candidate", candidate, candidate, TRUE, carried, ("MRK-D1",), 9)
+    yield Transition("wait for a marker", lost, lost, TRUE, seen, ("MRK-D1",), 9)
+
+
+# ------------------------------------------------------------------ groups of updates: what the transitions set
+
+
+def _seen(own: Parts, cycle: Judged) -> Updates:
+    """Set by every transition: the cycle's distances and readings with their verdicts, and the direction of travel."""
+    verdicts: Updates = {reader.verdict: one.verdict for reader, one in zip(own.readers, cycle.readings, strict=True)}
+    heading: Updates = {own.rolled: cycle.heading.rolled, own.backwards: cycle.heading.backwards}
+    return together(*(_measured(moved) for moved in cycle.cycles), verdicts, heading)
+
+
+def _measured(moved: Cycle) -> Updates:
+    updates: dict[Var, Expr] = {}
+    for unit, admitted in zip(moved.device.units, moved.admitted, strict=True):
+        longer = minimum(unit.gap + 1, unit.limits.lone_limit + 1)
+        updates[unit.last] = ite(admitted, unit.step.value, unit.last)
+        updates[unit.gap] = ite(admitted, as_num(0, COUNT), longer)
+        updates[unit.judged] = unit.verdict()
+    return updates
+
+
+def _set_or_prolonged(own: Parts, cycle: Judged) -> Updates:
+    """Each device is set by its accepted reading; without one its units move by the measured distances."""
+    return together(*(_becomes(device, cycle.state_after(device)) for device in own.devices))
+
+
+def _only_by(own: Parts, cycle: Judged, reading: Reading) -> Updates:
+    """The reading sets its device; any other device has no position."""
+    fresh = cycle.state_set_by(reading)
+    return together(*(_becomes(one, fresh if one is reading.device else nothing(one)) for one in own.devices))
+
+
+def _prolonged(own: Parts, cycle: Judged) -> Updates:
+    """The units of each device move by the measured distances; no reading sets one."""
+    return together(*(_becomes(device, cycle.moved(device).state) for device in own.devices))
+
+
+def _no_position(own: Parts) -> Updates:
+    """No device has a position."""
+    return together(*(_becomes(device, nothing(device)) for device in own.devices))
+
+
+def _becomes(device: Device, state: DeviceState) -> Updates:
+    """The device takes that state; a dead unit holds zeros, and so do run and age without a living unit."""
+    updates: dict[Var, Expr] = {}
+    for unit, values in zip(device.units, state.values, strict=True):
+        updates[unit.alive] = values.alive
+        updates[unit.position] = ite(values.alive, values.position, 0)
+        updates[unit.above] = ite(values.alive, values.above, 0)
+        updates[unit.below] = ite(values.alive, values.below, 0)
+    updates[device.run], updates[device.age] = ite(state.alive, state.run, 0), ite(state.alive, state.age, 0)
+    updates[device.by_leading] = state.by_leading
+    return updates
+
+
+def _identities(own: Parts, found: Remembered) -> Updates:
+    """The identities that wait for the trailing reader, and the marker that the leading reader read last."""
+    waiting: Updates = dict(zip(own.pending.places, found.pending, strict=True))
+    return together(waiting, {own.last_marker: found.last_marker, own.last_place: found.last_place})
+
+
+def _identities_unless_turned(own: Parts, cycle: Judged) -> Updates:
+    """Identities stay; none does where the direction of travel turns."""
+    return {var: ite(cycle.reversed, 0, var) for var in (*own.pending.places, own.last_marker)}
+
+
+def _no_identities(own: Parts) -> Updates:
+    """No identity is remembered."""
+    return dict.fromkeys((*own.pending.places, own.last_marker), as_num(0, COUNT))
+
+
+# ------------------------------------------------------------------ terms of the table
 
 
 def _index(own: Parts, device: Device) -> int:
     return next(index for index, one in enumerate(own.devices) if one is device)
 
 
-def _devices(own: Parts, cycle: Judged) -> dict[Var, Expr]:
-    return {var: term for device in own.devices for var, term in cycle.become(device).items()}
-
-
-def _no_devices(own: Parts) -> dict[Var, Expr]:
-    return {var: term for device in own.devices for var, term in nothing(device).items()}
-
-
 def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
-    """Whether the device at that index speaks after the cycle: the smaller margin; a freshly set one where equal."""
+    """Return whether the device at that index leads after the cycle.
+
+    The smaller margin leads; of two equal ones the front device, unless a reading set the rear device alone in this cycle.
+    """
     if len(own.devices) == 1:
         return cycle.any_alive
     front, rear = (cycle.says(device) for device in own.devices)
@@ -209,7 +252,7 @@ def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
 
 
 def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
-    """Names for what the table speaks of."""
+    """Name the terms of the table."""
     named: dict[str, Expr] = {"devices exclude each other": cycle.clash, "some device is alive": cycle.any_alive}
     named["the candidate is alive"] = cycle.any_prolonged
     named["direction turned"] = cycle.reversed
@@ -235,7 +278,7 @@ def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
 
 
 def lead(own: Parts, current: Num) -> Values:
-    """The values of the device that the mode names."""
+    """Return the values of the device that the mode names."""
     if len(own.devices) == 1:
         return own.devices[0].values
     front, rear = own.devices

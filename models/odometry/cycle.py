@@ -1,15 +1,15 @@
-"""What one cycle means to the odometry machine: measurements, readings, and the values after it.
+"""One cycle of the odometry machine: its measurements, the verdicts on its readings, and the values after it.
 
-Every term is built once and shared by all transitions, the assumption and the properties.
+The table (`models/odometry/__init__.py`) states which transition sets which of these values.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import TRUE, Bool, Expr, Num, Var, abs_, all_of, any_of, as_num, ite, maximum
+from safeloc.language.expr import TRUE, Bool, Num, abs_, all_of, any_of, as_num, ite, maximum
 from safeloc.language.units import COUNT, MM
-from safeloc.models.odometry.distance_device import NOTHING, Cycle, Device, Values, best, choose, cycle
+from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, best, choose, cycle
 from safeloc.models.odometry.marker_reading import (
     ACCEPTED,
     CANDIDATE,
@@ -32,7 +32,7 @@ from safeloc.models.vocabulary.first_of import first_of
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """In which kind of mode the machine is: something is reported, a candidate waits, or neither."""
+    """The kind of mode before the cycle: a position is reported, a candidate waits, or neither."""
 
     located: Bool
     candidate: Bool
@@ -41,7 +41,11 @@ class Situation:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The judgement on one reader's reading in this cycle."""
+    """One reader's reading in the cycle, with the verdict on it.
+
+    device   the device that it sets; fresh: the values of its units then
+    leading  the reader is the leading one
+    """
 
     end: int
     device: Device
@@ -67,29 +71,55 @@ class Reading:
 
 
 @dataclass(frozen=True, eq=False)
+class Heading:
+    """The direction of travel after a cycle: `turned` in it, and the distance run against it without a break."""
+
+    turned: Bool
+    backwards: Bool
+    rolled: Num
+
+
+@dataclass(frozen=True, eq=False)
+class Remembered:
+    """Identities after a cycle: those that wait for the trailing reader, and the last one that the leading reader read."""
+
+    pending: list[Num]
+    last_marker: Num
+    last_place: Num
+
+
+@dataclass(frozen=True, eq=False)
 class Judged:
-    """One cycle, judged."""
+    """One cycle with all verdicts.
+
+    cycles    the measurements, one for each device
+    heading   the direction of travel after it; `reversed` where it turned in this cycle
+    """
 
     own: Parts
     cycles: tuple[Cycle, ...]
     readings: tuple[Reading, Reading]
-    reversed: Bool
-    heading: dict[Var, Expr]
+    heading: Heading
+
+    @property
+    def reversed(self) -> Bool:
+        """The direction of travel turns in the cycle."""
+        return self.heading.turned
 
     def moved(self, device: Device) -> Cycle:
-        """The measurements of a device."""
+        """Return the measurements of a device."""
         return next(moved for moved in self.cycles if moved.device is device)
 
     def setting(self, device: Device) -> tuple[Reading, ...]:
-        """The readings that can set a device."""
+        """Return the readings that can set a device."""
         return tuple(reading for reading in self.readings if reading.device is device)
 
     def was_set(self, device: Device) -> Bool:
-        """An accepted reading sets the device in this cycle."""
+        """Return whether an accepted reading sets the device in the cycle."""
         return any_of(reading.accepted for reading in self.setting(device))
 
     def after(self, device: Device) -> tuple[Values, Values]:
-        """The units' values after the cycle: set by a reading, the leading one first, or run on."""
+        """Return the units' values after the cycle: set by a reading, the leading one first, or prolonged."""
         first, second = self.moved(device).prolonged
         for reading in self.setting(device):
             decides = reading.accepted & (reading.leading | ~self._leading_sets(device))
@@ -100,7 +130,7 @@ class Judged:
         return any_of(reading.accepted & reading.leading for reading in self.setting(device))
 
     def says(self, device: Device) -> Values:
-        """What the device says after the cycle."""
+        """Return the values that the device reports after the cycle."""
         return best(*self.after(device))
 
     @property
@@ -110,7 +140,7 @@ class Judged:
 
     @property
     def any_prolonged(self) -> Bool:
-        """Some device still has a position, readings apart."""
+        """Some device still has a position after the cycle, readings apart."""
         return any_of(moved.values.alive for moved in self.cycles)
 
     @property
@@ -121,99 +151,63 @@ class Judged:
         front, rear = (self.says(device) for device in self.own.devices)
         return front.alive & rear.alive & ~front.meets(rear)
 
-    def become(self, device: Device) -> dict[Var, Expr]:
-        """The device's updates in a cycle that keeps the position."""
+    def state_after(self, device: Device) -> DeviceState:
+        """Return the device's state after the cycle: set by a reading, or prolonged."""
         set_now, moved = self.was_set(device), self.moved(device)
-        run = ite(set_now, self._run_since(device), moved.run)
-        age = ite(set_now, as_num(self.own.config.period_ms, moved.age.unit), moved.age)
-        by_leading = ite(set_now, self._leading_sets(device), device.by_leading)
-        return device.become(self.after(device), run, age, by_leading)
+        return DeviceState(
+            self.after(device),
+            run=ite(set_now, first_of(*self._runs_since(device), default=as_num(0, MM)), moved.run),
+            age=ite(set_now, as_num(self.own.config.period_ms, moved.age.unit), moved.age),
+            by_leading=ite(set_now, self._leading_sets(device), device.by_leading),
+        )
 
-    def _run_since(self, device: Device) -> Num:
-        runs = [(r.accepted, abs_(self.own.readers[r.end].since.value_or(as_num(0, MM)))) for r in self.setting(device)]
-        return first_of(*runs, default=as_num(0, MM))
+    def _runs_since(self, device: Device) -> list[tuple[Bool, Num]]:
+        return [(reading.accepted, self._run_since(reading)) for reading in self.setting(device)]
 
-    def become_only(self, reading: Reading) -> dict[Var, Expr]:
-        """Only the reading's device has values, those of the reading; any other device has none."""
-        updates: dict[Var, Expr] = {}
-        for device in self.own.devices:
-            if device is reading.device:
-                since = abs_(self.own.readers[reading.end].since.value_or(as_num(0, MM)))
-                age = as_num(self.own.config.period_ms, device.age.unit)
-                updates |= device.become(reading.fresh, since, age, TRUE)
-            else:
-                updates |= nothing(device)
-        return updates
+    def _run_since(self, reading: Reading) -> Num:
+        return abs_(self.own.readers[reading.end].since.value_or(as_num(0, MM)))
 
-    def run_on(self) -> dict[Var, Expr]:
-        """All devices run on, readings apart."""
-        updates: dict[Var, Expr] = {}
-        for moved in self.cycles:
-            updates |= moved.device.become(moved.prolonged, moved.run, moved.age, moved.device.by_leading)
-        return updates
+    def state_set_by(self, reading: Reading) -> DeviceState:
+        """Return the state of the reading's device if that reading sets it."""
+        age = as_num(self.own.config.period_ms, reading.device.age.unit)
+        return DeviceState(reading.fresh, self._run_since(reading), age, TRUE)
 
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle, whatever the mode: what was heard and how it was judged."""
-        updates: dict[Var, Expr] = dict(self.heading)
-        for moved in self.cycles:
-            updates |= moved.listen()
-        for reader, reading in zip(self.own.readers, self.readings, strict=True):
-            updates[reader.verdict] = reading.verdict
-        return updates
-
-    def remember(self) -> dict[Var, Expr]:
-        """Identities after the cycle: the pending ones, and the last one the leading reader met."""
-        led = [(r.consistent & r.leading, self.own.readers[r.end]) for r in self.readings]
-        passed = [(r.consistent & ~r.leading, self.own.readers[r.end].marker.value) for r in self.readings]
+    def remembered(self) -> Remembered:
+        """Return the identities after a cycle that keeps the position."""
+        own = self.own
+        led = [(r.consistent & r.leading, own.readers[r.end]) for r in self.readings]
+        passed = [(r.consistent & ~r.leading, own.readers[r.end].marker.value) for r in self.readings]
         zero = as_num(0, COUNT)
-        last = first_of(*((ok, by.marker.value) for ok, by in led), default=self.own.last_marker)
-        place = first_of(*((ok, by.place.value) for ok, by in led), default=self.own.last_place)
-        queue = self.own.pending.after(
+        last = first_of(*((ok, by.marker.value) for ok, by in led), default=own.last_marker)
+        place = first_of(*((ok, by.place.value) for ok, by in led), default=own.last_place)
+        queue = own.pending.after(
             passed[0][0] | passed[1][0], first_of(*passed, default=zero), led[0][0] | led[1][0], last, ~self.reversed
         )
-        kept: dict[Var, Expr] = {self.own.last_marker: ite(self.reversed, zero, last), self.own.last_place: place}
-        return {**queue, **kept}
+        return Remembered(queue, ite(self.reversed, zero, last), place)
 
-    def remember_only(self, reading: Reading) -> dict[Var, Expr]:
-        """Only this reading's identity is remembered."""
+    def remembered_of(self, reading: Reading) -> Remembered:
+        """Return the identities if nothing but this reading's is remembered."""
         reader, zero = self.own.readers[reading.end], as_num(0, COUNT)
         marker = ite(self.reversed, zero, reader.marker.value)
-        first, *rest = self.own.pending.places
-        return {
-            first: marker,
-            **dict.fromkeys(rest, zero),
-            self.own.last_marker: marker,
-            self.own.last_place: reader.place.value,
-        }
-
-    def forget(self) -> dict[Var, Expr]:
-        """No identity is remembered."""
-        zero = as_num(0, COUNT)
-        return {**dict.fromkeys(self.own.pending.places, zero), self.own.last_marker: zero}
-
-
-def nothing(device: Device) -> dict[Var, Expr]:
-    """Updates after which the device has no position."""
-    return device.become((NOTHING, NOTHING), as_num(0, MM), as_num(0, device.age.unit), TRUE)
+        return Remembered([marker, *[zero] * (len(self.own.pending.places) - 1)], marker, reader.place.value)
 
 
 def judge(own: Parts, situation: Situation) -> Judged:
-    """Judge one cycle's measurements and readings."""
+    """Make the verdicts on one cycle's measurements and readings."""
     cycles = tuple(cycle(device) for device in own.devices)
     reference = cycles[0].values if len(cycles) == 1 else best(cycles[0].values, cycles[1].values)
     readings = tuple(_reading(own, end, cycles, reference, situation) for end in (0, 1))
-    reversed_, heading = _heading(own, cycles)
-    return Judged(own, cycles, (readings[0], readings[1]), reversed_, heading)
+    return Judged(own, cycles, (readings[0], readings[1]), _heading(own, cycles))
 
 
-def _heading(own: Parts, cycles: tuple[Cycle, ...]) -> tuple[Bool, dict[Var, Expr]]:
+def _heading(own: Parts, cycles: tuple[Cycle, ...]) -> Heading:
     """The direction of travel turns when more than `reversal_mm` were run against it without a break."""
     movement = cycles[-1].movement
     for moved in reversed(cycles[:-1]):
         movement = ite(moved.admitted[0] | moved.admitted[1], moved.movement, movement)
     rolled = maximum(own.rolled + ite(own.backwards, movement, -movement), 0)
     turned = rolled > own.config.reversal_mm
-    return turned, {own.rolled: ite(turned, 0, rolled), own.backwards: ite(turned, ~own.backwards, own.backwards)}
+    return Heading(turned, ite(turned, ~own.backwards, own.backwards), ite(turned, 0, rolled))
 
 
 def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values, situation: Situation) -> Reading:
@@ -260,7 +254,7 @@ def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values,
 
 
 def _behind(own: Parts, end: int) -> Bool:
-    """The marker lies behind the last one the leading reader met, or at the same place."""
+    """The marker lies behind the last one that the leading reader read, or at the same place."""
     place = own.readers[end].place.value
     behind = ite(own.backwards, place >= own.last_place, place <= own.last_place)
     return all_of([own.last_marker.ne(0), behind])

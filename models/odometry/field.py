@@ -36,7 +36,7 @@ LONGEST_VEHICLE_MM = 2_000_000
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """What stays, where the readers are, and what they read in this cycle.
+    """Fixed figures of the field, the readers' places, and their readings in this cycle.
 
     phase_a, phase_b: distance of end A and of end B from the marker it passed last. place: of end A's last marker.
     """
@@ -54,7 +54,7 @@ class Field:
 
     @property
     def position(self) -> Num:
-        """Where end A is, mm."""
+        """Place of end A, mm."""
         return self.place + self.phase_a
 
     @property
@@ -65,7 +65,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Arrangement:
-    """How the vehicle lies over the markers.
+    """Position of the vehicle relative to the markers.
 
     holds  what relates length, spacing and the places of both ends; it stays true while the vehicle runs
     under  the greatest whole number of spacings that the vehicle is longer than
@@ -78,7 +78,7 @@ class Arrangement:
     pairs: bool
 
     def lead_mm(self, length: Num, spacing: Num) -> Num:
-        """How far end A is past a marker when end B passes the marker that lies `under` spacings behind it."""
+        """Return the distance of end A past a marker when end B passes the marker that lies `under` spacings behind it."""
         return length - spacing * self.under
 
 
@@ -152,7 +152,10 @@ def world(field: Field, limits: Limits, arrangement: Arrangement) -> Machine:
             Transition(name, running, running, when, _moved(field, front, rear), ("MRK-D5",), rank)
             for rank, (name, when) in enumerate({**meets, "between markers": TRUE}.items())
         ],
-        world=World(clauses={"the vehicle runs forward on the line": _forward(field, limits)}),
+        world=World(
+            clauses={"the vehicle runs forward on the line": _forward(field, limits)},
+            reads_machine="the field has no devices: it is the world of the odometry machine, and its state is what is so there",
+        ),
         initially=between_markers & arranged & (field.rear_place >= 1),
         lemmas={"both ends are between markers": between_markers, "the vehicle lies as arranged": arranged},
         doc="A line with evenly spaced markers; vehicle length, spacing and accuracy are free and stay as they are.",

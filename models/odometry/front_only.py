@@ -1,7 +1,7 @@
 """Two machines on one stream: odometry with both readers, and beside it one that has the front reader alone (MRK-1).
 
-The second one is the one-device machine; its rear reader reads nothing. Both hear the same front units and the same
-front reader. Whatever the rear units and the rear reader say, the first one must not be worse.
+The second one is the one-device machine; its rear reader reads nothing. Both have the same front units and the same front
+reader. Whatever the rear units and the rear reader report, the first one must not be worse.
 
 No ghost is needed: both are compared on every stream on which neither turns about, the two devices do not exclude each
 other, and neither refuses what the front reader reads. `models/odometry/line_ahead.py` shows which streams these are.
@@ -49,9 +49,9 @@ class Comparison:
 def compose_comparison(
     config: OdometryConfig | None = None, *, change: Callable[[Machine], Machine] | None = None
 ) -> Comparison:
-    """Both machines on one stream, under the assumption that the properties name.
+    """Compose both machines on one stream, under the assumption that the properties name.
 
-    change  what runs instead of the machine with both readers, to show that a wrong one is noticed
+    change  makes a wrong machine of the one with both readers, to show that it is noticed
     """
     config = config or OdometryConfig()
     both = _undisturbed(build(parts(config.model_copy(update={"devices": 2}))))
@@ -68,7 +68,7 @@ def compose_comparison(
 
 
 def _undisturbed(model: Odometry) -> Odometry:
-    """On board, on a stream without a turn, a contradiction or a refused reading at the front."""
+    """Return the machine on a stream without a turn, a contradiction or a refused reading at the front."""
     return replace(
         model,
         machine=replace(
@@ -82,7 +82,7 @@ def _undisturbed(model: Odometry) -> Odometry:
 
 
 def undisturbed(model: Odometry) -> Bool:
-    """No turn of direction, no contradiction between devices, and no reading refused at the front: of one cycle."""
+    """Return whether a cycle has no turn, no contradiction between devices, and no refused reading at the front."""
     verdict = model.judged.readings[0].verdict
     return ~(model.judged.reversed | model.judged.clash | verdict.one_of(*REFUSED))
 
@@ -104,11 +104,10 @@ def _reads(there: Optional, here: Optional) -> dict[Var, Expr]:
 
 
 def _assumed(whole: Comparison) -> Bool:
-    """What is asked of the front reader's markers beside that.
+    """Assume besides that no coarse marker is read at the front while the machine with the front reader alone reports nothing.
 
-    None that is worth less than what the front device still has is read while the front reader alone reports nothing:
-    that machine takes such a marker, having nothing to lose, while the one with both readers keeps the better values, and
-    of these the second unit may later turn out the worse one.
+    A coarse marker is worth less than the values that the front device still has. The machine without a position takes it; the
+    one with both readers keeps its better values, of which the second unit may later turn out to be the worse one.
     """
     verdict = whole.both.judged.readings[0].verdict
     silent = whole.of_alone.bool(~whole.alone.machine.flag("valid"))
@@ -136,9 +135,15 @@ def _lemmas(whole: Comparison) -> Iterator[tuple[str, Bool]]:
 def _same_values(whole: Comparison) -> Iterator[tuple[str, Bool]]:
     """The front devices have the same values, run and age."""
     here, there = whole.both.own.devices[0], whole.alone.own.devices[0]
-    for one, twin in zip(here.state(), there.state(), strict=True):
+    for one, twin in zip(_state(here), _state(there), strict=True):
         yield f"{one.name} the same", _equal(whole.of_both(one), whole.of_alone(twin))
     yield "a dead front device holds nothing", whole.of_alone.bool(_empty_when_dead(there))
+
+
+def _state(device: Device) -> Iterator[Var]:
+    for unit in device.units:
+        yield from (unit.alive, unit.position, unit.above, unit.below, unit.last, unit.gap, unit.judged)
+    yield from (device.run, device.age, device.by_leading)
 
 
 def _empty_when_dead(device: Device) -> Bool:

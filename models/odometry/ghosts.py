@@ -1,20 +1,23 @@
-"""What no device of the vehicle can read: where it really is, what its units really did, and where markers really lie."""
+"""Variables of the odometry machine's world, which no device reads: the true movement, the units' true errors, the true markers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
-from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.odometry.distance_device import Device, Unit
+from safeloc.models.odometry.hidden_faults import unseen, unseen_at_reading_nm
 
 READERS = ("front_marker", "rear_marker")
 
 
 @dataclass(frozen=True, eq=False)
 class UnitGhosts:
-    """Of one measuring unit.
+    """Ghosts of one measuring unit.
 
     wander, next_wander   the one-off part of its error: before the cycle and, freely chosen, after it, nm
     heard, silent         the last distance it delivered that the vehicle can have run, and the cycles since then
@@ -30,31 +33,10 @@ class UnitGhosts:
 
 @dataclass(frozen=True, eq=False)
 class ReaderGhosts:
-    """Of one reader: where the marker that it reads really lies, and whether it reads one that is not under it."""
+    """Ghosts of one reader: the true place of the marker that it reads, and the flag that this marker is not under it."""
 
     spot: NumVar
     stray: BoolVar
-
-
-@dataclass(frozen=True, eq=False)
-class Ghosts:
-    """The world's variables.
-
-    truth, true_step   end A along the line, and what it really runs in the cycle, nm
-    length             how far end B really is behind end A in the cycle
-    since_stray        the time since a reader last read a marker that was not under it
-    faulty             the unit that may break its law, or NONE; where there is such a unit
-    unseen             per device, what a fault too small to be seen may have added; where that is not charged
-    """
-
-    truth: NumVar
-    true_step: NumVar
-    length: NumVar
-    units: tuple[UnitGhosts, ...]
-    readers: tuple[ReaderGhosts, ReaderGhosts]
-    since_stray: NumVar
-    faulty: NumVar | None = None
-    unseen: tuple[NumVar, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -65,45 +47,89 @@ class Bounds:
     max_speed_mm_s: int
     line_mm: int
     longest_mm: int
+    gap_limit_cycles: int
     lone_limit_cycles: int
     age_limit_ms: int
 
     @property
     def farthest_nm(self) -> int:
-        """What the vehicle runs in a cycle at its highest speed."""
+        """The run of a cycle at the highest speed."""
         return self.max_speed_mm_s * self.period_ms * 1_000
 
 
-def ghosts(bounds: Bounds, units: Sequence[tuple[str, ErrorLaw, NumVar]]) -> Ghosts:
-    """Fresh variables; `units` are names, laws and measured distances."""
-    line_nm, longest_nm = bounds.line_mm * NM_PER_MM, bounds.longest_mm * NM_PER_MM
-    front, rear = (
-        ReaderGhosts(
-            number(f"{name}_spot_nm", NM, -line_nm - longest_nm, line_nm + longest_nm), boolean(f"{name}_stray")
-        )
-        for name in READERS
-    )
-    return Ghosts(
+@dataclass(frozen=True, eq=False)
+class Movement:
+    """The true movement of a vehicle: end A along the line, and its run in the cycle, nm."""
+
+    truth: NumVar
+    true_step: NumVar
+
+
+def movement(bounds: Bounds) -> Movement:
+    """Make the variables of a movement; a machine that follows another one's movement takes that one's."""
+    line_nm = bounds.line_mm * NM_PER_MM
+    return Movement(
         number("truth_nm", NM, -line_nm, line_nm),
         number("true_step_nm", NM, -bounds.farthest_nm, bounds.farthest_nm),
-        number("true_length_nm", NM, 0, longest_nm),
-        tuple(_of_unit(bounds, name, law, step) for name, law, step in units),
-        (front, rear),
-        number("since_stray_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms),
     )
 
 
-def _of_unit(bounds: Bounds, name: str, law: ErrorLaw, step: NumVar) -> UnitGhosts:
-    most = law.constant_mm * NM_PER_MM // 2
-    return UnitGhosts(
-        number(f"{name}_wander_nm", NM, -most, most),
-        number(f"{name}_next_wander_nm", NM, -most, most),
-        number(f"{name}_heard_mm", MM, step.low, step.high),
-        number(f"{name}_silent_cycles", COUNT, 0, bounds.lone_limit_cycles + 1),
-        number(f"{name}_unset_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms) if law.drift_mm_s2 else None,
+class Ghosts:
+    """The world's variables.
+
+    truth, true_step   end A along the line, and its true run in the cycle, nm
+    length             the true distance from end B to end A in the cycle
+    since_stray        the time since a reader last read a marker that was not under it
+    faulty             the unit that may break its law, or NONE; only with a possible fault
+    unseen             for each device, what an undetectably small fault may have added; only where the margins do not cover it
+    """
+
+    def __init__(
+        self,
+        declared: Declared,
+        bounds: Bounds,
+        devices: Sequence[Device],
+        moved: Movement,
+        *,
+        with_fault: bool,
+        covered: bool,
+    ) -> None:
+        longest_nm = bounds.longest_mm * NM_PER_MM
+        units = [unit for device in devices for unit in device.units]
+        self.truth = declared.ghost(moved.truth, first=ANY)
+        self.true_step = declared.choice(moved.true_step)
+        self.length = declared.choice(number("true_length_nm", NM, 0, longest_nm))
+        since_stray = number("since_stray_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms)
+        self.since_stray = declared.ghost(since_stray, first=ANY)
+        self.units = tuple(_of_unit(declared, bounds, unit) for unit in units)
+        self.readers = tuple(_of_reader(declared, bounds, name) for name in READERS)
+        self.faulty: NumVar | None = None
+        self.unseen: tuple[NumVar, ...] = ()
+        if with_fault:
+            names = enumeration(members("faulty", "NONE", *(unit.name for unit in units)))
+            self.faulty = declared.ghost(choice("faulty_unit", names), first=ANY)
+        if with_fault and not covered:
+            self.unseen = tuple(
+                declared.ghost(unseen(device), first=unseen_at_reading_nm(device)) for device in devices
+            )
+
+
+def _of_reader(declared: Declared, bounds: Bounds, name: str) -> ReaderGhosts:
+    farthest_nm = (bounds.line_mm + bounds.longest_mm) * NM_PER_MM
+    return ReaderGhosts(
+        declared.choice(number(f"{name}_spot_nm", NM, -farthest_nm, farthest_nm)),
+        declared.choice(boolean(f"{name}_stray")),
     )
 
 
-def faulty_unit(names: Sequence[str]) -> NumVar:
-    """The unit that may break its law, or NONE."""
-    return choice("faulty_unit", enumeration(members("faulty", "NONE", *names)))
+def _of_unit(declared: Declared, bounds: Bounds, unit: Unit) -> UnitGhosts:
+    most, name, step = unit.law.constant_mm * NM_PER_MM // 2, unit.name, unit.step.value
+    wander = declared.ghost(number(f"{name}_wander_nm", NM, -most, most), first=ANY)
+    next_wander = declared.choice(number(f"{name}_next_wander_nm", NM, -most, most))
+    heard = declared.ghost(number(f"{name}_heard_mm", MM, step.low, step.high), first=0)
+    silent = number(f"{name}_silent_cycles", COUNT, 0, bounds.lone_limit_cycles + 1)
+    declared.ghost(silent, first=bounds.gap_limit_cycles + 1)
+    if not unit.law.drift_mm_s2:
+        return UnitGhosts(wander, next_wander, heard, silent, None)
+    unset = number(f"{name}_unset_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms)
+    return UnitGhosts(wander, next_wander, heard, silent, declared.ghost(unset, first=ANY))

@@ -1,7 +1,7 @@
-"""Faults too small to be seen, of a machine that may have one faulty unit and does not charge for it.
+"""Undetectably small faults of a machine that may have one faulty unit and whose margins do not cover such faults.
 
-What such a fault may add since the device was set is the ghost `unseen`. It follows the machine's own resets: it is what a
-claim reckons with ("the interval, widened by so much"), no law of a sensor.
+The ghost `unseen` bounds what such a fault may have added since a reading set the device. It follows the machine's own
+resets: a property widens the interval by it; no law of a sensor reads it.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 
 def unseen(device: Device) -> NumVar:
-    """What a fault too small to be seen may have added since the device was set, as long ago as the age limit allows."""
+    """Make the ghost of what an undetectable fault may have added since the device was set, at most the age limit ago."""
     cycles = device.limits.age_limit_ms // device.limits.period_ms + 2
     most = unseen_at_reading_nm(device) + cycles * unseen_in_a_cycle_nm(device)
     return number(f"{device.name}_unseen_nm", NM, 0, most)
 
 
 def unseen_at_reading_nm(device: Device) -> int:
-    """What a unit is charged too little for the other one's one-off constant, nm."""
+    """Return by how much a unit's margin may fall short of the other unit's one-off constant, nm."""
     first, second = (unit.law.wander_nm for unit in device.units)
     return 2 * abs(first - second)
 
 
 def unseen_in_a_cycle_nm(device: Device) -> int:
-    """The most that one cycle may hide: twice the greater law at top speed and full age, nm."""
+    """Return the most that a fault may add in one cycle undetected: twice the greater law at top speed and full age, nm."""
     limits = device.limits
     farthest, oldest = Lit(limits.max_step_mm, MM), Lit(limits.age_limit_ms, MS)
     growths = [unit.law.growth_nm(farthest, oldest, limits.period_ms) for unit in device.units]
@@ -40,20 +40,19 @@ def unseen_in_a_cycle_nm(device: Device) -> int:
 
 
 def with_hidden(world: World, cycle: Judged) -> World:
-    """The world with what its faults may hide, where they may."""
+    """Add to the world how undetected faults grow, where the parts have such ghosts."""
     hidden = dict(zip(cycle.own.devices, cycle.own.ghosts.unseen, strict=False))
     if not hidden:
         return world
     return replace(
         world,
-        ghosts={**world.ghosts, **{ghost: unseen_at_reading_nm(device) for device, ghost in hidden.items()}},
         moves={**world.moves, **{ghost: _after(cycle, cycle.moved(one), ghost) for one, ghost in hidden.items()}},
         reads_machine="what a fault may hide is reckoned since the machine last set the device; no clause reads it",
     )
 
 
 def _after(cycle: Judged, moved: Cycle, hidden: NumVar) -> Num:
-    """Each cycle in which both units measure may hide twice the greater law; a reading starts afresh."""
+    """A fault may add twice the greater law in each cycle in which both units measure; a reading starts afresh."""
     device, both = moved.device, moved.admitted[0] & moved.admitted[1]
     period, start = device.limits.period_ms, as_num(unseen_at_reading_nm(device), NM)
     most = maximum(*(unit.law.growth_nm(moved.reach, moved.age, period) for unit in device.units))
@@ -63,7 +62,7 @@ def _after(cycle: Judged, moved: Cycle, hidden: NumVar) -> Num:
 
 
 def hidden_with_age(device: Device, hidden: NumVar) -> Bool:
-    """A lemma: no more is hidden than the device's age allows."""
+    """State the lemma that the undetected part is no more than the device's age allows."""
     start, most, period = unseen_at_reading_nm(device), unseen_in_a_cycle_nm(device), device.limits.period_ms
     within_age = (hidden - start) * period <= with_unit(device.age * most, NM)
     return (hidden >= start) & device.values.alive.implies(within_age)

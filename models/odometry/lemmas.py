@@ -1,4 +1,4 @@
-"""What helps to prove of the odometry machine. Lemmas read the machine and the world; they are proved themselves."""
+"""Lemmas of the odometry machine: facts over machine and world that help its proofs, and are proved themselves."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
 
 
 def _gated_alike(own: Parts, index: int) -> Bool:
-    """What the machine remembers of a unit's distances is what the world knows of them."""
+    """The machine and the world store the same last distance of a unit, and the same number of cycles since then."""
     unit, seen = own.units[index], own.ghosts.units[index]
     return unit.gap.eq(seen.silent) & unit.last.eq(seen.heard)
 

@@ -57,7 +57,7 @@ class MarkerField:
 
     @property
     def lead_mm(self) -> Num:
-        """How far end A is past its last marker when end B passes the marker that waits for it."""
+        """Distance of end A past its last marker when end B passes the marker that waits for it."""
         return self.own.num(self.arrangement.lead_mm(self.field.length, self.field.spacing))
 
 
@@ -74,7 +74,8 @@ def compose_field(
     model = build(parts(config, length=number("length_mm", MM, 0, LONGEST_VEHICLE_MM)))
     board = on_board(model.machine)
     source = replace(model, machine=board if change is None else change(board))
-    wires: dict[Var, Expr] = dict.fromkeys(source.own.train_data, field.length)
+    assert source.own.length is not None
+    wires: dict[Var, Expr] = {source.own.length: field.length}
     for unit in source.own.units:
         wires |= {unit.step.present: TRUE, unit.step.value: field.step}
     wires |= readings(field, *source.own.readers)

@@ -1,40 +1,39 @@
 """A reader at one end of the vehicle, and what a marker reading says of the vehicle's position.
 
-A marker is known by its identity; the map gives its place. An identity without a place is foreign (not on this
-line). Marker information may also come from satellites (MRK-D6): a virtual marker with its own, coarser accuracy.
+A marker has an identity; the map gives its place. An identity without a place is foreign (not on this line). A marker may
+also be a virtual one from satellites (MRK-D6), with its own, coarser accuracy.
 
-The position that is kept is that of end A (the front reader). A reading at end B adds the vehicle length and its
-tolerance. What was run between passing the marker and the end of the cycle (`since`) moves the position; what is
-not known of it (reader latency) widens the side the vehicle runs to, by what it may really have run in that time.
+The position is that of end A (the front reader). A reading at end B adds the vehicle length and its tolerance. The
+distance run between the marker and the end of the cycle (`since`) moves the position; the reader's latency widens the
+interval on the side to which the vehicle runs, by the distance that it may have run in that time.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
-    Expr,
     Lit,
     Num,
     NumVar,
     Optional,
-    Var,
     abs_,
     any_of,
     as_num,
     between,
     choice,
+    enumeration,
     exact_to,
     ite,
     maximum,
     members,
+    number,
     optional,
 )
-from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM, Enumeration
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM, PPM_PER_ONE
 from safeloc.models.odometry.distance_device import Cycle, Values
-from safeloc.models.vocabulary.error_law import WHOLE_PPM
 
 READING = members(
     "reading",
@@ -69,10 +68,12 @@ READING = members(
 
 @dataclass(frozen=True, eq=False)
 class Reader:
-    """A marker reader: the inputs of one reading and the verdict on it.
+    """A marker reader.
 
-    offset, offset_tolerance_mm: where end A is when this reader stands over a place (the vehicle length at end B), mm.
-    unsteady_nm: what a changing speed adds to the run in the reader's latency, and to that in the whole cycle.
+    marker, place, accuracy, since   inputs: identity, place on the map with its accuracy, distance run since the marker
+    verdict                          state: the verdict on the cycle's reading
+    offset, offset_tolerance_mm      distance of end A from a place that this reader is over, mm: the vehicle length at end B
+    unsteady_nm                      what a change of speed adds to the run in the latency, and to that in the whole cycle
     """
 
     name: str
@@ -93,66 +94,61 @@ class Reader:
         """The inputs of one reading: identity, place, accuracy of the place, distance run since."""
         return (self.marker, self.place, self.accuracy, self.since)
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        return {self.verdict: NONE}
-
     @property
     def known(self) -> Bool:
-        """A marker of this line was read."""
+        """The reader read a marker of this line."""
         return self.marker.present & self.place.present
 
     def flaw(self) -> tuple[Bool, Bool]:
-        """(malformed, foreign): data without an identity, and an identity without a place."""
+        """Return whether the reading is malformed (data without an identity), and whether it is foreign (no place)."""
         data = self.place.present | self.accuracy.present | self.since.present
         return (~self.marker.present & data, self.marker.present & ~self.place.present)
 
 
-def reader(name: str, *, offset: Num, offset_tolerance_mm: int, accuracy_mm: int, latency_ppm: int, since_ppm: int,
-           unsteady_nm: tuple[int, int], position_limit_mm: int, max_step_mm: int, last_identity: int) -> Reader:  # fmt: skip
-    """A reader with fresh variables named `name_marker...`."""
-    verdicts = READING[0].unit
-    assert isinstance(verdicts, Enumeration)
+def reader(declared: Declared, name: str, *, offset: Num, offset_tolerance_mm: int, accuracy_mm: int, latency_ppm: int,
+           since_ppm: int, unsteady_nm: tuple[int, int], position_limit_mm: int, max_step_mm: int,
+           last_identity: int) -> Reader:  # fmt: skip
+    """Declare the variables of a reader, named `name_marker...`."""
     return Reader(
         name,
-        optional(f"{name}_marker", COUNT, 1, last_identity),
-        optional(f"{name}_marker_position_mm", MM, -position_limit_mm, position_limit_mm),
-        optional(f"{name}_marker_accuracy_mm", MM, 0, 1_000_000),
-        optional(f"{name}_marker_since_mm", MM, -max_step_mm, max_step_mm),
-        choice(f"{name}_reading", verdicts),
-        offset,
-        offset_tolerance_mm,
-        accuracy_mm,
-        latency_ppm,
-        since_ppm,
-        unsteady_nm,
+        marker=declared.sensor(optional(f"{name}_marker", COUNT, 1, last_identity)),
+        place=declared.sensor(optional(f"{name}_marker_position_mm", MM, -position_limit_mm, position_limit_mm)),
+        accuracy=declared.sensor(optional(f"{name}_marker_accuracy_mm", MM, 0, 1_000_000)),
+        since=declared.sensor(optional(f"{name}_marker_since_mm", MM, -max_step_mm, max_step_mm)),
+        verdict=declared.state(choice(f"{name}_reading", enumeration(READING)), first=NONE),
+        offset=offset,
+        offset_tolerance_mm=offset_tolerance_mm,
+        accuracy_mm=accuracy_mm,
+        latency_ppm=latency_ppm,
+        since_ppm=since_ppm,
+        unsteady_nm=unsteady_nm,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Fix:
-    """What a reading says of end A at the end of the cycle: truth in [position - below, position + above], nm."""
+    """The place of end A at the end of the cycle by one reading: in [position - below, position + above]; margins in nm."""
 
     position: Num
     above: Num
     below: Num
 
     def values(self, wander_nm: int, tolerance_nm: int, limit_mm: int) -> Values:
-        """The fix as a unit's new values: its one-off constant is charged from the start."""
+        """Return the values of a unit that the reading sets: its one-off constant counts from the start."""
         above, below = self.above + 2 * wander_nm, self.below + 2 * wander_nm
         usable = (maximum(above, below) <= tolerance_nm) & between(-limit_mm, self.position, limit_mm)
         return Values(usable, self.position, above, below)
 
     def meets(self, values: Values) -> Bool:
-        """Whether the fix and the interval of `values` have a point in common."""
+        """Return whether the fix and the interval of `values` have a point in common."""
         centre = exact_to(self.position, NM)
         return (centre - self.below <= values.high) & (values.low <= centre + self.above)
 
 
 def fix(reader: Reader, moved: Cycle) -> Fix:
-    """The fix of this cycle's reading, given what the device at the same end measured in the cycle."""
+    """Return the fix by the cycle's reading, given the distances that the device at that end measured in the cycle."""
     since = reader.since.value_or(as_num(0, MM))
-    late, untimed = moved.farthest(reader.latency_ppm), moved.farthest(WHOLE_PPM)
+    late, untimed = moved.farthest(reader.latency_ppm), moved.farthest(PPM_PER_ONE)
     slack, whole = reader.unsteady_nm
     forth, back = (
         ite(reader.since.present, one + slack, other + whole) for one, other in zip(late, untimed, strict=True)
@@ -167,23 +163,22 @@ def fix(reader: Reader, moved: Cycle) -> Fix:
 
 @dataclass(frozen=True, eq=False)
 class Pending:
-    """Identities read by the leading reader and not yet by the trailing one, oldest first; 0 is an empty place.
+    """Identities that the leading reader has read and the trailing one has not yet, oldest first; 0 is an empty place.
 
-    The queue is bounded: when it is full the oldest identity is given up, and its trailing reading is then unpaired.
+    A full queue gives up its oldest identity; the trailing reading of that marker is then unpaired.
     """
 
     places: tuple[NumVar, ...]
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        return dict.fromkeys(self.places, 0)
-
     def has(self, marker: Num) -> Bool:
-        """Whether the identity is waited for."""
+        """Return whether the identity is in the queue."""
         return any_of(place.eq(marker) for place in self.places)
 
-    def after(self, passed: Bool, trailing: Num, read: Bool, leading: Num, keep: Bool) -> dict[Var, Expr]:
-        """The queue after a trailing match (it and all older ones leave), then a leading reading (it joins)."""
+    def after(self, passed: Bool, trailing: Num, read: Bool, leading: Num, keep: Bool) -> list[Num]:
+        """Return the queue after a trailing match (it and all older ones leave), then a leading reading (it joins).
+
+        Without `keep` it is empty.
+        """
         left = self._without(passed, trailing)
         full = left[-1].ne(0)
         joined: list[Num] = []
@@ -192,7 +187,7 @@ class Pending:
             shifted = left[index + 1] if index + 1 < len(left) else leading
             appended = ite(place.eq(0) & older_filled, leading, place)
             joined.append(ite(read, ite(full, shifted, appended), place))
-        return {place: ite(keep, value, 0) for place, value in zip(self.places, joined, strict=True)}
+        return [ite(keep, value, 0) for value in joined]
 
     def _without(self, passed: Bool, trailing: Num) -> list[Num]:
         result: list[Num] = []
@@ -205,3 +200,9 @@ class Pending:
                 value = ite(passed & self.places[match].eq(trailing), moved, value)
             result.append(value)
         return result
+
+
+def pending(declared: Declared, length: int, last_identity: int) -> Pending:
+    """Declare the variables of an empty queue."""
+    names = (f"pending_{place}" for place in range(1, length + 1))
+    return Pending(tuple(declared.state(number(name, COUNT, 0, last_identity), first=0) for name in names))

@@ -14,12 +14,11 @@ from safeloc.language.units import NM_PER_MM
 from safeloc.models.odometry.ghosts import READERS
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.odometry.world import far_away_mm
-from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import Distances, Law, Reading, measure, read_markers
+from safeloc.simulation.sensors import Distances, Reading, measure, read_markers
 
 Steps = list[dict[str, int | bool]]
 _NO_MARKERS = {f"{name}_{what}": nothing for name in READERS for what, nothing in (("spot_nm", 0), ("stray", False))}
@@ -69,9 +68,7 @@ def simulate(
     sensors.KINDS.require(of_units, places=names, length=cycles)
     reader_faults.KINDS.require(of_readers, length=cycles)
     distances = [
-        measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=of_units)
-        for end in ends
-        for law in laws
+        measure(f"{end}_{law.kind}", motion, law, rng, dropout=dropout, faults=of_units) for end in ends for law in laws
     ]
     for index, heard in enumerate((first_unit, second_unit)):
         if heard is not None:
@@ -82,10 +79,6 @@ def simulate(
         read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
         readings += with_faults(name, read, known, of_readers)
     return _steps(config, motion, distances, readings)
-
-
-def _law(law: ErrorLaw) -> Law:
-    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
 
 
 def _steps(

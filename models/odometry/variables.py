@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Literal
 
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, number
+from safeloc.language.declared import Declared
+from safeloc.language.expr import Bool, Lit, Num, NumVar, boolean, choice, enumeration, number
 from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.distance_device import Device, Unit, device
-from safeloc.models.odometry.ghosts import Bounds, Ghosts, faulty_unit, ghosts
-from safeloc.models.odometry.hidden_faults import unseen
-from safeloc.models.odometry.marker_reading import Pending, Reader, reader
+from safeloc.models.odometry.ghosts import Bounds, Ghosts, Movement, movement
+from safeloc.models.odometry.marker_reading import Reader, pending, reader
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
-from safeloc.models.vocabulary.reasons import REASON
+from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
 
 class OdometryConfig(Config):
-    """Everything about vehicle, sensors and line that the odometry machine depends on."""
+    """Vehicle, sensors and line of an odometry machine."""
 
     devices: Literal[1, 2] = 2
     first_unit: ErrorLaw = WHEEL
@@ -70,12 +69,12 @@ class OdometryConfig(Config):
         return self
 
     def unsteady_nm(self, window_ms: int) -> int:
-        """What a changing speed adds, in so many ms of a cycle, to the share of the cycle's run; rounded up."""
+        """Return the run that a change of speed adds to that share of the cycle's run which falls into the window, nm, rounded up."""
         return -(-self.max_acceleration_mm_s2 * self.period_ms * window_ms // 2)
 
     @property
     def limits(self) -> Limits:
-        """What the devices need, rounded so that gates are no tighter than physics."""
+        """Limits of the devices, rounded so that the checks are no tighter than physics."""
         step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
         change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
         return Limits(
@@ -84,94 +83,96 @@ class OdometryConfig(Config):
         )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
-    """The variables the machine is made of; properties read them by name."""
+    """The variables of the machine and its world; properties read them by name.
 
-    config: OdometryConfig
-    devices: tuple[Device, ...]
-    readers: tuple[Reader, Reader]
-    pending: Pending
-    backwards: BoolVar
-    rolled: NumVar
-    last_marker: NumVar
-    last_place: NumVar
-    reason: NumVar
-    ghosts: Ghosts
-    length: NumVar | None = None
+    devices       one distance device for each reader, or one for both
+    readers       at end A and at end B
+    pending       identities that wait for their trailing reading
+    backwards     the vehicle runs towards end B; rolled: distance run against that without a break
+    last_marker, last_place   the marker that the leading reader read last; 0: none
+    length        input: the vehicle length, where it is not configured
+    ghosts        of the world
+    """
+
+    def __init__(
+        self,
+        config: OdometryConfig,
+        *,
+        length: NumVar | None = None,
+        with_fault: bool = False,
+        moved: Movement | None = None,
+    ) -> None:
+        self.declared = declared = Declared()
+        self.config, self.length = config, length
+        limits, identities, place = config.limits, config.last_marker_identity, config.position_limit_mm
+        laws, names = (config.first_unit, config.second_unit), ("front", "rear")[: config.devices]
+        offset = Lit(config.vehicle_length_mm, MM) if length is None else length
+        self.devices = tuple(device(declared, name, laws, limits) for name in names)
+        self.readers = (
+            _reader(declared, config, "front", Lit(0, MM), 0),
+            _reader(declared, config, "rear", offset, config.vehicle_length_tolerance_mm),
+        )
+        if length is not None:
+            declared.sensor(length)
+        self.pending = pending(declared, config.pending_markers, identities)
+        self.backwards = declared.state(boolean("backwards"), first=False)
+        self.rolled = declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0)
+        self.last_marker = declared.state(number("last_marker", COUNT, 0, identities), first=0)
+        self.last_place = declared.state(number("last_marker_position_mm", MM, -place, place), first=0)
+        self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
+        bounds = _bounds(config, config.vehicle_length_mm if length is None else length.high)
+        self.ghosts = Ghosts(
+            declared,
+            bounds,
+            self.devices,
+            moved or movement(bounds),
+            with_fault=with_fault,
+            covered=config.single_fault_safe,
+        )
 
     @property
     def units(self) -> tuple[Unit, ...]:
         """All measuring units."""
         return tuple(unit for device in self.devices for unit in device.units)
 
-    @property
-    def train_data(self) -> tuple[NumVar, ...]:
-        """Inputs that describe the vehicle: its length, where it is not configured."""
-        return () if self.length is None else (self.length,)
-
     def partner(self, unit: Unit) -> tuple[Device, Unit]:
-        """The unit's device, and the other unit of it."""
+        """Return the unit's device, and the other unit of it."""
         device = next(one for one in self.devices if unit in one.units)
         return device, device.units[1 - device.units.index(unit)]
 
     def set_by(self, end: int) -> Device:
-        """The device that the reader at end 0 (A, front) or 1 (B, rear) sets."""
+        """Return the device that the reader at end 0 (A, front) or 1 (B, rear) sets."""
         return self.devices[min(end, len(self.devices) - 1)]
 
     def leads(self, end: int) -> Bool:
-        """Whether the reader at that end is the leading one."""
+        """Return whether the reader at that end is the leading one."""
         return self.backwards if end else ~self.backwards
 
 
-def parts(config: OdometryConfig, *, length: NumVar | None = None, with_fault: bool = False) -> Parts:
-    """Fresh variables for one machine.
+def parts(
+    config: OdometryConfig, *, length: NumVar | None = None, with_fault: bool = False, moved: Movement | None = None
+) -> Parts:
+    """Declare the variables of one machine.
 
     length      the vehicle length as an input in mm, instead of the configured one
-    with_fault  one unit, whichever, may break its error law: a ghost names it
+    with_fault  one unit, unknown which, may break its error law: a ghost names it
+    moved       the true movement, where another machine's world moves the vehicle
     """
-    limits = config.limits
-    laws = (config.first_unit, config.second_unit)
-    names = ("front", "rear")[: config.devices]
-    offset = Lit(config.vehicle_length_mm, MM) if length is None else length
-    longest = config.vehicle_length_mm if length is None else length.high
-    identities = config.last_marker_identity
-    place = config.position_limit_mm
-    devices = tuple(device(name, laws, limits) for name in names)
-    return Parts(
-        config,
-        devices,
-        (
-            _reader(config, "front", Lit(0, MM), 0),
-            _reader(config, "rear", offset, config.vehicle_length_tolerance_mm),
-        ),
-        Pending(tuple(number(f"pending_{n}", COUNT, 0, identities) for n in range(1, config.pending_markers + 1))),
-        boolean("backwards"),
-        number("rolled_mm", MM, 0, config.reversal_mm),
-        number("last_marker", COUNT, 0, identities),
-        number("last_marker_position_mm", MM, -place, place),
-        choice("reason", enumeration(REASON)),
-        _ghosts(config, devices, longest, with_fault=with_fault),
-        length,
-    )
+    return Parts(config, length=length, with_fault=with_fault, moved=moved)
 
 
-def _ghosts(config: OdometryConfig, devices: tuple[Device, ...], longest_mm: int, *, with_fault: bool) -> Ghosts:
+def _bounds(config: OdometryConfig, longest_mm: int) -> Bounds:
     line_mm = config.position_limit_mm + 2 * config.tolerance_mm + longest_mm
-    bounds = Bounds(
+    return Bounds(
         config.period_ms, config.max_speed_mm_s, line_mm, longest_mm + config.vehicle_length_tolerance_mm,
-        config.lone_limit_cycles, config.age_limit_ms,
+        config.gap_limit_cycles, config.lone_limit_cycles, config.age_limit_ms,
     )  # fmt: skip
-    units = [unit for device in devices for unit in device.units]
-    found = ghosts(bounds, [(unit.name, unit.law, unit.step.value) for unit in units])
-    if not with_fault:
-        return found
-    hidden = () if config.single_fault_safe else tuple(unseen(device) for device in devices)
-    return replace(found, faulty=faulty_unit([unit.name for unit in units]), unseen=hidden)
 
 
-def _reader(config: OdometryConfig, name: str, offset: Num, tolerance_mm: int) -> Reader:
+def _reader(declared: Declared, config: OdometryConfig, name: str, offset: Num, tolerance_mm: int) -> Reader:
     return reader(
+        declared,
         name,
         offset=offset,
         offset_tolerance_mm=tolerance_mm,

@@ -32,7 +32,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial, Machine
+from safeloc.language.machine import Machine
 from safeloc.language.terms import variables
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
@@ -45,21 +45,17 @@ ENDS = ("front", "rear")
 
 
 def world(own: Parts) -> World:
-    """The true position, the units' errors, the markers and, where the parts have one, the fault."""
+    """Make the world: the true movement, the units' errors, the markers and, where the parts have one, the fault."""
     seen = own.ghosts
-    first: dict[Var, Initial] = {seen.truth: ANY, seen.since_stray: ANY}
     moves: dict[Var, Expr] = {seen.truth: _after(own), seen.since_stray: _since_stray(own)}
     for index, of_unit in enumerate(seen.units):
         unit = measuring(own, index)
-        first |= {of_unit.wander: ANY, **unit.first()}
         moves |= {of_unit.wander: ite(unit.can_be_run, of_unit.next_wander, of_unit.wander), **unit.moves()}
         if of_unit.unset is not None:
-            first[of_unit.unset] = ANY
             moves[of_unit.unset] = _unset(own, index, of_unit.unset)
     if seen.faulty is not None:
-        first[seen.faulty] = ANY
         moves[seen.faulty] = seen.faulty
-    return World(first, _choices(own), moves, _laws(own))
+    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
 
 
 def on_board(machine: Machine) -> Machine:
@@ -67,12 +63,6 @@ def on_board(machine: Machine) -> Machine:
     ghosts = set(machine.world.variables)
     kept = {name: term for name, term in machine.lemmas.items() if ghosts.isdisjoint(variables([term]))}
     return replace(machine, world=World(), lemmas=kept)
-
-
-def _choices(own: Parts) -> list[Var]:
-    seen = own.ghosts
-    of_readers = [var for one in seen.readers for var in (one.spot, one.stray)]
-    return [seen.true_step, seen.length, *(one.next_wander for one in seen.units), *of_readers]
 
 
 def _laws(own: Parts) -> dict[str, Law]:
@@ -85,7 +75,7 @@ def _laws(own: Parts) -> dict[str, Law]:
 
 
 def _after(own: Parts) -> Num:
-    """Where end A is at the end of the cycle, nm."""
+    """Return the place of end A at the end of the cycle, nm."""
     return own.ghosts.truth + own.ghosts.true_step
 
 
@@ -136,14 +126,14 @@ def _unit_law(own: Parts, index: int) -> Law:
 
 
 def lawful(own: Parts, unit: Unit) -> Bool:
-    """Whether the unit keeps its error law; of a machine without faults every unit does."""
+    """Return whether the unit keeps its error law; in a machine without faults every unit does."""
     if own.ghosts.faulty is None:
         return TRUE
     return own.ghosts.faulty.ne(Lit(1 + own.units.index(unit), own.ghosts.faulty.unit))
 
 
 def _never_alone(own: Parts) -> dict[str, Law]:
-    """Where a lone distance is used: that of a faulty unit never comes alone."""
+    """Where a lone distance is used, assume that the distance of a faulty unit never comes alone."""
     if own.ghosts.faulty is None or own.config.single_fault_safe:
         return {}
     pairs = [(2 * number, 2 * number + 1) for number in range(len(own.devices))]
@@ -166,7 +156,7 @@ def reads(own: Parts, end: int) -> Bool:
 
 
 def _ran_since(own: Parts, end: int) -> Num:
-    """How far end A really ran since this reader stood over the marker's true place, nm."""
+    """Return the true run of end A since this reader stood over the true place of the marker, nm."""
     ran = _after(own) - own.ghosts.readers[end].spot
     return ran - own.ghosts.length if end else ran
 
@@ -198,7 +188,7 @@ def _told(reader: Reader) -> Num:
 
 
 def _ran_in(own: Parts, window_ms: int) -> tuple[Num, Num]:
-    """What the vehicle runs at least and at most in up to so many ms of the cycle, nm x twice the period."""
+    """Return the least and the greatest run of the vehicle in up to so many ms of the cycle, nm x twice the period."""
     config, ran = own.config, own.ghosts.true_step * (2 * window_ms)
     unsteady = config.max_acceleration_mm_s2 * config.period_ms**2 * window_ms
     return minimum(ran, 0) - unsteady, maximum(ran, 0) + unsteady
@@ -220,7 +210,7 @@ def _map_law(own: Parts, end: int) -> Law:
 
 
 def far_away_mm(config: OdometryConfig) -> int:
-    """How far off a stray reading puts the vehicle, at least: beyond what any interval and any fix can bridge."""
+    """Return the least error of the place by a stray reading: beyond what any interval and any fix can bridge."""
     return 3 * config.tolerance_mm
 
 

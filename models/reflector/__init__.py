@@ -1,25 +1,25 @@
 """Position from radar reflectors near them, from odometry between them (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10).
 
     DELOCALIZED  nothing is reported; only an accepted balise leads out
-    NOT_READY    odometry alone, without or after a failed self-test, or too long after one that passed, until another balise
-    REFERENCE    self-test: after a balise, its reflector has to be measured at the prescribed distance
-    ODOMETRY     between reflectors; whatever echoes come are things beside the track
-    SEARCH       the next reflector may come into view, and is looked for
-    VIEW         it is measured: its echo has the minimum intensity and passed every check
-    COAST        it should be in view, but was not measured in this cycle
-    PASSING      too close for an echo that can be evaluated, until it lies behind
+    NOT_READY    odometry alone until the next balise: no self-test yet, a failed one, or one that passed too long ago
+    REFERENCE    self-test: after a balise, the radar has to measure the balise's reflector at the prescribed distance
+    ODOMETRY     between reflectors; every echo is taken for a thing beside the track
+    SEARCH       the next reflector may come into view, and the machine searches its echo
+    VIEW         the radar measures the reflector: its echo has the minimum intensity and passed every check
+    COAST        the reflector should be in view, but was not measured in this cycle
+    PASSING      the reflector is too close for a usable echo, and does not surely lie behind yet
 
-In VIEW the position is that of the measurement, with the measurement's own error bound, be it better or worse than
-what was known before: the echo's error, and what the last self-test left open of the radar's, with its drift since. In
-every other mode odometry goes on from the last position, with a growing margin.
+In VIEW the machine reports the measured position with the measurement's own error bound, even if the position was known
+better before. The bound consists of the echo's error, the radar error that the last self-test could not exclude, and the
+radar's drift since then. In every other mode odometry goes on from the last position, with a growing margin.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite
-from safeloc.language.machine import Initial, Machine, current_mode, modes
+from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, as_num, between, ceil_to, exact_to, ite
+from safeloc.language.machine import Machine, current_mode, modes
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector.cycle import Judged, Zones, judge
 from safeloc.models.reflector.table import rows
@@ -27,7 +27,6 @@ from safeloc.models.reflector.variables import (
     BY_ODOMETRY,
     BY_REFLECTOR,
     MODES,
-    NO_POSITION,
     NO_SOURCE,
     Parts,
     ReflectorConfig,
@@ -41,56 +40,49 @@ __all__ = ["ODOMETER", "ReflectorMachine", "build", "machine"]
 
 
 def machine(config: ReflectorConfig | None = None) -> Machine:
-    """The reflector machine of a vehicle (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10, RFL-D2, RFL-D3)."""
+    """Return the reflector machine of a vehicle (RFL-1 to RFL-3, RFL-5, RFL-6, RFL-8, RFL-10, RFL-D2, RFL-D3)."""
     return build(parts(config or ReflectorConfig())).machine
 
 
 @dataclass(frozen=True, eq=False)
 class ReflectorMachine:
-    """The machine together with the terms it was built from, for properties to speak about."""
+    """The machine with the variables and terms that its properties read."""
 
     machine: Machine
     own: Parts
     judged: Judged
 
     def in_mode(self, *labels: str) -> Bool:
-        """The machine is in one of the named modes."""
+        """Return whether the machine is in one of the named modes."""
         mode = self.machine.mode
         return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
 
 
 def build(own: Parts) -> ReflectorMachine:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     mode = modes(*MODES)
     current = current_mode(mode)
     judged = judge(own, _zones(current, mode))
     made = Machine(
         name="reflector",
         modes=mode,
-        inputs=[
-            *own.odometer.inputs,
-            own.frame,
-            *(var for slot in own.slots for var in slot.inputs),
-            *own.balise.inputs,
-            *own.ahead.inputs,
-            own.contradicted,
-        ],
-        state=_state(own),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, mode),
         transitions=list(rows(own, judged, mode)),
         world=world(own, current.eq(mode[0])),
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         doc=(
-            "Position of end A from the range to radar reflectors near them, and from odometry between them. Assumed: "
-            "a measured distance that a vehicle can have run obeys the odometer's error law, and no cycle runs farther "
-            "than the highest speed allows; a balise reading is true within its accuracy, or, while a position is known, "
-            "of a balise far away; a range is wrong by the echo's error bound, by the radar's scale, and by a systematic "
-            "part of any size that drifts no faster than stated; at or above the minimum intensity a reflector's model is "
-            "read correctly, and none is heard from beyond the strong range; reflectors stand where the map has them within "
-            "its accuracy, and no other one of the same model is nearer to one than the map says; the prescribed distance "
-            "from a balise to its reflector is that of the map; no other thing shows a reflector's signature with the "
-            "minimum intensity. Nothing is assumed of any other echo."
+            "Position of end A: near a radar reflector from the range to it, elsewhere from odometry. Assumed: a measured "
+            "distance that a vehicle can have run obeys the odometer's error law, and the vehicle runs no faster than its "
+            "highest speed; a balise reading is true within its accuracy, or, while a position is known, comes from a balise "
+            "far away; the error of a range is at most the echo's error bound, plus the radar's scale error, plus a systematic "
+            "error of any size that drifts no faster than stated; at or above the minimum intensity the radar recognises a "
+            "reflector's model correctly, and receives no reflector from beyond the strong range; reflectors stand where the "
+            "map has them within its accuracy, and no other one of the same model is nearer than the map says; the prescribed "
+            "distance from a balise to its reflector is that of the map; no other thing shows a reflector's signature with "
+            "the minimum intensity. Nothing is assumed of any other echo."
         ),
     )
     return ReflectorMachine(made, own, judged)
@@ -106,31 +98,6 @@ def _zones(current: Num, mode: tuple[Lit, ...]) -> Zones:
         referring=current.eq(reference),
         searching=current.eq(search),
     )
-
-
-def _state(own: Parts) -> dict[Var, Initial]:
-    verdicts: dict[Var, Initial] = {var: 0 for slot in own.slots for var in (slot.judged, slot.judged_next)}
-    return {
-        **own.track.state(),
-        **own.anchor.state(),
-        **own.target.state(),
-        own.open_long: 0,
-        own.open_short: 0,
-        own.odometer.gap: 0,
-        own.reference: 0,
-        own.search_from: 0,
-        own.run: 0,
-        own.procedure: 0,
-        own.found: own.found.low,
-        own.pauses: 0,
-        own.misses: 0,
-        own.recognised: False,
-        own.range: 0,
-        own.range_error: 0,
-        own.lateral: 0,
-        own.error: NO_POSITION,
-        **verdicts,
-    }
 
 
 def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]:
@@ -157,7 +124,7 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
 
 
 def _definitions(cycle: Judged) -> dict[str, Expr]:
-    """Names for what the table speaks of."""
+    """Return the terms that guards are made of, by name."""
     named: dict[str, Expr] = {
         "reference measurement starts": cycle.started,
         "target measured": cycle.target.accepted,
@@ -183,7 +150,7 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
     return named
 
 
-# ------------------------------------------------------------------ what helps to prove
+# ------------------------------------------------------------------ lemmas
 
 
 def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:

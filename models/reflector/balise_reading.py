@@ -1,26 +1,28 @@
-"""A balise reading as the reflector machine gets it: checked already by the balise machine (RFL-5).
+"""A balise reading as the reflector machine gets it: the balise machine has checked it already (RFL-5).
 
-It gives an absolute interval and starts the reference measurement: from here on the distance to the first reflector
-behind it is known from the telegram, else from the map, else from a variable of the system (source l. 205).
+It gives an absolute interval and starts the reference measurement. The telegram, else the map, else a variable of the
+system prescribes the distance from the balise to the first reflector behind it (source l. 205).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import Bool, Lit, Num, Optional, abs_, as_num, exact_to, ite, optional
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
-from safeloc.models.reflector.dead_reckoning import Interval, Odometer
+from safeloc.models.reflector.odometer import ReflectorOdometer
+from safeloc.models.vocabulary.interval import Interval
 
 
 @dataclass(frozen=True, eq=False)
 class BaliseReading:
     """Inputs of one reading, absent in most cycles. Lengths in mm.
 
-    position   where end A stands when the balise is passed
-    since      distance run since it was passed, as latched by the counters
+    position   place of end A when it passes the balise
+    since      distance run since then, as latched by the counters
     reference  telegram: distance from balise to reflector
-    search     telegram: distance after the balise from which on the reflector is looked for (RFL-8)
+    search     telegram: distance after the balise from which on the reflector is searched (RFL-8)
     """
 
     identity: Optional
@@ -34,22 +36,17 @@ class BaliseReading:
     law_ppm: int
 
     @property
-    def inputs(self) -> tuple[Optional, ...]:
-        """The inputs in order."""
-        return (self.identity, self.position, self.accuracy, self.since, self.reference, self.search)
-
-    @property
     def read(self) -> Bool:
-        """A balise of this line was read."""
+        """The vehicle read a balise of this line."""
         return self.identity.present & self.position.present
 
     @property
     def run(self) -> Num:
-        """The distance run since the balise was passed, mm."""
+        """Distance run since the vehicle passed the balise, mm."""
         return self.since.value_or(as_num(0, MM))
 
-    def fix(self, odometer: Odometer) -> Interval:
-        """What the reading says of end A at the end of the cycle."""
+    def fix(self, odometer: ReflectorOdometer) -> Interval:
+        """Return the interval of end A at the end of the cycle by this reading."""
         accuracy = exact_to(self.accuracy.value_or(as_num(self.accuracy_mm, MM)), NM)
         own = accuracy + abs_(self.run) * Lit(self.law_ppm, PPM)
         late, whole = odometer.lag(self.latency_ppm), odometer.lag(NM_PER_MM)
@@ -57,16 +54,25 @@ class BaliseReading:
         return Interval(self.position.value + self.run, own + forward, own + backward)
 
 
-def balise_reading(limit_mm: int, max_step_mm: int, range_limit_mm: int, last_identity: int, *, accuracy_mm: int,
-                   latency_ppm: int, law_ppm: int) -> BaliseReading:  # fmt: skip
-    """Fresh inputs `balise_...`."""
+def balise_reading(
+    declared: Declared,
+    limit_mm: int,
+    max_step_mm: int,
+    range_limit_mm: int,
+    last_identity: int,
+    *,
+    accuracy_mm: int,
+    latency_ppm: int,
+    law_ppm: int,
+) -> BaliseReading:
+    """Return fresh inputs `balise_...`."""
     return BaliseReading(
-        optional("balise", COUNT, 1, last_identity),
-        optional("balise_position_mm", MM, -limit_mm, limit_mm),
-        optional("balise_accuracy_mm", MM, 0, 100_000),
-        optional("balise_since_mm", MM, -max_step_mm, max_step_mm),
-        optional("balise_reference_mm", MM, 0, range_limit_mm),
-        optional("balise_search_from_mm", MM, 0, range_limit_mm),
+        declared.sensor(optional("balise", COUNT, 1, last_identity)),
+        declared.sensor(optional("balise_position_mm", MM, -limit_mm, limit_mm)),
+        declared.sensor(optional("balise_accuracy_mm", MM, 0, 100_000)),
+        declared.sensor(optional("balise_since_mm", MM, -max_step_mm, max_step_mm)),
+        declared.sensor(optional("balise_reference_mm", MM, 0, range_limit_mm)),
+        declared.sensor(optional("balise_search_from_mm", MM, 0, range_limit_mm)),
         accuracy_mm,
         latency_ppm,
         law_ppm,

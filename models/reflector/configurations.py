@@ -1,4 +1,4 @@
-"""Configurations in which the reflector machine is proved beside its defaults, so that no case of it stays folded away."""
+"""Configurations in which the reflector machine is proved besides its defaults, so that proofs cover cases which the defaults fold away."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
 """An odometer that errs at standstill, and by its rate above a speed only."""
 NEVER = {
-    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step.value), as_num(0, COUNT),  ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step.value), as_num(0, MS), sel ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
     "properties/reflector/not_found.py: between(-far, own.run, far) from yield from maker(model)": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
 }
-"""Case splits that no configuration makes live, and why."""
+"""Case splits that no configuration makes live, with the reason."""
 CONFIGURATIONS = Configurations(
     {
         "radar behind the front end": ReflectorConfig(radar_offset_mm=2_500),

@@ -1,6 +1,6 @@
-"""What one cycle means to the reflector machine: distance run, balise, echoes, and what follows from them.
+"""One cycle of the reflector machine: the terms that distance, balise reading and echoes give.
 
-Every term is built once and shared by all transitions, the assumption and the properties.
+Each term is built once; guards and updates share it.
 """
 
 from __future__ import annotations
@@ -8,17 +8,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from safeloc.language.expr import FALSE, Bool, Expr, Num, Var, any_of, as_num, between, exact_to, ite, maximum
+from safeloc.language.expr import FALSE, Bool, Num, any_of, as_num, between, exact_to, ite, maximum
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.dead_reckoning import Interval, choose
 from safeloc.models.reflector.echo import Recognition, Situation, recognise
-from safeloc.models.reflector.map_data import Reflector, either
+from safeloc.models.reflector.map_data import Reflector
 from safeloc.models.reflector.variables import Parts
+from safeloc.models.vocabulary.choose import choose
+from safeloc.models.vocabulary.interval import Interval
 
 
 @dataclass(frozen=True, eq=False)
 class Zones:
-    """In which kind of mode the machine is."""
+    """Groups of modes in which the machine may be."""
 
     located: Bool
     ready: Bool
@@ -30,16 +31,21 @@ class Zones:
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One cycle, judged.
+    """The terms of one cycle.
 
-    predicted  the interval run on from the last one, its constant charged
-    held       the same, or the balise's where that is better: what counts without an echo
-    by_radar   where the radar, with its systematic error, may have end A by what counts without an echo of this cycle
-    known      what a self-test compares the radar with: the balise's interval, run on since it was read
-    open       by how much the radar may measure too long, and too short: as the last self-test left it, and its drift since, nm
-    stale      that is more than a self-test may leave open: what the radar measures is not precise any longer
-    reflector  what is looked for in this cycle
-    run        measured distance since the balise of the reference measurement, mm
+    predicted  the last interval run on, with the odometer's one-off constant in its margins
+    balise     interval that the balise reading gives
+    held       interval without an echo: `predicted`, or the balise's where that is narrower
+    by_radar   places at which a radar with its systematic error may measure end A, by `held`
+    known      interval that a self-test compares the radar with: the balise's, run on since it was read
+    open       the most by which the radar may measure too long, and too short, nm: the part that the last self-test could not
+               exclude, and the drift since
+    stale      `open` exceeds the most that a self-test may leave open: the radar is not precise any longer
+    started    a balise reading starts a self-test
+    reflector  the reflector that is searched or tracked in this cycle
+    reference  prescribed distance from the balise of the self-test to its reflector, mm
+    run        measured distance since that balise, mm
+    target, ahead  the echoes, judged for that reflector and for the map's next one
     """
 
     own: Parts
@@ -63,23 +69,23 @@ class Judged:
 
     @cached_property
     def balise_contradicts(self) -> Bool:
-        """A balise was read whose interval excludes the position."""
+        """A balise reading gives an interval that excludes the position."""
         return self.zones.located & self.own.balise.read & ~self.balise.meets(self.predicted)
 
     # ------------------------------------------------------------------ margins
 
     @cached_property
     def tolerable(self) -> Bool:
-        """What counts without an echo may be kept."""
+        """The interval without an echo is narrow enough to be kept."""
         return self.held.within(self.own.config.tolerance_nm, self.own.config.position_limit_mm)
 
     # ------------------------------------------------------------------ the self-test (RFL-6)
 
     @cached_property
     def reference_holds(self) -> Bool:
-        """Measured distance from balise to reflector agrees with the prescribed one; only while `target.accepted`.
+        """The measured distance from balise to reflector agrees with the prescribed one; only while `target.accepted`.
 
-        The tolerance is what balise, odometer, echo, survey and latencies may be wrong by: a right radar always passes.
+        The tolerance is the greatest error of balise, odometer, echo, survey and latencies together: a sound radar always passes.
         """
         fix, known, survey = self.target.fix, self.known, self.own.config.accuracy_nm
         missed = exact_to(self.target.range + self.run - self.own.config.radar_offset_mm - self.reference, NM)
@@ -87,64 +93,64 @@ class Judged:
 
     @cached_property
     def agrees(self) -> Bool:
-        """The reference reflector is measured where it has to be: by the prescribed distance, and by its place on the map."""
+        """The reference reflector is measured at the prescribed distance, and at its place on the map."""
         return self.reference_holds & self.target.fix.meets(self.known)
 
     @cached_property
     def passed(self) -> Bool:
-        """The radar is right, as far as can be seen."""
+        """The self-test passes: no error of the radar shows."""
         return self.target.accepted & self.agrees
 
     @cached_property
     def failed(self) -> Bool:
-        """The radar is wrong."""
+        """The self-test fails: the radar measures wrongly."""
         return self.target.accepted & ~self.agrees
 
     @cached_property
     def left_open(self) -> tuple[Num, Num]:
-        """By how much the radar may measure too long, and too short, though the self-test passed; nm."""
+        """The most by which the radar may measure too long, and too short, although the self-test passed; nm."""
         fix = self.target.fix
         return self.known.high - fix.low, fix.high - self.known.low
 
     @cached_property
     def tested_fix(self) -> Interval:
-        """The interval of the echo that passed, charged with what the self-test left open."""
+        """The interval of the echo that passed, widened by the radar error that the self-test could not exclude."""
         long, short = self.left_open
         return Interval(self.target.fix.position, self.target.fix.above + long, self.target.fix.below + short)
 
     @cached_property
     def reference_over(self) -> Bool:
-        """The reference reflector would have been seen by now."""
+        """A sound radar would have measured the reference reflector by now."""
         limit, search = self.own.config.reference_run_mm, self.own.config.search_run_mm
         searched = self.run > self.own.search_from + search
         return (self.reflector.over(self.held, search) & searched) | ~between(-limit, self.run, limit)
 
     @cached_property
     def begins_at(self) -> Interval:
-        """What the balise says, to run on from while the reference reflector is waited for."""
+        """The balise's interval, to run on from until the reference reflector is measured."""
         return self.balise.widened(self.own.odometer.constant_nm)
 
     def testable(self, known: Interval) -> Bool:
-        """What is known without the radar is exact enough for a self-test."""
+        """Return whether the interval known without the radar is narrow enough for a self-test."""
         config = self.own.config
         most = config.tolerance_nm + self.own.odometer.constant_nm
         return (known.width <= config.left_open_nm) & known.within(most, config.position_limit_mm)
 
     @cached_property
     def too_coarse(self) -> Bool:
-        """The run since the balise has become too uncertain for a self-test."""
+        """The interval run on since the balise has grown too wide for a self-test."""
         return ~self.testable(self.anchored) & self.tolerable & ~self.started
 
     @cached_property
     def outdated(self) -> Bool:
-        """The last self-test is too long ago: the radar may have drifted by more than may be charged."""
+        """The last self-test is too long ago: the radar may have drifted by more than the margins may include."""
         return self.stale & self.tolerable & ~self.started
 
     # ------------------------------------------------------------------ search and view zone
 
     @cached_property
     def search_over(self) -> Bool:
-        """The target would have been found by now."""
+        """The radar would have measured the target by now."""
         return self.reflector.over(self.held, self.own.config.search_run_mm)
 
     @cached_property
@@ -159,26 +165,26 @@ class Judged:
 
     @cached_property
     def passed_unseen(self) -> Bool:
-        """The map's next reflector would have been found by now, and is not the one found last or one before it."""
+        """The radar would have measured the map's next reflector by now, and it lies beyond the one found last."""
         new = self.own.ahead.position.value > self.own.found
         return self.own.ahead.known & new & self.own.ahead.reflector.over(self.held, self.own.config.search_run_mm)
 
     @cached_property
     def steady(self) -> Bool:
-        """The measured position agrees with what was run since the reflector came into view: the error is constant.
+        """The measured position agrees with the distance run since the reflector came into view: the error is constant.
 
-        The systematic error is in both, so that what is left open of it hides nothing here.
+        Both contain the same systematic error. The bound on it is therefore left out, and no deviation can hide in it.
         """
         return self.target.bare.meets(self.drifted)
 
     @cached_property
     def anchored(self) -> Interval:
-        """The first interval of the view zone, or what is known in a self-test, run on."""
+        """The anchor run on: the first interval of the view zone, or the interval known in a self-test."""
         return self.own.odometer.run_on(self.own.anchor.interval)
 
     @cached_property
     def drifted(self) -> Interval:
-        """The first interval of the view zone, run on, by a radar that drifts."""
+        """The anchor run on, widened by the radar's drift in the cycle."""
         return self.anchored.widened(self.own.config.drift_nm)
 
     @cached_property
@@ -198,38 +204,21 @@ class Judged:
 
     @cached_property
     def lost(self) -> Bool:
-        """Neither measured nor excused any longer: pauses and misses are counted apart."""
+        """Too many cycles without a frame, or too many frames without the target's echo; the two are counted apart."""
         config, own = self.own.config, self.own
         missed = own.frame & (own.misses >= config.loss_limit_cycles)
         return missed | (~own.frame & (own.pauses >= config.pause_limit_cycles))
 
-    # ------------------------------------------------------------------ updates
-
-    def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
-        verdicts: dict[Var, Expr] = {}
-        for slot, first, second in zip(self.own.slots, self.target.judgements, self.ahead.judgements, strict=True):
-            verdicts |= {slot.judged: first.verdict, slot.judged_next: second.verdict}
-        return {**self.own.odometer.listen(), **verdicts, **self.opened(self.open)}
-
-    def opened(self, sides: tuple[Num, Num]) -> dict[Var, Expr]:
-        """Updates that keep by how much the radar may measure too long, and too short."""
-        return {self.own.open_long: sides[0], self.own.open_short: sides[1]}
-
-    def untested(self) -> dict[Var, Expr]:
-        """Updates that keep nothing of a self-test."""
-        return self.opened((as_num(0, NM), as_num(0, NM)))
-
-    def anchor_on(self, fresh: Interval) -> dict[Var, Expr]:
-        """The anchor runs on; where it has grown useless, `fresh` takes its place."""
+    def anchor_after(self, fresh: Interval) -> Interval:
+        """Return the anchor run on, or `fresh` once the anchor has grown too wide to tell anything."""
         config = self.own.config
         most = config.tolerance_nm + self.own.odometer.constant_nm
         useful = self.drifted.within(most, config.position_limit_mm)
-        return self.own.anchor.become(choose(useful, self.drifted, fresh))
+        return choose(useful, self.drifted, fresh)
 
 
 def judge(own: Parts, zones: Zones) -> Judged:
-    """Judge one cycle."""
+    """Build the terms of one cycle."""
     constant = own.odometer.constant_nm
     base = own.track.interval.widened(ite(zones.exact, as_num(constant, NM), 0))
     predicted, balise = own.odometer.run_on(base), own.balise.fix(own.odometer)
@@ -239,8 +228,8 @@ def judge(own: Parts, zones: Zones) -> Judged:
     held = choose(taken, charged, predicted)
     told, prescribed = _prescribed(own)
     started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & told
-    run = ite(started, own.balise.run, own.run + own.odometer.moved)
-    reflector = either(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
+    run = ite(started, own.balise.run, own.run + own.odometer.distance)
+    reflector = choose(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
                        own.target.reflector)  # fmt: skip
     known = choose(started, balise, own.odometer.run_on(own.anchor.interval))
     long, short = own.open_long + own.config.drift_nm, own.open_short + own.config.drift_nm
@@ -271,33 +260,33 @@ def judge(own: Parts, zones: Zones) -> Judged:
 
 
 def _seen_by(interval: Interval, open_: tuple[Num, Num]) -> Interval:
-    """Where the radar may have end A that is in the interval: measuring too long, it has it farther back."""
+    """Return the places at which the radar may measure an end A in the interval: too long a range puts it farther back."""
     long, short = open_
     return Interval(interval.position, interval.above + short, interval.below + long)
 
 
 def _measured_on(own: Parts) -> Interval:
-    """Where the radar had end A when it measured it in the last cycle, run on: what is wrong with it is the same, but for drift."""
+    """Return the last cycle's measurement run on, as the radar sees it: its systematic error is the same, but for the drift."""
     last = Interval(own.track.position, own.track.above - own.open_long, own.track.below - own.open_short)
     return own.odometer.run_on(last.widened(own.odometer.constant_nm)).widened(own.config.drift_nm)
 
 
 def _prescribed(own: Parts) -> tuple[Bool, Num]:
-    """Whether the distance from balise to reflector is prescribed, and what it is: telegram, map, system variable."""
+    """Return whether a distance from balise to reflector is prescribed, and the distance: by telegram, map or system variable."""
     telegram, by_map, system = own.balise.reference, own.ahead.reference, own.config.reference_distance_mm
     known = any_of([telegram.present, by_map.present, bool(system)])
     return known, telegram.value_or(by_map.value_or(as_num(system, MM)))
 
 
 def _searched(own: Parts, zones: Zones, started: Bool, run: Num, reflector: Reflector, held: Interval) -> Bool:
-    """Whether an echo may be taken for the target: from the prescribed line after the balise, or by the map, on."""
+    """Return whether an echo may be taken for the target: from the prescribed distance after the balise, or from the view zone, on."""
     line = ite(started, own.balise.search.value_or(as_num(0, MM)), own.search_from)
     reference = ite(line.eq(0), held.high >= reflector.view_begins(), run >= line)
     return ite(started | zones.referring, reference, zones.searching | zones.in_view)
 
 
 def _next_searched(own: Parts, zones: Zones, started: Bool, held: Interval) -> Bool:
-    """While a reflector is in view, the next one may be in view too, for as long as the zones overlap."""
+    """Return whether an echo may be taken for the next reflector: while one is in view and the view zones overlap."""
     other = own.ahead.position.value.ne(own.target.position)
     both = other & own.ahead.reflector.comes_into_view(held)
     return ite(started, FALSE, zones.in_view & own.ahead.known & both)

@@ -1,13 +1,14 @@
-"""Echoes of one radar frame, and what each may be (RFL-2, RFL-10): the target, or not.
+"""Echoes of one radar frame: which of them is the target's (RFL-2, RFL-10).
 
-A frame carries a few candidate echoes in slots, made by the signal front end from the measured image: the distance
-along the track (by time of flight), its error bound, the model by signature, the intensity. An echo is taken for the
-target only if it has the minimum intensity, the target's model, a range that fits the interval known so far, and if
-no other reflector of that model could fit there. Everything else is a thing beside the track.
+The signal front end makes a few candidate echoes from the measured image, each in a slot: distance along the track (by time
+of flight), error bound of it, model by signature, intensity. The machine takes an echo for the target's only if it has the
+minimum intensity, the target's model and a range that fits the interval known so far, and if no other reflector of that
+model could stand there. Any other echo comes from a thing beside the track.
 
-Beside the echo's own error, a range is wrong by the radar's scale, in proportion, and by a systematic part of any size.
-What the last self-test left open of that part is charged with each range. In a self-test itself nothing is known of it:
-there an echo is taken for the target whatever its range, if no other reflector of the model can be heard.
+A range has three errors: the echo's own, one in proportion to the range (the radar's scale), and a systematic one of any
+size. Each interval includes the part of the systematic error that the last self-test could not exclude. During a self-test
+nothing is known of the systematic error: an echo counts at any range, provided that the radar can receive no other
+reflector of the model.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
     NumVar,
     Optional,
-    Var,
     any_of,
     choice,
     enumeration,
@@ -33,9 +34,9 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.units import MM, NM, PPM, Unit
-from safeloc.models.reflector.dead_reckoning import Interval
 from safeloc.models.reflector.map_data import Reflector
 from safeloc.models.vocabulary.first_of import first_of
+from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM, MODEL
 
 CDB = Unit("cdB", scale=Fraction(1, 1000))
@@ -71,10 +72,10 @@ JUDGED = members(
 
 @dataclass(frozen=True, eq=False)
 class Slot:
-    """One candidate echo: inputs, and how it was judged against the target and against the next reflector.
+    """One candidate echo: inputs, and the verdicts on it as an echo of the target and of the next reflector.
 
     range    distance along the track from radar to origin, mm; absent where the slot is empty
-    lateral  where the origin lies beside the vehicle's axis, mm, positive to the left
+    lateral  distance of the origin from the vehicle's axis, mm, positive to the left
     """
 
     number: int
@@ -86,30 +87,25 @@ class Slot:
     judged: NumVar
     judged_next: NumVar
 
-    @cached_property
-    def inputs(self) -> tuple[Var | Optional, ...]:
-        """The inputs in order."""
-        return (self.range, self.error, self.model, self.intensity, self.lateral)
 
-
-def slot(number_: int, range_limit_mm: int) -> Slot:
-    """A slot with fresh variables `echo_N_...`."""
+def slot(declared: Declared, number_: int, range_limit_mm: int) -> Slot:
+    """Return a slot with fresh variables `echo_N_...`."""
     name = f"echo_{number_}"
     return Slot(
         number_,
-        optional(f"{name}_range_mm", MM, 0, range_limit_mm),
-        number(f"{name}_error_mm", MM, 0, MAX_ERROR_MM),
-        choice(f"{name}_model", enumeration(MODEL)),
-        number(f"{name}_intensity_cdb", CDB, INTENSITY_FLOOR_CDB, INTENSITY_CEILING_CDB),
-        number(f"{name}_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM),
-        choice(f"{name}_judged", enumeration(JUDGED)),
-        choice(f"{name}_judged_for_next", enumeration(JUDGED)),
+        declared.sensor(optional(f"{name}_range_mm", MM, 0, range_limit_mm)),
+        declared.sensor(number(f"{name}_error_mm", MM, 0, MAX_ERROR_MM)),
+        declared.sensor(choice(f"{name}_model", enumeration(MODEL))),
+        declared.sensor(number(f"{name}_intensity_cdb", CDB, INTENSITY_FLOOR_CDB, INTENSITY_CEILING_CDB)),
+        declared.sensor(number(f"{name}_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM)),
+        declared.state(choice(f"{name}_judged", enumeration(JUDGED)), first=NONE),
+        declared.state(choice(f"{name}_judged_for_next", enumeration(JUDGED)), first=NONE),
     )
 
 
 @dataclass(frozen=True)
 class RadarLaw:
-    """What the judgement of echoes depends on: the radar's figures, and how exactly reflectors were surveyed."""
+    """The figures that echoes are judged by: the radar's, and the accuracy of the survey of reflectors."""
 
     minimum_intensity_cdb: int
     near_mm: int
@@ -123,13 +119,14 @@ class RadarLaw:
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """What one cycle's echoes are judged against: the interval known so far, and whether a reflector is looked for.
+    """The terms of a cycle that its echoes are judged by.
 
-    by_radar  where the radar, with its systematic error, may have end A by what is known so far
-    lag       what the vehicle may have run (forwards, backwards) since the frame was taken, nm
-    testing   the echo tests the radar
-    known     what is known without the radar in a self-test; only while `testing`
-    open      by how much the radar may measure too long, and too short, nm; 0 while `testing`
+    window    interval without an echo
+    by_radar  places at which a radar with its systematic error may measure end A, by `window`
+    lag       the most that the vehicle may have run (forwards, backwards) since the frame was taken, nm
+    testing   a self-test is under way: the echo tests the radar
+    known     interval known without the radar; only while `testing`
+    open      the most by which the radar may measure too long, and too short, nm; 0 while `testing`
     """
 
     frame: Bool
@@ -142,18 +139,18 @@ class Situation:
     open: tuple[Num, Num]
 
     def bare(self, reflector: Reflector, range_: Num, error: Num) -> Interval:
-        """What a range (mm) with an error bound says of end A at the end of the cycle, if the radar has no systematic error."""
+        """Return the interval of end A at the end of the cycle by a range and its error bound, mm, of a radar without systematic error."""
         forward, backward = self.lag
         bound = exact_to(error, NM) + self.law.accuracy_nm + range_ * Lit(self.law.scale_ppm, PPM)
         return Interval(reflector.place - range_, bound + forward, bound + backward)
 
     def fix(self, reflector: Reflector, range_: Num, error: Num) -> Interval:
-        """What it says whatever the systematic error is that may be there."""
+        """Return the same interval, widened by the systematic error that the radar may have."""
         bare, (long, short) = self.bare(reflector, range_, error), self.open
         return Interval(bare.position, bare.above + long, bare.below + short)
 
     def alone(self, reflector: Reflector) -> Bool:
-        """No other reflector of the model can be heard: from where the vehicle may be, with the minimum intensity."""
+        """Return whether the radar can receive no other reflector of the model with the minimum intensity, from anywhere in the window."""
         forward, backward = self.lag
         place, clear = exact_to(reflector.place, NM), exact_to(reflector.clear, NM) - self.law.accuracy_nm
         behind = place - self.window.low + forward
@@ -161,15 +158,18 @@ class Situation:
         return (clear > behind) & (clear > ahead)
 
     def fine(self, fix: Interval) -> Bool:
-        """A self-test with this echo leaves no more open than may be charged, and the position stays tolerable."""
+        """Return whether a self-test with this echo excludes enough of the radar's error, and the position stays tolerable."""
         spread = self.known.width + fix.width
         return (spread <= self.law.left_open_nm) & fix.widened(spread).within(self.law.tolerance_nm, self.law.limit_mm)
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """One echo, judged for one reflector: the interval it gives, without and with what is charged for the radar's systematic
-    error, and the verdict."""
+    """One echo, judged for one reflector.
+
+    bare, fix  the interval that it gives, without and with the systematic error that the radar may have
+    verdict    FITS, or the reason why the echo is not taken for the reflector's
+    """
 
     slot: Slot
     bare: Interval
@@ -178,12 +178,12 @@ class Judgement:
 
     @cached_property
     def fits(self) -> Bool:
-        """It passed every check."""
+        """The echo passed every check."""
         return self.verdict.eq(FITS)
 
 
 def judge(slot: Slot, reflector: Reflector, searched: Bool, now: Situation) -> Judgement:
-    """The echo as a measurement of the reflector."""
+    """Judge the echo as a measurement of the reflector."""
     law, fix = now.law, now.fix(reflector, slot.range.value, slot.error)
     bare = now.bare(reflector, slot.range.value, slot.error)
     room = exact_to(reflector.clear, NM) - now.window.width
@@ -215,12 +215,12 @@ class Recognition:
 
     @cached_property
     def conflict(self) -> Bool:
-        """Another echo fits as well, and excludes the chosen one: neither is believed. What is wrong with all is in both."""
+        """Another echo fits as well and excludes the chosen one: neither counts. The systematic error, being in both, is left out."""
         return any_of(one.fits & ~one.bare.meets(self.bare) for one in self.judgements[1:])
 
     @cached_property
     def accepted(self) -> Bool:
-        """The reflector is measured in this cycle."""
+        """An echo measures the reflector in this cycle."""
         return any_of(one.fits for one in self.judgements) & ~self.conflict
 
     @cached_property
@@ -230,11 +230,11 @@ class Recognition:
 
     @cached_property
     def fix(self) -> Interval:
-        """The same, charged for the systematic error that it may have."""
+        """The same, widened by the systematic error that the radar may have."""
         return self.now.fix(self.reflector, self.range, self.error)
 
     def of_chosen(self, terms: list[Num]) -> Num:
-        """One term a slot: that of the chosen echo, the first that fits (the front end puts the strongest first)."""
+        """Return, of one term a slot, that of the chosen echo: the first that fits (the front end puts the strongest first)."""
         result = terms[-1]
         for term, one in list(zip(terms, self.judgements, strict=True))[-2::-1]:
             result = ite(one.fits, term, result)
@@ -247,12 +247,12 @@ class Recognition:
 
     @cached_property
     def error(self) -> Num:
-        """Its error bound, mm; only while `accepted`."""
+        """Error bound of the measured range, mm; only while `accepted`."""
         return self.of_chosen([one.slot.error for one in self.judgements])
 
     @cached_property
     def lateral(self) -> Num:
-        """The lateral place of the chosen echo, mm; only while `accepted`."""
+        """Lateral place of the chosen echo's origin, mm; only while `accepted`."""
         return self.of_chosen([one.slot.lateral for one in self.judgements])
 
 

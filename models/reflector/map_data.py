@@ -1,14 +1,15 @@
-"""What the map says of a reflector (RFL-3): where it stands, its model, its view zone, what else looks like it.
+"""The map's data of a reflector (RFL-3): place, model, view zone, and the distance to the next one of its model.
 
-The map's figures come as inputs, in every cycle those of the next reflector ahead of the target: the proofs hold for
-every line, of whatever number of reflectors. `clear_mm` is the distance to the nearest other reflector of the same
-model, on any track from which it could be seen; that is the one figure a layout has to get right.
+The figures are inputs: in every cycle those of the next reflector ahead of the target. The proofs therefore hold for every
+line, with any number of reflectors. `clear_mm` is the distance to the nearest other reflector of the same model on any
+track that the radar can see; it is the one figure that the layout of a line has to keep.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     Expr,
@@ -20,13 +21,11 @@ from safeloc.language.expr import (
     choice,
     enumeration,
     exact_to,
-    ite,
     number,
     optional,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.dead_reckoning import Interval
+from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 
 
@@ -34,9 +33,9 @@ from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 class Reflector:
     """A reflector as the map describes it. Lengths in mm.
 
-    place      where end A stands when the range to the reflector is 0 (its position plus the radar's offset)
-    view_from  the range at which its view zone begins: from here on its echo has the minimum intensity
-    view_to    the range at which it ends: nearer, no echo can be evaluated
+    place      place of end A when the range to the reflector is 0 (the reflector's position plus the radar's offset)
+    view_from  range at which its view zone begins: from here on its echo has the minimum intensity
+    view_to    range at which its view zone ends: nearer, no echo can be evaluated
     clear      distance to the nearest other reflector of the same model
     """
 
@@ -47,44 +46,33 @@ class Reflector:
     clear: Num
 
     def view_begins(self) -> Num:
-        """Where the view zone begins, nm."""
+        """Return the place of end A at which the view zone begins, nm."""
         return exact_to(self.place - self.view_from, NM)
 
     def search_ends(self, search_run_mm: int) -> Num:
-        """Where it has to be found at the latest, nm."""
+        """Return the place of end A at which the search ends, nm: the reflector has to be measured by then."""
         return exact_to(self.place - self.view_from + search_run_mm, NM)
 
     def roomy(self, interval: Interval) -> Bool:
-        """No other reflector of the model fits into the interval beside it: the search is not too early."""
+        """Return whether the interval has room for one reflector of the model only: the search is not too early."""
         return exact_to(self.clear, NM) > interval.width
 
     def comes_into_view(self, interval: Interval) -> Bool:
-        """The vehicle may be in its view zone, and no other reflector of the model could be meant."""
+        """Return whether the vehicle may be in the view zone, and no other reflector of the model could be mistaken for this one."""
         return (interval.high >= self.view_begins()) & self.roomy(interval)
 
     def opens(self, interval: Interval, search_run_mm: int) -> Bool:
-        """The search zone: from where the vehicle may be in view, to where it must have been for `search_run`."""
+        """Return whether the search may begin: the vehicle may be in the view zone, and not surely beyond its first `search_run`."""
         return self.comes_into_view(interval) & (interval.low <= self.search_ends(search_run_mm))
 
     def over(self, interval: Interval, search_run_mm: int) -> Bool:
-        """The whole interval is beyond the end of the search."""
+        """Return whether the whole interval lies beyond the end of the search."""
         return interval.low > self.search_ends(search_run_mm)
-
-
-def either(condition: Bool, then: Reflector, other: Reflector) -> Reflector:
-    """`then` where the condition holds, else `other`."""
-    return Reflector(
-        ite(condition, then.place, other.place),
-        ite(condition, then.model, other.model),
-        ite(condition, then.view_from, other.view_from),
-        ite(condition, then.view_to, other.view_to),
-        ite(condition, then.clear, other.clear),
-    )
 
 
 @dataclass(frozen=True, eq=False)
 class NextReflector:
-    """Inputs: the next reflector of the map, absent where the map ends or was not loaded.
+    """Inputs: the map's next reflector, absent where the map ends or was not loaded.
 
     reference  its prescribed distance from its balise; present for the first reflector behind a balise
     """
@@ -98,37 +86,32 @@ class NextReflector:
     offset_mm: int
 
     @property
-    def inputs(self) -> tuple[Var | Optional, ...]:
-        """The inputs in order."""
-        return (self.position, self.model, self.view_from, self.view_to, self.clear, self.reference)
-
-    @property
     def known(self) -> Bool:
-        """The map has a next reflector, with a model."""
+        """The map has a next reflector that has a model."""
         return self.position.present & self.model.ne(NO_MODEL)
 
     @property
     def reflector(self) -> Reflector:
-        """The data, to be used only while `known`."""
+        """The reflector; only while `known`."""
         return Reflector(self.position.value + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
 
 
-def next_reflector(limit_mm: int, range_limit_mm: int, offset_mm: int) -> NextReflector:
-    """Fresh inputs `next_...`."""
+def next_reflector(declared: Declared, limit_mm: int, range_limit_mm: int, offset_mm: int) -> NextReflector:
+    """Return fresh inputs `next_...`."""
     return NextReflector(
-        optional("next_position_mm", MM, -limit_mm, limit_mm),
-        choice("next_model", enumeration(MODEL)),
-        number("next_view_from_mm", MM, 0, range_limit_mm),
-        number("next_view_to_mm", MM, 0, range_limit_mm),
-        number("next_clear_mm", MM, 0, limit_mm),
-        optional("next_reference_mm", MM, 0, range_limit_mm),
+        declared.sensor(optional("next_position_mm", MM, -limit_mm, limit_mm)),
+        declared.sensor(choice("next_model", enumeration(MODEL))),
+        declared.sensor(number("next_view_from_mm", MM, 0, range_limit_mm)),
+        declared.sensor(number("next_view_to_mm", MM, 0, range_limit_mm)),
+        declared.sensor(number("next_clear_mm", MM, 0, limit_mm)),
+        declared.sensor(optional("next_reference_mm", MM, 0, range_limit_mm)),
         offset_mm,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The reflector that is looked for or tracked, kept in state from the beginning of its search."""
+    """State: the reflector that is searched, tracked or awaited in a self-test; stored when its search begins."""
 
     position: NumVar
     model: NumVar
@@ -139,35 +122,31 @@ class Target:
 
     @property
     def reflector(self) -> Reflector:
-        """The data."""
+        """The stored reflector."""
         return Reflector(self.position + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
 
     @property
     def kept(self) -> tuple[NumVar, NumVar, NumVar, NumVar]:
-        """The lengths, in order."""
+        """The variables that hold lengths, in order."""
         return (self.position, self.view_from, self.view_to, self.clear)
 
-    def state(self) -> dict[Var, Initial]:
-        """State variables with initial values."""
-        return {**dict.fromkeys(self.kept, 0), self.model: NO_MODEL}
-
     def become(self, ahead: NextReflector) -> dict[Var, Expr]:
-        """Updates that make the next reflector the target."""
+        """Return updates that make the map's next reflector the target."""
         lengths = (ahead.position.value, ahead.view_from, ahead.view_to, ahead.clear)
         return {**dict(zip(self.kept, lengths, strict=True)), self.model: ahead.model}
 
     def nothing(self) -> dict[Var, Expr]:
-        """Updates after which there is no target."""
+        """Return updates after which there is no target."""
         return {**dict.fromkeys(self.kept, as_num(0, MM)), self.model: NO_MODEL}
 
 
-def target(limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
-    """Fresh state `target_...`."""
+def target(declared: Declared, limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
+    """Return fresh state `target_...`."""
     return Target(
-        number("target_position_mm", MM, -limit_mm, limit_mm),
-        choice("target_model", enumeration(MODEL)),
-        number("target_view_from_mm", MM, 0, range_limit_mm),
-        number("target_view_to_mm", MM, 0, range_limit_mm),
-        number("target_clear_mm", MM, 0, limit_mm),
-        offset_mm,
+        position=declared.state(number("target_position_mm", MM, -limit_mm, limit_mm), first=0),
+        view_from=declared.state(number("target_view_from_mm", MM, 0, range_limit_mm), first=0),
+        view_to=declared.state(number("target_view_to_mm", MM, 0, range_limit_mm), first=0),
+        clear=declared.state(number("target_clear_mm", MM, 0, limit_mm), first=0),
+        model=declared.state(choice("target_model", enumeration(MODEL)), first=NO_MODEL),
+        offset_mm=offset_mm,
     )

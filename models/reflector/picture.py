@@ -1,4 +1,4 @@
-"""How a run of the reflector machine is drawn: as source 001, fig. 1."""
+"""The picture of a run of the reflector machine, as in source 001, fig. 1."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ CALLED = {"reflector-figure-1": {180_000: "109", 600_000: "111"}, "reflector-fig
 
 
 def picture(config: ReflectorConfig) -> Deviation:
-    """Deviation over distance, with balises, reflectors and their view zones as the map tells of them on the way."""
+    """Return the deviation over distance, with balises, reflectors and view zones as the map gives them on the way."""
     zone = ("next_view_from_mm", "next_view_to_mm")
     things = (
         Things("balise", "balise_position_mm", "balise"),

@@ -1,8 +1,7 @@
 """Simulated radar frames, odometer and balises as step streams of the reflector machine, its ghosts included.
 
-The map's side is simulated too: the next reflector is the one ahead of what the machine reports, so each stream is made
-step by step against the machine as it runs on board. With the ghosts in it, a stream carries its own proof of being
-lawful: the interpreter checks the assumption on it.
+The map is simulated too: its next reflector is the one ahead of the reported position, so each stream is made step by step with
+the machine running. A stream contains the ghosts: the interpreter checks on it that the assumption holds.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ import numpy as np
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import NM_PER_MM, PPM_PER_ONE
 from safeloc.models.reflector import machine
 from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector.variables import ReflectorConfig
@@ -25,11 +24,10 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""
-WHOLE_PPM = 1_000_000
 Steps = list[dict[str, Cell]]
 NOWHERE = "NONE"
 
@@ -38,7 +36,7 @@ NOWHERE = "NONE"
 class Reflector:
     """A reflector of the line; lengths in mm along the route.
 
-    clear_mm  distance to the nearest other one of its model on any track; None: by the reflectors of this route
+    clear_mm  distance to the nearest other one of its model on any track; None: computed from the reflectors of this route
     """
 
     position_mm: int
@@ -50,7 +48,7 @@ class Reflector:
 
 @dataclass(frozen=True)
 class Balise:
-    """A balise; `reference` says whether its first reflector serves the self-test."""
+    """A balise; `reference`: its first reflector serves the self-test."""
 
     identity: int
     position_mm: int
@@ -61,10 +59,10 @@ class Balise:
 
 @dataclass(frozen=True)
 class Route:
-    """Balises and reflectors along one route, as the map has them and as they stand.
+    """Balises and reflectors along one route, on the map and on the track.
 
-    missing  positions of reflectors that the map has and the track has not
-    beside   reflectors of other tracks that are seen from this one, each where it would stand along this route
+    missing  positions of reflectors that are on the map, but not on the track
+    beside   reflectors of other tracks that the radar sees from this one, at their places along this route
     """
 
     balises: tuple[Balise, ...]
@@ -73,7 +71,7 @@ class Route:
     beside: tuple[Reflector, ...] = ()
 
     def clear_mm(self, one: Reflector) -> int:
-        """The distance to the nearest other reflector of the same model; the whole line's length where there is none."""
+        """Return the distance to the nearest other reflector of the same model; the whole line's length if there is none."""
         if one.clear_mm is not None:
             return one.clear_mm
         others = [abs(other.position_mm - one.position_mm) for other in self.reflectors
@@ -81,7 +79,7 @@ class Route:
         return min(others, default=1_000_000)
 
     def ahead(self, position_mm: int) -> Reflector | None:
-        """The first reflector beyond a position."""
+        """Return the first reflector beyond a position."""
         return min((r for r in self.reflectors if r.position_mm > position_mm), key=_position, default=None)
 
 
@@ -97,7 +95,7 @@ FIGURE_2 = Route(
 )
 """Source fig. 2, 100 m from the start: balise 202, reflector 204, and 205 and 208 of the stop points 207 and 210."""
 STOPS_MM = (350_000, 400_000)
-"""Where end A stands at the stop points 207 and 210: 10 m before their reflectors."""
+"""Places of end A at the stop points 207 and 210: 10 m before their reflectors."""
 
 
 KINDS = Kinds(
@@ -122,10 +120,10 @@ decoy     a strong echo of model `model` at `by_mm` ahead (breaks the law on clu
 
 @dataclass(frozen=True)
 class Scene:
-    """What one run is made of. `disturbances` are those of the radar (`KINDS`), `sensor_faults` those of the odometer `wheel`.
+    """The conditions of one run: `disturbances` of the radar (`KINDS`), `sensor_faults` of the odometer `wheel`.
 
-    Lawful are a drop-out; of the radar a shift that is there from the first cycle to the last, and a drift and a scale
-    within the figures of the configuration.
+    The assumption still holds with a drop-out, with a shift of the radar from the first cycle to the last, and with a drift and
+    a scale within the figures of the configuration.
     """
 
     route: Route = FIGURE_1
@@ -146,32 +144,31 @@ def simulate(
     motion: Motion | None = None,
     measured: Distances | None = None,
 ) -> Steps:
-    """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+    """Return a run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
-    legs, motion  how the vehicle runs, from 0 on; 20 m/s and a stop beyond fig. 1 by default
-    measured      what the odometer measured, where others hear the same one; its faults are in it already
+    legs, motion  the vehicle's movement, from 0 on; 20 m/s and a stop beyond fig. 1 by default
+    measured      distances of an odometer that other machines read as well, with its faults
     """
     scene, rng = scene or Scene(), np.random.default_rng(seed)
     if motion is None:
         vehicle = VehicleConfig(max_speed_mm_s=int(config.max_speed_mm_s * 0.9))
         motion = move(vehicle, legs or [Leg(20_000, 45), Leg(0, 25)], config.period_ms)
-    law = Law(
-        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
-    )
     sensors.KINDS.require(scene.sensor_faults, places=["wheel"], length=len(motion.position_nm))
     KINDS.require(scene.disturbances, places=[""], length=len(motion.position_nm))
-    odometer = measured or measure("wheel", motion, law, rng, dropout=scene.dropout, faults=scene.sensor_faults)
+    odometer = measured or measure(
+        "wheel", motion, config.odometer, rng, dropout=scene.dropout, faults=scene.sensor_faults
+    )
     return _Run(config, scene, motion, odometer, rng).steps()
 
 
 @lru_cache(maxsize=8)
 def _on_board(config: str) -> Compiled:
-    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    """Return the machine without its world, cached for further runs with the same configuration (JSON)."""
     return compile_system(without_ghosts(lower(machine(ReflectorConfig.model_validate_json(config)))))
 
 
 class _Run:
-    """One run, cycle by cycle, with the machine in the loop for what it asks of the map."""
+    """One run, cycle by cycle, with the machine in the loop: its reports decide the map's answers."""
 
     def __init__(
         self, config: ReflectorConfig, scene: Scene, motion: Motion, odometer: Distances, rng: np.random.Generator
@@ -182,7 +179,7 @@ class _Run:
         self._wander = 0
 
     def steps(self) -> Steps:
-        """All cycles."""
+        """Return all cycles."""
         return [self._step(cycle) for cycle in range(len(self._motion.position_nm))]
 
     def _step(self, cycle: int) -> dict[str, Cell]:
@@ -231,7 +228,7 @@ class _Run:
         return {**told, **search}
 
     def _map(self, balise: Balise | None) -> dict[str, Cell]:
-        """What the map says of the next reflector: beyond the balise, the target, or the reported position."""
+        """Return the map's next reflector: beyond the balise, the target, or the reported position."""
         out, route = self._code.named_outputs(self._state), self._scene.route
         sighted = out["reflector_model"] != 0
         reported = out["reflector_position_mm"] if sighted else out["position_mm"] - out["margin_below_mm"]
@@ -267,7 +264,7 @@ class _Run:
         return next((one for one in self._scene.disturbances if one.kind == kind and one.active(cycle)), None)
 
     def _reflected(self, cycle: int, at_frame: int) -> list[dict[str, Cell]]:
-        """Echoes of the reflectors ahead, the nearest first."""
+        """Return the echoes of the reflectors ahead, the nearest first."""
         if self._hit("blind", cycle):
             return []
         seen = []
@@ -294,22 +291,22 @@ class _Run:
         }
 
     def _bias_mm(self, cycle: int) -> int:
-        """By how much the radar measures every range too long."""
+        """Return by how much the radar measures every range too long, mm."""
         shift, drift = self._hit("shift", cycle), self._hit("drift", cycle)
         shifted = KINDS.figure(shift, "by_mm") if shift else 0
         return int(shifted + (KINDS.figure(drift, "by_mm") * (cycle - drift.begin + 1) if drift else 0))
 
     def _scaled_mm(self, cycle: int, range_mm: int) -> int:
-        """By how much it measures this range too long besides, in proportion."""
+        """Return by how much the radar measures this range too long in proportion, mm."""
         scale = self._hit("scale", cycle)
-        return int(range_mm * KINDS.figure(scale, "by_ppm")) // WHOLE_PPM if scale else 0
+        return int(range_mm * KINDS.figure(scale, "by_ppm")) // PPM_PER_ONE if scale else 0
 
     def _decoys(self, cycle: int) -> list[dict[str, Cell]]:
         decoy = self._hit("decoy", cycle)
         return [] if decoy is None else [_thing(KINDS.figure(decoy, "by_mm"), KINDS.figure(decoy, "model"), -5_000)]
 
     def _clutter(self, at_frame: int) -> list[dict[str, Cell]]:
-        """Strong things of no model, and things that look like a reflector but are too weak."""
+        """Return strong echoes of no model, and echoes with a reflector's signature that are too weak."""
         if self._rng.random() >= self._scene.clutter:
             return []
         range_mm = int(self._rng.uniform(2_000, 150_000))
@@ -319,7 +316,7 @@ class _Run:
 
 
 def intensity_cdb(range_mm: int, view_from_mm: int, minimum_cdb: int) -> int:
-    """Range law: the minimum intensity where the view zone begins, and 12 dB more for each halving of the range."""
+    """Return the intensity: the minimum where the view zone begins, and 12 dB more for each halving of the range."""
     return minimum_cdb + math.floor(CDB_A_DOUBLING * math.log2(view_from_mm / max(1, range_mm)))
 
 
@@ -341,13 +338,13 @@ def _is_ghost(name: str) -> bool:
 
 
 def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
-    """A simulated step without ghosts and remarks: what the vehicle itself gets."""
+    """Return a simulated step without ghosts and remarks, as the vehicle itself gets it."""
     left_out = ("true_step_nm", "next_wander_nm", "next_radar_bias_nm", "truth_mm")
     return {name: value for name, value in step.items() if not _is_ghost(name) and name not in left_out}
 
 
 def said(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
-    """What the machine on board reports after each step of a simulated stream."""
+    """Return the outputs of the machine on board after each step of a simulated stream."""
     code = _on_board(config.model_dump_json())
     state, outputs = code.first(), list[Mapping[str, Value]]()
     for record in stream:
@@ -357,7 +354,7 @@ def said(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[
 
 
 def lawful(step: Mapping[str, Cell]) -> dict[str, Cell]:
-    """A simulated step with its ghosts, without the remark."""
+    """Return a simulated step with its ghosts, without the remark."""
     return {name: value for name, value in step.items() if name != "truth_mm"}
 
 
@@ -365,7 +362,7 @@ def lawful(step: Mapping[str, Cell]) -> dict[str, Cell]:
 
 
 def stopping(period_ms: int, moves: Sequence[tuple[int, int, int, float]]) -> Motion:
-    """A motion made of moves, each from standstill to standstill: distance (mm, negative: backwards), top speed (mm/s),
+    """Return a motion made of moves, each from standstill to standstill: distance (mm, negative: backwards), top speed (mm/s),
     acceleration and brake (mm/s2), and the time it then stands (s). It begins at 0."""
     period = period_ms / 1_000
     speeds: list[float] = []
@@ -384,7 +381,7 @@ def stopping(period_ms: int, moves: Sequence[tuple[int, int, int, float]]) -> Mo
 
 
 def _trapezoid(distance: int, top: int, rate: int, period: float) -> list[tuple[float, float]]:
-    """Distance run and speed at the end of each cycle: speed up, run, brake."""
+    """Return distance and speed at the end of each cycle: speed up, run, brake."""
     top_speed = min(float(top), math.sqrt(distance * rate))
     ramp = top_speed / rate
     cruise = (distance - top_speed * ramp) / top_speed

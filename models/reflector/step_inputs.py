@@ -1,7 +1,7 @@
-"""Inputs of a step that leaves slots or the map's next reflector empty, completed to what the machine needs.
+"""Completes the inputs of a step in which echo slots or the map's next reflector are empty.
 
-A signal front end names only the echoes it has, and a map only a reflector there is. The machine reads the other
-figures of a slot only where its range is present, and those of the next reflector only where its position is.
+A signal front end sends only the echoes that it has, and a map only a reflector that exists. The machine reads the other
+figures of a slot only if its range is present, and those of the next reflector only if its position is.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ NO_NEXT: Mapping[str, Cell] = {
 
 
 def completed(config: ReflectorConfig, given: Mapping[str, Cell]) -> dict[str, Cell]:
-    """The inputs with empty slots, no next reflector, no frame and no contradiction where nothing is said.
+    """Return the inputs; missing ones mean an empty slot, no next reflector, no frame, and no contradiction.
 
-    What stands for a slot whose range is given is left as it is: a range without its error is refused by the machine.
+    The inputs of a slot with a range stay as they are: the machine refuses a range without its error.
     """
     whole: dict[str, Cell] = {"frame_present": False, "route_contradicted": False}
     for number in range(1, config.echo_slots + 1):

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, Num, NumVar, boolean, choice, enumeration, members, number, optional
+from safeloc.language.declared import Declared
+from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, NM_PER_UM
 from safeloc.models.reflector.balise_reading import BaliseReading, balise_reading
-from safeloc.models.reflector.dead_reckoning import Odometer, Track, track
-from safeloc.models.reflector.echo import RadarLaw, Slot, slot
-from safeloc.models.reflector.map_data import NextReflector, Target, next_reflector, target
+from safeloc.models.reflector.echo import RadarLaw, slot
+from safeloc.models.reflector.ghosts import Moving, ghosts
+from safeloc.models.reflector.map_data import next_reflector, target
+from safeloc.models.reflector.odometer import ReflectorOdometer
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.odometer import most_told_nm
-from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM, MODEL
+from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM
 
 SOURCE = members("source", "NONE", "ODOMETRY", "REFLECTOR")
 NO_SOURCE, BY_ODOMETRY, BY_REFLECTOR = SOURCE
@@ -114,27 +115,32 @@ class ReflectorConfig(Config):
 
     @property
     def tolerance_nm(self) -> int:
-        """The tolerable error."""
+        """The tolerable error, nm."""
         return self.tolerance_mm * NM_PER_MM
 
     @property
     def accuracy_nm(self) -> int:
-        """How far a reflector may stand from where the map has it."""
+        """The greatest distance of a reflector from its place on the map, nm."""
         return self.map_accuracy_mm * NM_PER_MM
 
     @property
     def max_step_mm(self) -> int:
-        """The greatest distance of one cycle, measured."""
+        """The greatest distance that is measured in a cycle, mm."""
         return -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
 
     @property
     def blind_nm(self) -> int:
-        """The farthest the vehicle gets in one cycle."""
+        """The farthest that the vehicle gets in a cycle, nm."""
         return self.max_speed_mm_s * self.period_ms * 1_000
 
     @property
+    def gap_limit(self) -> int:
+        """The most cycles without a usable distance."""
+        return self.gap_limit_cycles
+
+    @property
     def radar(self) -> RadarLaw:
-        """What judging an echo depends on."""
+        """The figures that echoes are judged by."""
         return RadarLaw(
             minimum_intensity_cdb=self.minimum_intensity_cdb,
             near_mm=self.near_range_mm,
@@ -148,141 +154,119 @@ class ReflectorConfig(Config):
 
     @property
     def left_open_nm(self) -> int:
-        """The most of the radar's systematic error that a self-test may leave open, and that is charged."""
+        """The most of the radar's systematic error that a self-test may fail to exclude, and that margins then include, nm."""
         return self.reference_tolerance_mm * NM_PER_MM
 
     @property
     def drift_nm(self) -> int:
-        """The most by which the radar's systematic error changes in one cycle."""
+        """The most by which the radar's systematic error changes in a cycle, nm."""
         return self.radar_drift_mm_s * self.period_ms * NM_PER_UM
 
+    @property
+    def reach_nm(self) -> int:
+        """The farthest place that end A may have, nm."""
+        return (self.position_limit_mm + 2 * self.tolerance_mm + self.range_limit_mm) * NM_PER_MM
+
     def share_ppm(self, latency_ms: int) -> int:
-        """A latency as share of the period, rounded up."""
+        """Return a latency as a share of the period, ppm, rounded up."""
         return -(-latency_ms * 1_000_000 // self.period_ms)
 
 
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """What the map tells of a reflector: where it stands, its model, and how far the next one of that model is away."""
-
-    position: Num
-    model: Num
-    clear: Num
-
-    @property
-    def figures(self) -> tuple[Num, Num, Num]:
-        """All of it, in order."""
-        return (self.position, self.model, self.clear)
-
-
-@dataclass(frozen=True, eq=False)
-class Ghosts:
-    """The world: where end A is, the wander of the odometer's error, and of each echo where it comes from.
-
-    reflector  per slot: the echo comes from a reflector, be it the target or any other one of the line
-    origin     per slot: where along the track it was reflected, nm
-    bias       by how much the radar measures every range too long, nm: its systematic error, of any size
-    scaled     per slot: what is wrong in proportion to the range, nm, positive where it is measured too long
-    told       what the map told last
-    sought     what the map told of the reflector that the machine names as its target, if that is another one
-    """
-
-    truth: NumVar
-    true_step: NumVar
-    wander: NumVar
-    next_wander: NumVar
-    reflector: tuple[BoolVar, ...]
-    origin: tuple[NumVar, ...]
-    bias: NumVar
-    next_bias: NumVar
-    scaled: tuple[NumVar, ...]
-    told: Entry
-    sought: Entry
-
-
-@dataclass(frozen=True, eq=False)
 class Parts:
-    """The variables the machine is made of; properties read them by name.
+    """The variables of the machine.
 
+    odometer     distance measured in the cycle
+    frame        a radar frame came in the cycle, with an echo in each of the `slots`
+    balise       reading of a balise, absent in most cycles
+    ahead        the map's next reflector
+    contradicted the route machine found the route contradicted
+    track        confidence interval of end A
+    anchor       in the view zone its first interval, in a self-test what is known without the radar; both run on
+    target       the reflector that is searched, tracked, or measured in a self-test
     open_long, open_short  how much too long (too short) the radar may measure every range, nm: what the last self-test
-                           that passed left open, and what may have changed since; 0 where none passed
+                 that passed left open, and the drift since; 0 where none passed
+    reference    prescribed distance from the balise of the self-test to its reflector
+    search_from  distance after that balise from which the reflector is searched; 0: by its view zone on the map
+    run          distance run since that balise
+    procedure    the balise that started the last self-test; 0: none
+    found        place of the reflector found last; its lowest value: none
+    pauses, misses  cycles in a row without a frame, and frames in a row without the target's echo
+    recognised   the target was recognised in this cycle
+    range, range_error, lateral  the measurement of this cycle, 0 where there is none
+    error        why there is no position, or no precise one
     """
 
-    config: ReflectorConfig
-    odometer: Odometer
-    slots: tuple[Slot, ...]
-    balise: BaliseReading
-    ahead: NextReflector
-    target: Target
-    frame: BoolVar
-    contradicted: BoolVar
-    track: Track
-    anchor: Track
-    open_long: NumVar
-    open_short: NumVar
-    reference: NumVar
-    search_from: NumVar
-    run: NumVar
-    procedure: NumVar
-    found: NumVar
-    pauses: NumVar
-    misses: NumVar
-    recognised: BoolVar
-    range: NumVar
-    range_error: NumVar
-    lateral: NumVar
-    error: NumVar
-    ghosts: Ghosts
+    def __init__(self, config: ReflectorConfig, moving: Moving) -> None:
+        self.declared = declared = Declared()
+        limit, reach, offset = config.position_limit_mm, config.range_limit_mm, config.radar_offset_mm
+        anchored = config.tolerance_nm + 2 * config.odometer.wander_nm + config.left_open_nm
+        self.config = config
+        self.track = _stored(declared, "own", limit, config.tolerance_nm)
+        self.anchor = _stored(declared, "anchor", limit, anchored)
+        self.target = target(declared, limit, reach, offset)
+        self.open_long = declared.state(number("open_long_nm", NM, 0, config.left_open_nm), first=0)
+        self.open_short = declared.state(number("open_short_nm", NM, 0, config.left_open_nm), first=0)
+        self.odometer = _odometer(declared, config)
+        self.reference = declared.state(number("reference_mm", MM, 0, reach), first=0)
+        self.search_from = declared.state(number("search_from_mm", MM, 0, reach), first=0)
+        self.run = declared.state(
+            number("run_since_balise_mm", MM, -config.reference_run_mm, config.reference_run_mm), first=0
+        )
+        self.procedure = declared.state(number("procedure_balise", COUNT, 0, config.last_balise_identity), first=0)
+        self.found = declared.state(number("last_found_mm", MM, -limit - 1, limit), first=-limit - 1)
+        self.pauses = declared.state(number("pauses", COUNT, 0, config.pause_limit_cycles), first=0)
+        self.misses = declared.state(number("misses", COUNT, 0, config.loss_limit_cycles), first=0)
+        self.recognised = declared.state(boolean("recognised_now"), first=False)
+        self.range = declared.state(number("measured_range_mm", MM, 0, reach), first=0)
+        self.range_error = declared.state(number("measured_error_mm", MM, 0, MAX_ERROR_MM), first=0)
+        self.lateral = declared.state(number("measured_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM), first=0)
+        self.error = declared.state(choice("error", enumeration(ERROR)), first=NO_POSITION)
+        self.frame = declared.sensor(boolean("frame_present"))
+        self.slots = tuple(slot(declared, number_, reach) for number_ in range(1, config.echo_slots + 1))
+        self.balise = _balise(declared, config)
+        self.ahead = next_reflector(declared, limit, reach, offset)
+        self.contradicted = declared.sensor(boolean("route_contradicted"))
+        self.ghosts = ghosts(declared, moving, config)
 
 
 def parts(config: ReflectorConfig) -> Parts:
-    """Fresh variables for one machine."""
-    limit, reach, tolerance = config.position_limit_mm, config.range_limit_mm, config.tolerance_nm
-    return Parts(
-        config=config,
-        odometer=_odometer(config),
-        slots=tuple(slot(number_, reach) for number_ in range(1, config.echo_slots + 1)),
-        balise=_balise(config),
-        ahead=next_reflector(limit, reach, config.radar_offset_mm),
-        target=target(limit, reach, config.radar_offset_mm),
-        frame=boolean("frame_present"),
-        contradicted=boolean("route_contradicted"),
-        track=track("own_", "own_", limit, tolerance),
-        anchor=track("anchor_", "anchor_", limit, tolerance + 2 * config.odometer.wander_nm + config.left_open_nm),
-        open_long=number("open_long_nm", NM, 0, config.left_open_nm),
-        open_short=number("open_short_nm", NM, 0, config.left_open_nm),
-        reference=number("reference_mm", MM, 0, reach),
-        search_from=number("search_from_mm", MM, 0, reach),
-        run=number("run_since_balise_mm", MM, -config.reference_run_mm, config.reference_run_mm),
-        procedure=number("procedure_balise", COUNT, 0, config.last_balise_identity),
-        found=number("last_found_mm", MM, -limit - 1, limit),
-        pauses=number("pauses", COUNT, 0, config.pause_limit_cycles),
-        misses=number("misses", COUNT, 0, config.loss_limit_cycles),
-        recognised=boolean("recognised_now"),
-        range=number("measured_range_mm", MM, 0, reach),
-        range_error=number("measured_error_mm", MM, 0, MAX_ERROR_MM),
-        lateral=number("measured_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM),
-        error=choice("error", enumeration(ERROR)),
-        ghosts=_ghosts(config),
+    """Return fresh variables for one machine; where another machine's world moves the vehicle, use `Parts` with its ghosts."""
+    return Parts(config, moving(config))
+
+
+def moving(config: ReflectorConfig) -> Moving:
+    """Return fresh ghosts of the vehicle's movement."""
+    reach, most = config.reach_nm, config.odometer.wander_nm
+    return Moving(
+        truth=number("truth_nm", NM, -reach, reach),
+        true_step=number("true_step_nm", NM, -config.blind_nm, config.blind_nm),
+        wander=number("wander_nm", NM, -most, most),
+        next_wander=number("next_wander_nm", NM, -most, most),
     )
 
 
-def _odometer(config: ReflectorConfig) -> Odometer:
-    reach = 2 * config.max_step_mm + 1_000
-    return Odometer(
-        optional("step_mm", MM, -reach, reach),
-        number("odometer_gap_cycles", COUNT, 0, config.gap_limit_cycles + 1),
+def _stored(declared: Declared, name: str, limit_mm: int, tolerance_nm: int) -> StoredInterval:
+    return StoredInterval(
+        declared.state(number(f"{name}_position_mm", MM, -limit_mm, limit_mm), first=0),
+        declared.state(number(f"{name}_margin_above_nm", NM, 0, tolerance_nm), first=0),
+        declared.state(number(f"{name}_margin_below_nm", NM, 0, tolerance_nm), first=0),
+    )
+
+
+def _odometer(declared: Declared, config: ReflectorConfig) -> ReflectorOdometer:
+    reach, most = 2 * config.max_step_mm + 1_000, most_told_nm(config.max_step_mm)
+    return ReflectorOdometer(
         config.odometer,
-        config.period_ms,
-        config.max_step_mm,
-        config.blind_nm,
-        config.gap_limit_cycles,
-        number("step_more_nm", NM, 0, most_told_nm(config.max_step_mm)) if config.told_distance else None,
+        declared.sensor(optional("step_mm", MM, -reach, reach)),
+        declared.state(number("odometer_gap_cycles", COUNT, 0, config.gap_limit_cycles + 1), first=0),
+        config,
+        more=declared.sensor(number("step_more_nm", NM, 0, most)) if config.told_distance else None,
     )
 
 
-def _balise(config: ReflectorConfig) -> BaliseReading:
+def _balise(declared: Declared, config: ReflectorConfig) -> BaliseReading:
     return balise_reading(
+        declared,
         config.position_limit_mm,
         config.max_step_mm,
         config.range_limit_mm,
@@ -290,32 +274,4 @@ def _balise(config: ReflectorConfig) -> BaliseReading:
         accuracy_mm=config.balise_accuracy_mm,
         latency_ppm=config.share_ppm(config.balise_latency_ms),
         law_ppm=config.odometer.rate_ppm,
-    )
-
-
-def _ghosts(config: ReflectorConfig) -> Ghosts:
-    reach = (config.position_limit_mm + 2 * config.tolerance_mm + config.range_limit_mm) * NM_PER_MM
-    most, slots = config.odometer.wander_nm, range(1, config.echo_slots + 1)
-    scaled = config.range_limit_mm * config.radar_scale_ppm
-    return Ghosts(
-        number("truth_nm", NM, -reach, reach),
-        number("true_step_nm", NM, -config.blind_nm, config.blind_nm),
-        number("wander_nm", NM, -most, most),
-        number("next_wander_nm", NM, -most, most),
-        tuple(boolean(f"echo_{number_}_from_reflector") for number_ in slots),
-        tuple(number(f"echo_{number_}_origin_nm", NM, -2 * reach, 2 * reach) for number_ in slots),
-        number("radar_bias_nm", NM, -reach, reach),
-        number("next_radar_bias_nm", NM, -reach, reach),
-        tuple(number(f"echo_{number_}_scaled_nm", NM, -scaled, scaled) for number_ in slots),
-        _entry("told", config),
-        _entry("sought", config),
-    )
-
-
-def _entry(name: str, config: ReflectorConfig) -> Entry:
-    limit = config.position_limit_mm
-    return Entry(
-        number(f"{name}_reflector_mm", MM, -limit, limit),
-        choice(f"{name}_reflector_model", enumeration(MODEL)),
-        number(f"{name}_reflector_clear_mm", MM, 0, limit),
     )

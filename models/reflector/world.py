@@ -1,16 +1,15 @@
-"""The world of the reflector machine: where end A and the origin of each echo are, and what ties sensors and map to that.
+"""The world of the reflector machine: the true places of end A and of each echo's origin, and the laws of sensors and map.
 
-    the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
-    a balise      lies where the reading says; or the reading is a stray one, of a balise that lies far away
-    a reflector   sends an echo whose range is wrong by the echo's error, and by what is wrong with the radar; which shows
-                  its model; and which has the minimum intensity only within the strong range
-    the radar     measures every range wrong by a systematic part of any size, that drifts, and by a part of the range
-    other things  send echoes as they like, but none with a reflector's signature at the minimum intensity
-    the map       has each reflector where it stands, and says how far the next one of its model is away; and how far it
-                  is from its balise
+    odometer      delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    balise        lies at the place that the reading gives; a stray reading comes from a balise far away
+    reflector     sends an echo that shows its model, and that has the minimum intensity only within the strong range; the
+                  error of its range is the echo's own and the radar's
+    radar         adds two errors to every range: a systematic one of any size, which drifts, and one in proportion to the range
+    other things  send any echo but one with a reflector's signature at the minimum intensity
+    map           has each reflector at its place, its distance to the next one of its model, and to its balise
 
-The map tells of one reflector in a cycle, and the machine goes on to look for one that it was told of before. The world
-remembers what the map told: of the last one told, and of the one that the machine still names as its target.
+The map gives one reflector in a cycle, and the machine may still search one that the map gave before. The world therefore
+remembers two entries of the map: the last one, and the one that the machine still names as its target.
 """
 
 from __future__ import annotations
@@ -33,34 +32,26 @@ from safeloc.language.expr import (
     maximum,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial
-from safeloc.language.units import MM, NM, NM_PER_MM, NM_PER_UM
+from safeloc.language.units import MM, MS_PER_S, NM, NM_PER_MM, NM_PER_UM, PPM_PER_ONE
 from safeloc.language.world import Law, World
 from safeloc.models.reflector.echo import Slot
-from safeloc.models.reflector.variables import Entry, Parts, ReflectorConfig
+from safeloc.models.reflector.ghosts import Entry
+from safeloc.models.reflector.variables import Parts, ReflectorConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 ODOMETER = "the odometer keeps its law"
-"""The clause that an earlier machine can be made to keep, if it judges the distance."""
-MS_PER_S, WHOLE_PPM = 1_000, 1_000_000
+"""The clause that an earlier machine can guarantee if it checks the distance."""
 FAR_STEPS = 16
-"""More steps at the highest speed than all that a cycle is charged, on either side."""
+"""Distance at the highest speed, in cycles: more than all errors that a cycle adds on either side."""
 
 
 def world(own: Parts, lost: Bool) -> World:
-    """The true position, the odometer's wander, the echoes' origins, and what the map told. `lost`: no position is known."""
+    """Return the world. `lost`: the machine knows no position."""
     seen = own.ghosts
     return World(
-        ghosts={seen.truth: ANY, seen.wander: ANY, seen.bias: ANY, **_none(seen.told), **_none(seen.sought)},
-        choices=[
-            seen.true_step,
-            seen.next_wander,
-            *seen.reflector,
-            *seen.origin,
-            seen.next_bias,
-            *seen.scaled,
-        ],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={
             seen.truth: _after(own),
             seen.wander: _wander_after(own),
@@ -69,23 +60,18 @@ def world(own: Parts, lost: Bool) -> World:
             **_taken(named(own, seen.told), seen.sought, seen.told),
         },
         clauses=_laws(own, lost),
-        reads_machine="which reflector the machine names as its target, and that it is lost: both are reported",
+        reads_machine="the reflector that the machine names as its target, and that it is lost: it reports both",
     )
 
 
 def named(own: Parts, entry: Entry) -> Bool:
-    """The machine names this entry of the map as its target."""
+    """Return whether the machine names this entry of the map as its target."""
     target = own.target
     return target.position.eq(entry.position) & target.model.eq(entry.model) & target.clear.eq(entry.clear)
 
 
-def _none(entry: Entry) -> dict[Var, Initial]:
-    first: tuple[Initial, ...] = (0, NO_MODEL, 0)
-    return {var: value for var, value in zip(entry.figures, first, strict=True) if isinstance(var, NumVar)}
-
-
 def _next_told(own: Parts) -> Entry:
-    """What the map tells in this cycle; only while it tells something."""
+    """Return the map's entry of this cycle; only while there is one."""
     return Entry(own.ahead.position.value, own.ahead.model, own.ahead.clear)
 
 
@@ -114,7 +100,7 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
 
 
 def _after(own: Parts) -> Num:
-    """Where end A is at the end of the cycle, nm."""
+    """Return the place of end A at the end of the cycle, nm."""
     return own.ghosts.truth + own.ghosts.true_step
 
 
@@ -122,18 +108,18 @@ def _after(own: Parts) -> Num:
 
 
 def farthest_mm(config: ReflectorConfig) -> int:
-    """The farthest that is measured in a cycle at the highest speed, in whole mm."""
+    """Return the greatest distance that is measured in a cycle at the highest speed, in whole mm."""
     return -(-config.max_speed_mm_s * config.period_ms // MS_PER_S) + config.measuring_step_mm
 
 
 def can_be_run(own: Parts) -> Bool:
-    """A distance was delivered, and a vehicle can have run it."""
+    """Return whether the odometer delivered a distance that a vehicle can have run."""
     most = farthest_mm(own.config)
     return own.odometer.step.present & between(-most, own.odometer.step.value, most)
 
 
 def _wander_after(own: Parts) -> Num:
-    """Of a distance that comes judged it may move in every cycle: whatever it does is told."""
+    """Return the next wander. That of a checked distance may move in every cycle, since the reported error includes it."""
     counts = TRUE if own.config.told_distance else can_be_run(own)
     return ite(counts, own.ghosts.next_wander, own.ghosts.wander)
 
@@ -143,7 +129,7 @@ def _told_more(own: Parts) -> Num:
 
 
 def _run_blind_nm(config: ReflectorConfig) -> int:
-    """The farthest the vehicle gets in a cycle."""
+    """Return the farthest that the vehicle gets in a cycle, nm."""
     return config.max_speed_mm_s * config.period_ms * (NM_PER_MM // MS_PER_S)
 
 
@@ -155,9 +141,9 @@ def _odometer_law(own: Parts) -> Law:
     most = _told_more(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
     return Law(
         (error <= most) & (-error <= most),
-        "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, by the change of a "
-        "one-off part within half its constant, and by what a checking unit tells beyond that; or it is a distance that "
-        "no vehicle can have run.",
+        "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
+        "change of a one-off part within half its constant, plus the error that a checking unit reports beyond that; or no "
+        "vehicle can have run the distance.",
         ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s"),
         "[S] SUBSET-041: 5 m + 5 % of every measured distance",
         "supplier",
@@ -166,17 +152,17 @@ def _odometer_law(own: Parts) -> Law:
 
 
 def _allowed(law: ErrorLaw, step: Num, period_ms: int) -> Num:
-    """Rate and floor of a cycle, nm: the rate counts what lies above the knee. mm x ppm = nm."""
+    """Return the error that rate and floor allow in a cycle, nm: the rate counts above the knee only. mm x ppm = nm."""
     knee = law.knee_mm_s * period_ms // MS_PER_S
     above = maximum(maximum(step - knee, -step - knee), 0)
     return with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period_ms * (NM_PER_MM // MS_PER_S)
 
 
 def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
-    """The most that the vehicle ran (forwards, backwards) in the last so many ms of the cycle, nm."""
+    """Return the most that the vehicle ran (forwards, backwards) in the last `latency_ms` of the cycle, nm."""
     config, step = own.config, own.odometer.step.value
-    share = -(-latency_ms * WHOLE_PPM // config.period_ms)
-    blind = as_num(-(-_run_blind_nm(config) * share // WHOLE_PPM), NM)
+    share = -(-latency_ms * PPM_PER_ONE // config.period_ms)
+    blind = as_num(-(-_run_blind_nm(config) * share // PPM_PER_ONE), NM)
 
     def most(measured: Num) -> Num:
         ran = with_unit(maximum(measured * share, 0), NM) + _told_more(own)
@@ -196,9 +182,10 @@ def _balise_law(own: Parts, lost: Bool) -> Law:
     stray = ~lost & ((off > away) | (-off > away))
     return Law(
         _balise_read(own).implies(true | stray),
-        "End A passed the place that a reading gives within its accuracy, and ran since then what the counters say within "
-        "the odometer's rate, and in the reader's latency no more than the share of the measured distance. Or the reading "
-        "is stray: its balise lies farther away than any position error; but never the first one after a position was lost.",
+        "End A passed the place that a reading gives, within the reading's accuracy. Since then it ran the distance that the "
+        "counters give, within the odometer's rate, and in the reader's latency no more than that share of the measured "
+        "distance. Or the reading is stray: its balise lies farther away than any position error; but the first reading "
+        "after a position was lost is never stray.",
         ("balise_accuracy_mm", "balise_latency_ms", "rate_ppm", "tolerance_mm"),
         "[S] OCORA 7242, SUBSET-026 3.16.2 (linking keeps stray readings out); steady speed in a cycle [D]",
         "infrastructure",
@@ -211,7 +198,7 @@ def _balise_read(own: Parts) -> Bool:
 
 
 def _balise_off(own: Parts) -> tuple[Num, Num, Num, Num]:
-    """By how much a reading misses the truth, and may: by accuracy and run, and by what was run forwards, backwards; nm."""
+    """Return the error of a reading, the error allowed by accuracy and run, and the late travel forwards and backwards; nm."""
     balise, config = own.balise, own.config
     since = ite(~balise.since.present, as_num(0, MM), balise.since.value)
     off = _after(own) - exact_to(balise.position.value, NM) - exact_to(since, NM)
@@ -223,7 +210,7 @@ def _balise_off(own: Parts) -> tuple[Num, Num, Num, Num]:
 
 
 def _far_nm(config: ReflectorConfig) -> int:
-    """Farther than any interval that is kept can reach, nm."""
+    """Return a distance farther than any stored interval can reach, nm."""
     law = config.odometer
     kept = 2 * (config.tolerance_mm + law.constant_mm) + FAR_STEPS * farthest_mm(config)
     return (kept + 2 * law.floor_mm_s * config.period_ms) * NM_PER_MM
@@ -233,7 +220,7 @@ def _far_nm(config: ReflectorConfig) -> int:
 
 
 def _strong(own: Parts, slot: Slot) -> Bool:
-    """There is an echo with the minimum intensity."""
+    """Return whether the slot has an echo with the minimum intensity."""
     return own.frame & slot.range.present & (slot.intensity >= own.config.minimum_intensity_cdb)
 
 
@@ -241,7 +228,7 @@ def _range_law(own: Parts) -> Law:
     forward, backward = _ran_late(own, own.config.frame_latency_ms)
 
     def kept(slot: Slot, real: Bool, origin: Num, scaled: Num) -> Bool:
-        """End A ran on since the frame was taken; what is wrong with the radar is in the range."""
+        """Return whether the range fits: end A ran on since the frame was taken, and the radar's error is in the range."""
         wrong = own.ghosts.next_bias + scaled
         too_near = origin - _radar(own) - exact_to(slot.range.value, NM) + wrong
         bound = exact_to(slot.error, NM)
@@ -249,9 +236,9 @@ def _range_law(own: Parts) -> Law:
 
     return Law(
         all_of(kept(*one, scaled) for one, scaled in zip(_echoes(own), own.ghosts.scaled, strict=True)),
-        "The range of a reflector's echo is the distance from radar to reflector, and what is wrong with the radar, within "
-        "the echo's error bound, when the frame was taken; that was no earlier than its latency, and since then the vehicle "
-        "ran no more than the share of the measured distance.",
+        "When the frame was taken, the range of a reflector's echo was the distance from radar to reflector plus the radar's "
+        "error, within the echo's error bound. The frame is no older than its latency, and since then the vehicle ran no more "
+        "than that share of the measured distance.",
         ("radar_offset_mm", "frame_latency_ms"),
         "[M] noise of an FMCW radar, interpolated to centimetres; steady speed in a cycle [D]",
         "supplier",
@@ -260,7 +247,7 @@ def _range_law(own: Parts) -> Law:
 
 
 def _radar(own: Parts) -> Num:
-    """Where the radar is at the end of the cycle, nm: it stands behind end A by its offset."""
+    """Return the radar's place at the end of the cycle, nm: behind end A by its offset."""
     return _after(own) - own.config.radar_offset_mm * NM_PER_MM
 
 
@@ -269,8 +256,8 @@ def _drift_law(own: Parts) -> Law:
     most = config.radar_drift_mm_s * config.period_ms * NM_PER_UM
     return Law(
         between(-most, seen.next_bias - seen.bias, most),
-        "The systematic part of the radar's error is of any size at first; from one cycle to the next it changes by no more "
-        "than the drift allows.",
+        "The systematic error of the radar has any size at first; from one cycle to the next it changes by no more than the "
+        "drift allows.",
         ("radar_drift_mm_s",),
         "[M] delays of filters and cables: 2 mm/K, at most 30 K a minute",
         "supplier",
@@ -287,7 +274,7 @@ def _scale_law(own: Parts) -> Law:
             )
             for slot, scaled in zip(own.slots, own.ghosts.scaled, strict=True)
         ),
-        "What is wrong with a range in proportion to it is no more than the radar's scale allows.",
+        "The error in proportion to a range is at most what the radar's scale allows.",
         ("radar_scale_ppm",),
         "[M] clock of the chirp: 20 to 50 ppm, and ageing",
         "supplier",
@@ -305,8 +292,8 @@ def _reach_law(own: Parts) -> Law:
 
     return Law(
         all_of(kept(*one) for one in _echoes(own)),
-        "The radar looks ahead: what a reflector sends back with the minimum intensity comes from no farther than the strong "
-        "range, and from no reflector behind, when the frame was taken.",
+        "The radar looks ahead: when the frame was taken, a reflector whose echo has the minimum intensity stood ahead of the "
+        "radar, and no farther away than the strong range.",
         ("strong_range_mm", "minimum_intensity_cdb"),
         "[M] fourth power of the range; the antenna's pattern",
         "supplier",
@@ -315,7 +302,7 @@ def _reach_law(own: Parts) -> Law:
 
 
 def _prescribed_law(own: Parts) -> Law:
-    """Of a true reading: a stray one tells of another balise."""
+    """Return the law of a true reading; a stray one comes from another balise."""
     balise, ahead, system = own.balise, own.ahead, own.config.reference_distance_mm
     telegram, by_map = balise.reference, ahead.reference
     by_hand = ~telegram.present & ~by_map.present if system else FALSE
@@ -333,8 +320,8 @@ def _prescribed_law(own: Parts) -> Law:
     true = (off <= allowed + forward) & (-off <= allowed + backward)
     return Law(
         (_balise_read(own) & ahead.position.present & true).implies(said),
-        "The distance from a balise to its reflector, as the telegram, the map or the system prescribes it, is that of their "
-        "places on the map within the survey's accuracy.",
+        "The distance from a balise to its reflector that the telegram, the map or the system prescribes is the distance of "
+        "their places on the map, within the survey's accuracy.",
         ("map_accuracy_mm", "reference_distance_mm"),
         "[D] one survey for telegram and map",
         "infrastructure",
@@ -343,7 +330,7 @@ def _prescribed_law(own: Parts) -> Law:
 
 
 def _echoes(own: Parts) -> list[tuple[Slot, Bool, Num]]:
-    """Each slot, whether its echo comes from a reflector, and where its origin stands."""
+    """Return, of each slot, whether its echo comes from a reflector, and the place of its origin, nm."""
     return list(zip(own.slots, own.ghosts.reflector, own.ghosts.origin, strict=True))
 
 
@@ -352,8 +339,8 @@ def _map_law(own: Parts) -> Law:
     entries = ((TRUE, seen.told), (TRUE, seen.sought), (own.ahead.position.present, _next_told(own)))
     return Law(
         all_of(told.implies(_itself_or_clear(own, entry, *one)) for told, entry in entries for one in _echoes(own)),
-        "With the minimum intensity a reflector shows its own model; the reflector of an entry of the map stands there within "
-        "the map's accuracy, and any other one of that model is away at least by the entry's clearance.",
+        "An echo with the minimum intensity shows its reflector's own model. The reflector of a map entry stands at the entry's "
+        "place within the map's accuracy, and any other one of that model is at least the entry's clearance away.",
         ("map_accuracy_mm", "minimum_intensity_cdb"),
         "[M] surveying; signatures told apart, source l. 161 and 237",
         "infrastructure",
@@ -374,7 +361,7 @@ def _clutter_law(own: Parts) -> Law:
     )
     return Law(
         all_of(unlike),
-        "A thing beside the track that is no reflector never shows the signature of one with the minimum intensity.",
+        "A thing beside the track that is no reflector never shows a reflector's signature with the minimum intensity.",
         ("minimum_intensity_cdb",),
         "[M] signatures told apart, source l. 209, 227 and 304",
         "supplier",

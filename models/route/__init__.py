@@ -1,17 +1,17 @@
-"""Which route the vehicle is on, and where on it: hypotheses carried until they are refuted (RFL-D6; source l. 85, 281-304).
+"""Route of the vehicle, and its position on it: hypotheses that stay until a sighting refutes them (RFL-D6; source l. 85, 281-304).
 
 From a common start (a balise with known direction) a vehicle may run along one of several routes through switches.
-Each route is a hypothesis with an interval of its own. What is seen refutes hypotheses: a reflector of a model, at a
-place, that a route does not have where the vehicle would be on it; or a turn that the route does not take. A sequence
-of models alone never decides: DCD is the end of ADCD, and ADCD with one reflector missed is ACD. So a reflector that
-was NOT seen refutes nothing.
+Each route is a hypothesis with an interval of its own. A sighting refutes it if the route has no reflector of that model
+where the vehicle would see it, a turn refutes it if the route does not take that turn. A sequence of models alone never
+decides: DCD is the end of ADCD, and ADCD with one reflector missed is ACD. A reflector that was NOT seen therefore
+refutes nothing.
 
     IDLE        no start yet
     UNDECIDED   several routes are possible, each with its interval
     DECIDED     one route is possible
-    LOST        contradiction, tolerance exceeded or sensors failed: nothing is reported until the next start
+    LOST        contradiction, tolerance exceeded or sensors failed: the machine reports nothing until the next start
 
-Distances are those of end A from the common start, in mm along each route.
+Positions are distances of end A from the common start, in mm along each route.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.language.expr import (
+    FALSE,
     TRUE,
     Bool,
     Expr,
     Lit,
     Num,
-    Optional,
     Var,
     all_of,
     any_of,
@@ -35,14 +35,14 @@ from safeloc.language.expr import (
     floor_to,
     ite,
 )
-from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.route.cycle import Bounded, Cycle, count
 from safeloc.models.route.lemmas import lemmas
 from safeloc.models.route.variables import (
     CONTRADICTION,
     NO_REASON,
-    NO_START,
     SENSOR_FAILURE,
     TOLERANCE,
     Parts,
@@ -57,27 +57,27 @@ REQUIREMENTS = ("RFL-D6",)
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
 
 def machine(config: RouteConfig | None = None) -> Machine:
-    """The route machine (RFL-D6)."""
+    """Return the route machine (RFL-D6)."""
     return build(parts(config or RouteConfig())).machine
 
 
 def build(own: Parts) -> Route:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("IDLE", "UNDECIDED", "DECIDED", "LOST")
     current = current_mode(table)
     cycles = tuple(Cycle(own, route) for route in own.routes)
     made = Machine(
         name="route",
         modes=table,
-        inputs=_inputs(own),
-        state=_state(own),
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, tuple(cycle.after for cycle in cycles), table)),
         world=world(own),
@@ -85,27 +85,13 @@ def build(own: Parts) -> Route:
         definitions={f"route {cycle.route.number} fits what is seen": cycle.fits for cycle in cycles},
         doc=(
             "The routes on which the vehicle may be, each with its interval. Assumed: at a start the true route is among the "
-            "candidates and the vehicle within the start's error; the odometer keeps its error law; a sighting is of a "
+            "candidates, and the vehicle is within the start's error; the odometer keeps its error law; each sighting is of a "
             "reflector beside the true route, with its range and model, and the map names that reflector for the route "
-            "(layout rule: places of one model differ by more than all errors); a turn that was seen was taken. Nothing is "
-            "assumed of what is not seen."
+            "(layout rule: places of one model differ by more than all errors); the vehicle took a turn that was seen. Nothing "
+            "is assumed of reflectors and turns that were not seen."
         ),
     )
     return Route(made, own)
-
-
-def _inputs(own: Parts) -> list[Var | Optional]:
-    named: list[Var | Optional] = [own.odometer.step, own.start, own.sighting, own.sighting_error, own.sighting_model]
-    for route in own.routes:
-        named += [route.candidate, route.reflector, route.model, route.course]
-    return [*named, own.turned, own.authorised]
-
-
-def _state(own: Parts) -> dict[Var, Initial]:
-    state: dict[Var, Initial] = {**own.odometer.state(), own.refuted: 0, own.reason: NO_START}
-    for route in own.routes:
-        state |= {route.possible: False, route.low: 0, route.high: 0}
-    return state
 
 
 # ------------------------------------------------------------------ the transition table
@@ -113,51 +99,59 @@ def _state(own: Parts) -> dict[Var, Initial]:
 
 def _table(own: Parts, after: tuple[Bounded, ...], table: tuple[Lit, ...]) -> Iterator[Transition]:
     idle, undecided, decided, lost = table
-    carried = (undecided, decided)
+    carried, odometer = (undecided, decided), own.odometer
     left = count(after)
     tolerable = all_of(~one.possible | one.tolerable for one in after)
-    keep = {**own.odometer.listen(), **_become(own, after), own.reason: NO_REASON}
-    waiting: dict[Var, Expr] = dict(own.odometer.listen())
-
-    def drop(reason: Lit) -> dict[Var, Expr]:
-        return {**own.odometer.listen(), **_nothing(own), own.reason: reason, own.refuted: as_num(0, COUNT)}
-
+    measured: Updates = {
+        odometer.last: odometer.last_after,
+        odometer.gap: odometer.gap_after,
+        odometer.judged: odometer.verdict,
+    }
+    refuted: Updates = {own.refuted: ite(_refutes_authority(own, after), as_num(1, COUNT), 0)}
+    keep = together(measured, _run_on(own, after), refuted, {own.reason: NO_REASON})
+    none = together(measured, _no_route(own), {own.refuted: 0})
+    contradiction = together(none, {own.reason: CONTRADICTION})
+    failed = together(none, {own.reason: SENSOR_FAILURE})
+    too_wide = together(none, {own.reason: TOLERANCE})
     begun = own.start.present
-    yield Transition("start without a route", table, lost, begun & left.eq(0), drop(CONTRADICTION), REQUIREMENTS, 0)
+    yield Transition("start without a route", table, lost, begun & left.eq(0), contradiction, REQUIREMENTS, 0)
     yield Transition("start on one route", table, decided, begun & left.eq(1), keep, REQUIREMENTS, 1)
     yield Transition("start on several routes", table, undecided, begun & (left > 1), keep, REQUIREMENTS, 1)
-    yield Transition("sensors failed", carried, lost, own.odometer.failed, drop(SENSOR_FAILURE), REQUIREMENTS, 2)
-    yield Transition("no route fits", carried, lost, left.eq(0), drop(CONTRADICTION), REQUIREMENTS, 3)
-    yield Transition("tolerance exceeded", carried, lost, ~tolerable, drop(TOLERANCE), REQUIREMENTS, 4)
+    yield Transition("sensors failed", carried, lost, odometer.failed, failed, REQUIREMENTS, 2)
+    yield Transition("no route fits", carried, lost, left.eq(0), contradiction, REQUIREMENTS, 3)
+    yield Transition("tolerance exceeded", carried, lost, ~tolerable, too_wide, REQUIREMENTS, 4)
     yield Transition("one route is left", undecided, decided, left.eq(1), keep, REQUIREMENTS, 5)
     yield Transition("run on along several routes", undecided, undecided, TRUE, keep, REQUIREMENTS, 6)
     yield Transition("run on along one route", decided, decided, TRUE, keep, REQUIREMENTS, 6)
-    yield Transition("wait for a start", idle, idle, TRUE, waiting, REQUIREMENTS, 7)
-    yield Transition("stay lost", lost, lost, TRUE, waiting, REQUIREMENTS, 7)
+    yield Transition("wait for a start", idle, idle, TRUE, measured, REQUIREMENTS, 7)
+    yield Transition("stay lost", lost, lost, TRUE, measured, REQUIREMENTS, 7)
 
 
-def _become(own: Parts, after: tuple[Bounded, ...]) -> dict[Var, Expr]:
+def _run_on(own: Parts, after: tuple[Bounded, ...]) -> Updates:
+    """Return the updates of every route: new bounds of those that stay possible, 0 of the others."""
     updates: dict[Var, Expr] = {}
     for route, one in zip(own.routes, after, strict=True):
         updates[route.possible] = one.possible
         updates[route.low] = ite(one.possible, one.low, 0)
         updates[route.high] = ite(one.possible, one.high, 0)
-    return {**updates, own.refuted: ite(_refutes_authority(own, after), as_num(1, COUNT), 0)}
-
-
-def _refutes_authority(own: Parts, after: tuple[Bounded, ...]) -> Bool:
-    """The route by movement authority is not among those possible."""
-    return any_of(own.authorised.eq(route.number) & ~one.possible for route, one in zip(own.routes, after, strict=True))
-
-
-def _nothing(own: Parts) -> dict[Var, Expr]:
-    updates: dict[Var, Expr] = {}
-    for route in own.routes:
-        updates |= {route.possible: ~TRUE, route.low: as_num(0, NM), route.high: as_num(0, NM)}
     return updates
 
 
-# ------------------------------------------------------------------ what is reported
+def _no_route(own: Parts) -> Updates:
+    """Return the updates after which no route is possible."""
+    updates: dict[Var, Expr] = {}
+    for route in own.routes:
+        updates[route.possible] = FALSE
+        updates[route.low] = updates[route.high] = as_num(0, NM)
+    return updates
+
+
+def _refutes_authority(own: Parts, after: tuple[Bounded, ...]) -> Bool:
+    """Return whether the route by movement authority is impossible."""
+    return any_of(own.authorised.eq(route.number) & ~one.possible for route, one in zip(own.routes, after, strict=True))
+
+
+# ------------------------------------------------------------------ outputs
 
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:

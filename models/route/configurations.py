@@ -1,4 +1,4 @@
-"""Configurations in which the route machine is proved beside its defaults, so that no case of it stays folded away."""
+"""Configurations in which the route machine is proved besides its defaults, so that proofs cover cases which the defaults fold away."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ NEVER = {
     "models/route/world.py: between(-farthest, own.ghosts.true_step, farthest) from _speed_law(own)": "the choice has this range; the clause names it for the register of assumptions",
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step.value), as_num(0, MS), sel ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
 }
-"""Case splits that no configuration makes live, and why."""
+"""Case splits that no configuration makes live, with the reason."""
 CONFIGURATIONS = Configurations({"an odometer that errs at standstill": RouteConfig(odometer=ERRING)}, NEVER)

@@ -1,4 +1,4 @@
-"""What a cycle does to a hypothesis: it runs on, is narrowed by what is seen, or is refuted."""
+"""One cycle of a hypothesis: it runs on, and what the vehicle sees narrows or refutes it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 @dataclass(frozen=True, eq=False)
 class Bounded:
-    """A hypothesis: whether it is possible, and the bounds of the distance less the present wander, nm."""
+    """A hypothesis: whether it is possible, and bounds of the true distance less the present wander, nm."""
 
     own: Parts
     possible: Bool
@@ -22,7 +22,7 @@ class Bounded:
 
     @property
     def tolerable(self) -> Bool:
-        """The reported interval is no wider than the tolerance to either side of its middle, and on the line."""
+        """Both margins of the reported interval are within the tolerance, and its ends are on the line."""
         config = self.own.config
         width = self.high - self.low + 2 * self.own.half_nm
         limit = config.length_limit_mm * NM_PER_MM
@@ -38,18 +38,18 @@ class Cycle:
 
     @property
     def moved(self) -> tuple[Num, Num]:
-        """The bounds after the measured distance, nm."""
+        """Bounds after the measured distance, nm."""
         distance, growth = exact_to(self.own.odometer.distance, NM), self.own.odometer.growth
         return self.route.low + distance - growth, self.route.high + distance + growth
 
     @property
     def seen(self) -> Bool:
-        """A reflector was sighted and its model recognised."""
+        """The vehicle sighted a reflector and recognised its model."""
         return self.own.sighting.present & self.own.sighting_model.ne(NO_MODEL)
 
     @property
     def sighted(self) -> tuple[Num, Num]:
-        """The bounds that the sighted reflector gives, nm: where it stands, less the measured range, with its error."""
+        """Bounds by the sighted reflector, nm: its place on the route less the measured range, with the error of the range."""
         place = exact_to(self.route.reflector.value - self.own.sighting.value, NM)
         error = exact_to(self.own.sighting_error, NM) + self.own.half_nm
         return place - error, place + error
@@ -69,17 +69,17 @@ class Cycle:
 
     @property
     def fits(self) -> Bool:
-        """What is seen in this cycle is possible on the route: the reflector's model and place, and the turn."""
+        """The reflector and the turn that the vehicle sees in this cycle are possible on the route."""
         return (~self.seen | self.has_it) & self.turns_so
 
     @property
     def spread(self) -> Num:
-        """How far from the common start the vehicle may be at a start, wander included, nm."""
+        """The greatest distance from the common start at a start, wander included, nm."""
         return exact_to(self.own.start.value, NM) + self.own.half_nm
 
     @property
     def after(self) -> Bounded:
-        """Run on, narrowed by what is seen; at a start, at the start."""
+        """The hypothesis after the cycle: run on and narrowed by a sighting, or set to the start."""
         (low, high), (first, last) = self.moved, self.sighted
         begun = self.own.start.present
         return Bounded(
@@ -91,12 +91,12 @@ class Cycle:
 
 
 def now(own: Parts) -> tuple[Bounded, ...]:
-    """Every hypothesis as it is kept."""
+    """Return every hypothesis as it is stored."""
     return tuple(Bounded(own, route.possible, route.low, route.high) for route in own.routes)
 
 
 def count(bounded: tuple[Bounded, ...]) -> Num:
-    """How many routes are possible."""
+    """Return the number of possible routes."""
     total = as_num(0, COUNT)
     for one in bounded:
         total = total + ite(one.possible, as_num(1, COUNT), 0)

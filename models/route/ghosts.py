@@ -1,10 +1,12 @@
-"""What no device of the vehicle can read: the route it really runs on, where on it, and what is really sighted there."""
+"""Ghosts of the route machine: the true route, the true place on it, and the reflector that is really sighted."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import NumVar, choice, enumeration, number
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.measuring_world import Physics
@@ -15,13 +17,13 @@ from safeloc.models.vocabulary.reflectors import MODEL
 class Ghosts:
     """The world's variables; lengths in nm.
 
-    route, next_route    the number of the route that the vehicle runs along; at a start, the one that begins there
-    truth, true_step     end A from the common start, along that route, and what it really runs in the cycle
-    next_truth           at a start, where end A is from then on
+    route, next_route    number of the route that the vehicle runs along; at a start, of the one that begins there
+    truth, true_step     place of end A from the common start, along that route, and its true travel in the cycle
+    next_truth           at a start, the new place of end A
     wander, next_wander  the one-off part of the odometer's error: before the cycle and, freely chosen, after it
-    heard, silent        the last distance that it delivered and that can have been run, mm, and the cycles since then
-    sighted, model       where the reflector that is sighted in this cycle stands along the route, and its model
-    course               the course that the vehicle takes at the switch that a turn may be seen at
+    heard, silent        the last distance delivered that a vehicle can have run, mm, and the cycles since then
+    sighted, model       place along the route and model of the reflector that is sighted in this cycle
+    course               the course that the vehicle takes at the switch at which a turn may be seen
     """
 
     route: NumVar
@@ -40,7 +42,7 @@ class Ghosts:
 
 @dataclass(frozen=True)
 class Bounds:
-    """Figures of the configuration that bound the ghosts: what can be run, half the odometer's constant, mm of line, routes."""
+    """Figures of the configuration that bound the ghosts: vehicle, half the odometer's constant, lengths of line, routes."""
 
     physics: Physics
     half_nm: int
@@ -49,20 +51,22 @@ class Bounds:
     routes: int
 
 
-def ghosts(bounds: Bounds) -> Ghosts:
-    """Fresh variables."""
+def ghosts(declared: Declared, bounds: Bounds) -> Ghosts:
+    """Return fresh variables."""
     line, half, run = bounds.line_mm * NM_PER_MM, bounds.half_nm, bounds.physics
     return Ghosts(
-        route=number("true_route", COUNT, 1, bounds.routes),
-        next_route=number("start_route", COUNT, 1, bounds.routes),
-        truth=number("truth_nm", NM, -line, line),
-        true_step=number("true_step_nm", NM, -run.farthest_nm, run.farthest_nm),
-        next_truth=number("start_truth_nm", NM, -line, line),
-        wander=number("wander_nm", NM, -half, half),
-        next_wander=number("next_wander_nm", NM, -half, half),
-        heard=number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm),
-        silent=number("odometer_silent_cycles", COUNT, 0, run.longest_cycles),
-        sighted=number("sighted_place_nm", NM, 0, bounds.reflectors_mm * NM_PER_MM),
-        model=choice("sighted_model", enumeration(MODEL)),
-        course=choice("true_course", enumeration(COURSE)),
+        route=declared.ghost(number("true_route", COUNT, 1, bounds.routes), first=ANY),
+        truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
+        wander=declared.ghost(number("wander_nm", NM, -half, half), first=ANY),
+        heard=declared.ghost(number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm), first=0),
+        silent=declared.ghost(
+            number("odometer_silent_cycles", COUNT, 0, run.longest_cycles), first=run.gap_limit_cycles + 1
+        ),
+        true_step=declared.choice(number("true_step_nm", NM, -run.farthest_nm, run.farthest_nm)),
+        next_truth=declared.choice(number("start_truth_nm", NM, -line, line)),
+        next_wander=declared.choice(number("next_wander_nm", NM, -half, half)),
+        next_route=declared.choice(number("start_route", COUNT, 1, bounds.routes)),
+        sighted=declared.choice(number("sighted_place_nm", NM, 0, bounds.reflectors_mm * NM_PER_MM)),
+        model=declared.choice(choice("sighted_model", enumeration(MODEL))),
+        course=declared.choice(choice("true_course", enumeration(COURSE))),
     )

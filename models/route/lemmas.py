@@ -1,4 +1,4 @@
-"""What helps to prove of the route machine. Lemmas read the machine and the world; they are proved themselves."""
+"""Lemmas of the route machine, over the machine and its world. They are proved themselves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from safeloc.models.route.variables import Parts
 
 
 def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """The true route is possible and its bounds hold the truth; every interval is in order and tolerable."""
+    """Return the lemmas: the true route is possible and its bounds hold the truth; every interval is in order and tolerable."""
     carried, seen = current.one_of(table[1], table[2]), own.ghosts
     found: dict[str, Bool] = {"the odometer is gated as the world would": _gated_alike(own)}
     for route, kept in zip(own.routes, now(own), strict=True):
@@ -23,5 +23,5 @@ def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 
 def _gated_alike(own: Parts) -> Bool:
-    """What the machine remembers of distances is what the world knows of them."""
+    """Return whether the machine remembers the same last distance and the same silence as the world."""
     return own.odometer.gap.eq(own.ghosts.silent) & own.odometer.last.eq(own.ghosts.heard)

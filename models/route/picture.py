@@ -1,4 +1,4 @@
-"""How a run of the route machine is drawn: as source 001, fig. 3."""
+"""The picture of a run of the route machine, as in source 001, fig. 3."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FIGURE_3 = frozenset(map(name_of, (Path(__file__).parents[1] / "streams").glob("
 
 
 def picture(config: RouteConfig) -> Recognition:
-    """Which routes are possible over the distance, under the plan of the line where the recording's line is known."""
+    """Return the possible routes over the distance, with the plan of the line if the recording's line is known."""
     routes = tuple(_route(number) for number in range(1, config.routes + 1))
     sighting = Sighting("sighting_range_mm", "sighting_error_mm", "sighting_model", "course_taken", "start_error_mm")
     return Recognition("Route recognition", routes, sighting, plan)
@@ -26,7 +26,7 @@ def _route(number: int) -> Hypothesis:
 
 
 def plan(recording: str) -> TrackPlan | None:
-    """The plan of fig3 for the recordings that run over it."""
+    """Return the plan of fig3 for the recordings that run over it."""
     if recording not in FIGURE_3:
         return None
     from safeloc.railway.map.plan import track_plan  # networkx and the map are loaded only where a picture is drawn

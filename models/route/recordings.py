@@ -26,10 +26,11 @@ STEADY = [Leg(30_000, 50.0)]
 
 @dataclass(frozen=True)
 class Run:
-    """A run along the route with these models; `missed`: which of its reflectors is never seen, counted from 0.
+    """A run along the route with these models.
 
-    seed   of the drawn errors
-    whole  driven from standstill to the end of the route as the line permits; else at once, the first 50 s
+    missed  number of the reflector that is never seen, counted from 0
+    seed    seed of the drawn errors
+    whole   from standstill to the end of the route, as the line permits; otherwise 50 s of `STEADY`
     """
 
     models: str
@@ -51,7 +52,7 @@ RUNS: Mapping[str, Run] = {
 
 
 def recorded(run: Run) -> Steps:
-    """The steps of a run, all routes of its direction being possible at the start."""
+    """Return the steps of a run; all routes of its direction are possible at the start."""
     walk = Walk(find_line(LINE))
     routes = [one for one in through_routes(walk.topology, MOST_ROUTES) if one.runs[0].direction == "increasing"]
     taken = [one.models() for one in routes].index(run.models)
@@ -70,7 +71,7 @@ def _steady(routes: Sequence[Route], taken: int, run: Run) -> Steps:
 
 
 def write(folder: Path = FOLDER) -> list[Path]:
-    """Write all of them; the paths."""
+    """Write all recordings and return their paths."""
     paths = [folder / f"route-{name}.jsonl.gz" for name in RUNS]
     for path, run in zip(paths, RUNS.values(), strict=True):
         write_steps(path, recorded(run), machine="route")

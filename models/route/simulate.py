@@ -1,7 +1,7 @@
 """Simulated runs through switches as step streams of the route machine, and the map's answers to what it sees.
 
-The map answers step by step to what the machine on board carries, so each stream is made against the machine as it
-runs. With the ghosts in it, a stream carries its own proof of being lawful: the interpreter checks the assumption.
+The map answers step by step to the hypotheses of the machine on board, so each stream is made with the machine running.
+A stream contains the ghosts: the interpreter checks on it that the assumption holds.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 
 Steps = list[dict[str, Cell]]
 
 
 @dataclass(frozen=True)
 class Sight:
-    """A reflector on a way: where it stands from the common start, and its view zone before it. mm."""
+    """A reflector on a way: its distance from the common start, and the view zone before it, mm."""
 
     identity: str
     place_mm: int
@@ -49,22 +49,22 @@ class Way:
     sights: tuple[Sight, ...]
 
     def nearest(self, model: str, expected_mm: float) -> Sight | None:
-        """The reflector of a model that stands nearest to a place; None if the way has none of that model."""
+        """Return the reflector of a model that is nearest to a place; None if the way has none of that model."""
         fitting = [sight for sight in self.sights if sight.model == model]
         return min(fitting, key=lambda sight: abs(sight.place_mm - expected_mm), default=None)
 
 
 def way(number: int, route: Route) -> Way:
-    """A route of a line, its start being the common start."""
+    """Return a route of a line as a way; its start is the common start."""
     seen = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, Reflector)]
     sights = [Sight(one.id, place, one.model, one.view_from_mm, one.view_to_mm) for place, one in seen]
     return Way(number, tuple(sights))
 
 
 def answers(ways: Sequence[Way], carried: Mapping[str, Value], sighting: Mapping[str, Cell]) -> dict[str, Cell]:
-    """The map's inputs to a sighting: per route, the reflector of that model nearest to where it would stand.
+    """Return the map's inputs for a sighting: for each route, the reflector of that model nearest to the sighted place.
 
-    carried   the machine's outputs, with the interval of every route; while none is possible, nothing is looked up
+    carried   the machine's outputs, with the interval of every route; while none is possible, the map returns nothing
     """
     possible = any(carried[f"route_{one.number}_possible"] for one in ways)
     if "sighting_range_mm" not in sighting or not possible:
@@ -79,7 +79,7 @@ def answers(ways: Sequence[Way], carried: Mapping[str, Value], sighting: Mapping
 
 
 def quiet(config: RouteConfig) -> dict[str, Cell]:
-    """The inputs of a cycle in which nothing is seen, no start is read and no authority is known."""
+    """Return the inputs of a cycle with no sighting, no turn, no start and no known authority."""
     inputs: dict[str, Cell] = {"sighting_error_mm": 0, "sighting_model": "NONE", "course_taken": "UNDECIDED"}
     for number in range(1, config.routes + 1):
         name = f"route_{number}"
@@ -103,14 +103,14 @@ def simulate(
     missed: Collection[str] = (),
     misread: Mapping[str, str] | None = None,
 ) -> Steps:
-    """One run along the way numbered `taken`: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+    """Return a run along the way numbered `taken`: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
-    legs, motion   how the vehicle runs: one of the two
+    legs, motion   the vehicle's movement: one of the two
     sensor_faults  named faults of `odometer`; only a drop-out keeps the assumption
     authorised     number of the route that the movement authority names; 0: none
     missed   identities of reflectors that are never seen
-    misread  identity of a reflector -> the model it is taken for; this breaks the assumption
-    InputError for a way that is none of `ways`, or more ways than the configuration has routes.
+    misread  identity of a reflector -> the wrong model that is recognised; this breaks the assumption
+    InputError for a number that no way has, or more ways than the configuration has routes.
     """
     true = {one.number: one for one in ways}.get(taken)
     if true is None or not {one.number for one in ways} <= set(range(1, config.routes + 1)):
@@ -120,10 +120,7 @@ def simulate(
         vehicle = VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
         motion = move(vehicle, legs, config.period_ms)
     sensors.KINDS.require(sensor_faults, places=["odometer"], length=len(motion.position_nm))
-    law = Law(
-        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
-    )
-    distances = measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
+    distances = measure("odometer", motion, config.odometer, rng, dropout=dropout, faults=sensor_faults)
     run = _Run(
         config, ways, true, motion, distances, rng, start_error_mm, radar_error_mm, set(missed), dict(misread or {})
     )
@@ -133,7 +130,7 @@ def simulate(
 
 @lru_cache(maxsize=8)
 def _on_board(config: str) -> Compiled:
-    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    """Return the machine without its world, cached for further runs with the same configuration (JSON)."""
     return compile_system(without_ghosts(lower(machine(RouteConfig.model_validate_json(config)))))
 
 
@@ -154,7 +151,7 @@ class _Run:
         self._quiet = quiet(config)
 
     def start(self) -> dict[str, Cell]:
-        """The common start: every way leads on from here."""
+        """Return the inputs and ghosts of the common start, from which every way leads on."""
         inputs = {**self._quiet, "start_error_mm": self._start_error_mm}
         inputs |= {f"route_{one.number}_candidate": True for one in self._ways}
         self._take(inputs)
@@ -162,7 +159,7 @@ class _Run:
         return {**inputs, **self._ghosts(0, truth)}
 
     def step(self, number: int) -> dict[str, Cell]:
-        """One cycle."""
+        """Return the inputs and ghosts of one cycle, and run it in the machine on board."""
         inputs = dict(self._quiet)
         if self._distances.present[number]:
             inputs["odometer_mm"] = int(self._distances.step_mm[number])
@@ -174,7 +171,7 @@ class _Run:
         return {**inputs, **self._ghosts(int(self._motion.step_nm[number]), truth)}
 
     def _sighting(self, truth_nm: int) -> dict[str, Cell]:
-        """The nearest reflector in view, unless it is one that is missed."""
+        """Return the sighting of the nearest reflector in view, unless that one is missed."""
         ahead = [(sight.place_mm * NM_PER_MM - truth_nm, sight) for sight in self._true.sights]
         seen = [(away, sight) for away, sight in ahead if sight.view_to_mm <= away / NM_PER_MM <= sight.view_from_mm]
         if not seen or min(seen, key=lambda one: one[0])[1].identity in self._missed:

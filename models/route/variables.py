@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     BoolVar,
     NumVar,
@@ -19,12 +20,12 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
-from safeloc.models.route.ghosts import Bounds, Ghosts, ghosts
+from safeloc.models.route.ghosts import Bounds, ghosts
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.measuring_world import Physics
-from safeloc.models.vocabulary.odometer import Odometer, odometer
+from safeloc.models.vocabulary.odometer import odometer
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL
 
 REASON = members("reason", "NONE", "NO_START", "CONTRADICTION", "TOLERANCE", "SENSOR_FAILURE")
@@ -59,7 +60,7 @@ class RouteConfig(Config):
 
     @property
     def limits(self) -> Limits:
-        """What the odometer needs, rounded so that gates are no tighter than physics."""
+        """Limits of the odometer, rounded so that its checks are no tighter than physics."""
         step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
         change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
         gap = self.gap_limit_cycles
@@ -69,7 +70,7 @@ class RouteConfig(Config):
 
     @property
     def physics(self) -> Physics:
-        """What the vehicle can run, as the world has it."""
+        """Limits of the vehicle's movement, for the world."""
         gap = self.gap_limit_cycles
         return Physics(
             self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm, gap, gap + 1
@@ -78,14 +79,14 @@ class RouteConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """One route: whether it is possible, and where on it the vehicle would be.
+    """One route: whether it is possible, and the place of the vehicle on it.
 
-    low, high   nm: bounds of the true distance less the present wander of the odometer's error
-    candidate   input: at a start, the map leads along this route
-    reflector   input, from the map: on this route, the reflector of the sighted model that is nearest to where the
-                sighting would put it, mm from the start
+    low, high   bounds of the true distance less the present wander of the odometer's error, nm
+    candidate   input, from the map: this route begins at the start
+    reflector   input, from the map: place on this route of the reflector of the sighted model that is nearest to the
+                place where the sighting would put it, mm from the start
     model       input, from the map: that reflector's model
-    course      input, from the map: which way this route takes at the switch that a turn was seen at
+    course      input, from the map: the course of this route at the switch at which a turn was seen
     """
 
     number: int
@@ -98,22 +99,31 @@ class Hypothesis:
     course: NumVar
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
-    """The variables of the machine. A start is a reading with a known error; a sighting is a recognised reflector."""
+    """The variables of the machine.
 
-    config: RouteConfig
-    odometer: Odometer
-    routes: tuple[Hypothesis, ...]
-    start: Optional
-    sighting: Optional
-    sighting_error: NumVar
-    sighting_model: NumVar
-    turned: NumVar
-    authorised: NumVar
-    refuted: NumVar
-    reason: NumVar
-    ghosts: Ghosts
+    start           input: how far the vehicle may be from the common start, mm; absent unless it starts in this cycle
+    sighting        input: range of a reflector that is recognised in this cycle, mm, with its error and model
+    turned          input: course taken at a switch, if a turn was seen
+    authorised      input: number of the route by movement authority; 0: unknown
+    refuted         1: the route by movement authority is impossible
+    reason          why no route is decided
+    """
+
+    def __init__(self, config: RouteConfig) -> None:
+        self.declared = declared = Declared()
+        self.config = config
+        self.odometer = odometer(config.odometer, config.limits).declare(declared)
+        self.start = declared.sensor(optional("start_error_mm", MM, 0, config.start_error_mm))
+        self.sighting = declared.sensor(optional("sighting_range_mm", MM, 0, config.range_limit_mm))
+        self.sighting_error = declared.sensor(number("sighting_error_mm", MM, 0, MAX_ERROR_MM))
+        self.sighting_model = declared.sensor(choice("sighting_model", enumeration(MODEL)))
+        self.refuted = declared.state(number("authority_refuted", COUNT, 0, 1), first=0)
+        self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_START)
+        self.routes = tuple(_hypothesis(declared, number_, config) for number_ in range(1, config.routes + 1))
+        self.turned = declared.sensor(choice("course_taken", enumeration(COURSE)))
+        self.authorised = declared.sensor(number("authorised_route", COUNT, 0, config.routes))
+        self.ghosts = ghosts(declared, _bounds(config))
 
     @property
     def half_nm(self) -> int:
@@ -122,21 +132,8 @@ class Parts:
 
 
 def parts(config: RouteConfig) -> Parts:
-    """Fresh variables for one machine."""
-    return Parts(
-        config=config,
-        odometer=odometer(config.odometer, config.limits),
-        routes=tuple(_hypothesis(number_, config) for number_ in range(1, config.routes + 1)),
-        start=optional("start_error_mm", MM, 0, config.start_error_mm),
-        sighting=optional("sighting_range_mm", MM, 0, config.range_limit_mm),
-        sighting_error=number("sighting_error_mm", MM, 0, MAX_ERROR_MM),
-        sighting_model=choice("sighting_model", enumeration(MODEL)),
-        turned=choice("course_taken", enumeration(COURSE)),
-        authorised=number("authorised_route", COUNT, 0, config.routes),
-        refuted=number("authority_refuted", COUNT, 0, 1),
-        reason=choice("reason", enumeration(REASON)),
-        ghosts=ghosts(_bounds(config)),
-    )
+    """Return fresh variables for one machine."""
+    return Parts(config)
 
 
 def _bounds(config: RouteConfig) -> Bounds:
@@ -144,16 +141,16 @@ def _bounds(config: RouteConfig) -> Bounds:
     return Bounds(config.physics, config.odometer.wander_nm, far + 2 * config.tolerance_mm, far, config.routes)
 
 
-def _hypothesis(number_: int, config: RouteConfig) -> Hypothesis:
+def _hypothesis(declared: Declared, number_: int, config: RouteConfig) -> Hypothesis:
     reach = (config.length_limit_mm + config.tolerance_mm) * NM_PER_MM
-    name = f"route_{number_}"
+    name, farthest = f"route_{number_}", config.length_limit_mm + config.range_limit_mm
     return Hypothesis(
         number_,
-        boolean(f"{name}_possible"),
-        number(f"{name}_low_nm", NM, -reach, reach),
-        number(f"{name}_high_nm", NM, -reach, reach),
-        boolean(f"{name}_candidate"),
-        optional(f"{name}_reflector_mm", MM, 0, config.length_limit_mm + config.range_limit_mm),
-        choice(f"{name}_model", enumeration(MODEL)),
-        choice(f"{name}_course", enumeration(COURSE)),
+        declared.state(boolean(f"{name}_possible"), first=False),
+        declared.state(number(f"{name}_low_nm", NM, -reach, reach), first=0),
+        declared.state(number(f"{name}_high_nm", NM, -reach, reach), first=0),
+        declared.sensor(boolean(f"{name}_candidate")),
+        declared.sensor(optional(f"{name}_reflector_mm", MM, 0, farthest)),
+        declared.sensor(choice(f"{name}_model", enumeration(MODEL))),
+        declared.sensor(choice(f"{name}_course", enumeration(COURSE))),
     )

@@ -1,18 +1,17 @@
-"""The world of the route machine: on which route the vehicle runs, and what ties odometer, radar and map to that.
+"""The world of the route machine: the true route and place of the vehicle, and the laws of odometer, radar and map.
 
-    the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
-    a start       says how far from the common start the vehicle can be, and which routes begin there
-    a reflector   is sighted at its range within the error, and shows its own model, or none that is known
-    a turn        is the one that is taken, or is not seen
-    the map       has, of the true route, the reflector that is sighted, and the course at the switch
+    odometer   delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    start      gives the greatest distance from the common start, and the routes that begin there
+    reflector  is sighted at its range within the error, and shows its own model, or no known one
+    turn       that is seen is the one that the vehicle takes
+    map        has, for the true route, the sighted reflector and the course at the switch
 
-Nothing is assumed of what is not seen, nor of what the map says of the other routes.
+Nothing is assumed of reflectors and turns that are not seen, nor of the map's entries for the other routes.
 """
 
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, between, exact_to, ite
-from safeloc.language.machine import ANY
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.route.variables import Hypothesis, Parts
@@ -22,20 +21,17 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 
 def world(own: Parts) -> World:
-    """The true route and position, the odometer's error, and what is sighted."""
+    """Return the world."""
     seen, odometer = own.ghosts, measuring(own)
-    moves: dict[Var, Expr] = {
+    moved: dict[Var, Expr] = {
         seen.route: _route(own),
         seen.truth: _after(own),
         seen.wander: ite(odometer.can_be_run, seen.next_wander, seen.wander),
-        **odometer.moves(),
     }
     return World(
-        ghosts={**dict.fromkeys((seen.route, seen.truth, seen.wander), ANY), **odometer.first()},
-        choices=[
-            seen.true_step, seen.next_truth, seen.next_wander, seen.next_route, seen.sighted, seen.model, seen.course,
-        ],
-        moves=moves,
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
+        moves=moved | odometer.moves(),
         clauses={
             "the odometer keeps its law": _odometer_law(own),
             "the vehicle keeps to its highest speed": _speed_law(own),
@@ -51,18 +47,18 @@ def world(own: Parts) -> World:
 
 
 def measuring(own: Parts) -> Measuring:
-    """The odometer as the world has it."""
+    """Return the odometer as a unit of the world."""
     seen = own.ghosts
     return Measuring(own.odometer.law, own.odometer.step, seen.heard, seen.silent, own.config.physics)
 
 
 def _after(own: Parts) -> Num:
-    """Where end A is at the end of the cycle: a start counts from another place."""
+    """Return the place of end A at the end of the cycle; a start gives a new one."""
     return ite(own.start.present, own.ghosts.next_truth, own.ghosts.truth + own.ghosts.true_step)
 
 
 def _route(own: Parts) -> Num:
-    """The route of the cycle."""
+    """Return the number of the true route; a start gives a new one."""
     return ite(own.start.present, own.ghosts.next_route, own.ghosts.route)
 
 
@@ -74,8 +70,8 @@ def _odometer_law(own: Parts) -> Law:
     error = seen.true_step - exact_to(own.odometer.step.value, NM) - (seen.next_wander - seen.wander)
     return Law(
         odometer.can_be_run.implies(odometer.allows(error)),
-        "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, and by the change of a "
-        "one-off part within half its constant; or it is a distance that no vehicle can have run. The rate is that of the "
+        "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
+        "change of a one-off part within half its constant; or no vehicle can have run the distance. The rate counts the "
         "MEASURED distance.",
         ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s", "max_acceleration_mm_s2"),
         "[S] SUBSET-041: 5 m + 5 % of every measured distance",
@@ -113,8 +109,8 @@ def _start_law(own: Parts) -> Law:
     leads = any_of(seen.next_route.eq(one.number) & one.candidate for one in own.routes)
     return Law(
         own.start.present.implies(leads & (seen.next_truth <= away) & (seen.next_truth >= -away)),
-        "At a start the vehicle is no farther from the common start than the reading errs, and the route on which it leaves "
-        "it is among those that begin there.",
+        "At a start the vehicle is no farther from the common start than the error of the reading, and its true route is among "
+        "those that begin there.",
         ("start_error_mm",),
         "[S] OCORA 7242, SUBSET-026 3.16.2; Q_NVLOCACC [D]",
         "infrastructure",
@@ -122,11 +118,11 @@ def _start_law(own: Parts) -> Law:
     )
 
 
-# ------------------------------------------------------------------ what is seen, and what the map says of it
+# ------------------------------------------------------------------ sightings, turns and the map
 
 
 def _sighted(own: Parts, law: Bool) -> Bool:
-    """The law is kept where a reflector is sighted whose model is known."""
+    """Return whether the law holds in a cycle in which a reflector of known model is sighted."""
     return any_of([~own.sighting.present, own.sighting_model.eq(NO_MODEL), law])
 
 
@@ -146,7 +142,7 @@ def _range_law(own: Parts) -> Law:
 def _model_law(own: Parts) -> Law:
     return Law(
         _sighted(own, own.ghosts.model.eq(own.sighting_model)),
-        "A sighting is of a reflector beside the route that the vehicle runs on, and the model that is recognised is its own.",
+        "A sighting is of a reflector beside the route on which the vehicle runs, and the recognised model is that reflector's.",
         source="[M] signatures told apart, source l. 161 and 237",
         owner="supplier",
         check="type test of the signatures; a contradiction is reported",
@@ -157,9 +153,9 @@ def _map_law(own: Parts) -> Law:
     told_nothing = all_of(~one.reflector.present for one in own.routes)
     return Law(
         told_nothing | _sighted(own, all_of(_of_true(own, one, _names_it(own, one)) for one in own.routes)),
-        "The map is looked up for a sighting while a route is possible, and tells, of each route, the reflector of that model "
-        "nearest to where the vehicle would see it. If it tells any, then of the true route the sighted one, since those of "
-        "one model stand farther apart than all errors.",
+        "While a route is possible, the map is looked up for every sighting. It returns, for each route, the reflector of that "
+        "model nearest to the place where the vehicle would see it. If it returns any, then for the true route the sighted one, "
+        "since reflectors of one model stand farther apart than all errors.",
         ("tolerance_mm",),
         "[D] the map is looked up around the reported interval; layout rule: models told apart by distance",
         "infrastructure",
@@ -172,7 +168,7 @@ def _of_true(own: Parts, route: Hypothesis, law: Bool) -> Bool:
 
 
 def _names_it(own: Parts, route: Hypothesis) -> Bool:
-    """The map names the sighted reflector for this route."""
+    """Return whether the map names the sighted reflector for this route."""
     seen, nearest = own.ghosts, route.reflector
     return all_of([seen.model.eq(route.model), nearest.present, seen.sighted.eq(exact_to(nearest.value, NM))])
 
@@ -180,7 +176,7 @@ def _names_it(own: Parts, route: Hypothesis) -> Bool:
 def _turn_law(own: Parts) -> Law:
     return Law(
         own.turned.one_of(NO_COURSE, own.ghosts.course),
-        "A turn that is seen is the course that the vehicle takes at the switch.",
+        "A turn that the turn-off machine sees is the course that the vehicle takes at the switch.",
         source="[D] the machine `turn_off`, and its assumptions",
         owner="supplier",
         check="as for the machine `turn_off`",
@@ -191,7 +187,7 @@ def _course_law(own: Parts) -> Law:
     taken = own.ghosts.course
     return Law(
         all_of(_of_true(own, one, one.course.one_of(NO_COURSE, taken)) for one in own.routes),
-        "Where the map tells the course of the true route at the switch, it is the one that the vehicle takes.",
+        "If the map gives the course of the true route at the switch, the vehicle takes that course.",
         source="[D] the map is looked up around the reported interval",
         owner="infrastructure",
         check="audit of the line's map; the look-up is tested with the map",

@@ -1,12 +1,12 @@
 """Position along the track from selected satellites (SAT-5, SAT-6), predicted from the state before and the map alone.
 
-The state is where the vehicle is along the track and how fast it is, each with its margin. In every cycle it is
-predicted with constant acceleration (source [0042]). A solution counts only if every satellite in it is usable in this
-very cycle, if there are enough of them, if it meets the prediction, and if odometry since the last reference, where it
-is at hand, does not speak against it. Without one the state coasts, its margins growing, for a limited time.
+The state is the place of the vehicle along the track and its speed, each with bounds. In every cycle it is predicted with
+constant acceleration (source [0042]). A solution is used only if every satellite in it is usable in this very cycle, if there
+are enough of them, if it meets the prediction, and if it does not contradict odometry since the last reference, where that is
+present. Without a solution the state coasts with growing margins, for a limited time.
 
     UNLOCATED   nothing is reported; left only through a trusted reference
-    LOCATED     a solution counted in this cycle, or a reference
+    LOCATED     a solution or a reference was used in this cycle
     COASTING    predicted; margins grow
 
 Distances are mm and nm along the mapped track, speeds um/s.
@@ -37,6 +37,7 @@ from safeloc.language.expr import (
     minimum,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, UM_S
 from safeloc.models.satellite.anchor import Anchor, carried
 from safeloc.models.satellite.lemmas import lemmas
@@ -59,7 +60,6 @@ from safeloc.models.satellite.variables import (
     LOCATED,
     MISSING,
     NO_FIX,
-    NO_REFERENCE,
     NOT_LOCATED,
     NOT_USABLE,
     SPARE,
@@ -81,12 +81,12 @@ from safeloc.models.vocabulary.absent import margin_if, position_if
 NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
 ASSUMED: dict[Trusted, str] = {
     "satellites": (
-        "a solution is off by no more than its dilution times the bound of the signals, and what is told beside, if every "
-        "satellite in it keeps the bound; and signals are compared with a prediction and a clock as good as configured. That "
-        "usable satellites then keep the bound is proved. A common drift of all satellites within their bounds, cycle by "
-        "cycle, is noticed by a reference, or by odometry where that is at hand, and by nothing else."
+        "the error of a solution is no more than its dilution times the bound of the signals, and the further error reported "
+        "with it, if every satellite in it keeps the bound; and the prediction and the clock that signals are compared with are as "
+        "good as configured. It is proved that usable satellites then keep the bound. A common drift of all satellites within "
+        "their bounds, cycle by cycle, is noticed only by a reference, or by odometry where that is present."
     ),
-    "odometry": "the run that odometry gives is within its error. Nothing is assumed of any solution.",
+    "odometry": "the error of the run that odometry gives is within its bound. Nothing is assumed of any solution.",
 }
 
 
@@ -101,13 +101,13 @@ class Satellite:
 
 
 def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "satellites") -> Satellite:
-    """Both machines: the position sees the list of usable satellites of the same cycle (SAT-5).
+    """Compose selection and position: the position reads the list of usable satellites of the same cycle (SAT-5).
 
-    trusted   what the proofs assume; the machines on board are the same
+    trusted   selects the assumptions of the proofs; the machines on board are the same
     """
     config = config or SatelliteConfig()
     selection = build_selection(selection_parts(config.selection))
-    own = parts(config)
+    own = parts(config, signals=trusted == "satellites")
     machine = build(own, trusted)
     wires = selection_wires(own, selection, trusted)
     owed = [Clause(machine, SELECTED)] if trusted == "satellites" else []
@@ -116,7 +116,7 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
 
 
 def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satellites") -> dict[Var, Expr]:
-    """What the position machine is told of each channel; and, of the world, what is true of the channel's signal."""
+    """Wire each channel to the position machine: its standing, and, of the world, whether its signal keeps its bounds."""
     channels = selection.own.channels
     wires: dict[Var, Expr] = {told: one.standing.eq(USABLE) for told, one in zip(own.usable, channels, strict=True)}
     if trusted == "satellites":
@@ -127,7 +127,7 @@ def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satell
 
 
 def _true_of_signal(selection: Selection, one: Channel) -> tuple[Bool, Bool]:
-    """Prediction and clock leave no more in the differences than configured; the signal's errors keep their bounds."""
+    """Return whether prediction and clock are as good as configured, and whether the signal's errors keep their bounds."""
     config, own = selection.own.config, selection.own
     hidden, hidden_speed = hidden_errors(config)
     most, most_speed = signal_errors(config)
@@ -142,24 +142,15 @@ def _true_of_signal(selection: Selection, one: Channel) -> tuple[Bool, Bool]:
 
 
 def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
-    """The position machine over the given variables."""
+    """Build the position machine over the given variables."""
     table = modes("UNLOCATED", "LOCATED", "COASTING")
     current = current_mode(table)
     valid = current.one_of(*table[1:])
     return Machine(
         name="position",
         modes=table,
-        inputs=[
-            *own.usable, *own.used, own.fix, own.dilution, own.further, own.fix_speed, own.speed_dilution,
-            own.speed_further, own.unknowns, own.missing, own.reference, own.accuracy, own.reference_speed,
-            own.speed_accuracy, own.odometry, own.odometry_error,
-        ],
-        state={
-            own.position: 0, own.low: 0, own.high: 0, own.speed: 0, own.slowest: 0, own.fastest: 0, own.change: 0,
-            own.coasted: 0,
-            own.anchored: False, own.anchor_offset: 0, own.anchor_margin: 0,
-            own.judged: NO_FIX, own.why_missing: MISSING[0], own.reason: NO_REFERENCE,
-        },
+        inputs=own.declared.inputs,
+        state=own.declared.states,
         outputs={
             "valid": valid,
             "position_mm": position_if(valid, floor_to(own.position, MM)),
@@ -184,11 +175,11 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
     )  # fmt: skip
 
 
-# ------------------------------------------------------------------ what a cycle knows
+# ------------------------------------------------------------------ the verdict on the solution
 
 
 def enough(own: Parts) -> Bool:
-    """As many satellites as the unknowns, and those that detect or exclude beyond."""
+    """Return whether the solution uses enough satellites: as many as it has unknowns, and those to detect or exclude a fault."""
     total = as_num(0, COUNT)
     for used in own.used:
         total = total + ite(used, as_num(1, COUNT), 0)
@@ -196,7 +187,7 @@ def enough(own: Parts) -> Bool:
 
 
 def verdict(own: Parts, located: Bool) -> Num:
-    """What becomes of the solution, with the reason where it does not count."""
+    """Return the verdict on the solution: accepted, or why it is not used."""
     foreign = any_of(used & ~usable for used, usable in zip(own.used, own.usable, strict=True))
     coarse = protection_level(own) > own.config.protection_limit_mm * NM_PER_MM
     meets = solved(own).meets(predicted(own))
@@ -211,49 +202,53 @@ def verdict(own: Parts, located: Bool) -> Num:
 
 def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transition]:
     lost, located, coasting = table
-    on, trace, judged = (located, coasting), ("SAT-5",), verdict(own, valid)
+    on, requirements, judged = (located, coasting), ("SAT-5",), verdict(own, valid)
     ahead, known, both, found = predicted(own), referred(own), confirmed(own), fixed(own)
-    told: dict[Var, Expr] = {own.judged: judged, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
+    every: Updates = {own.judged: judged, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
 
-    def become(state: State, anchor: Anchor, coasted: Num) -> dict[Var, Expr]:
-        return {**_become(own, state), **_anchored(own, anchor), **told, own.coasted: coasted, own.reason: LOCATED}
+    def become(state: State, anchor: Anchor, coasted: Num, change: Num) -> Updates:
+        """The state, what follows from odometry, and the cycles since a solution or a reference was used."""
+        rest: Updates = {own.coasted: coasted, own.change: change, own.reason: LOCATED}
+        return together(every, _state(own, state), _anchor(own, anchor), rest)
 
-    def drop(reason: Lit) -> dict[Var, Expr]:
-        return {**_nothing(own), **told, own.reason: reason}
+    def drop(reason: Lit) -> Updates:
+        return together(every, _nothing(own), {own.reason: reason})
 
     none = as_num(0, COUNT)
     begin = own.reference.present & reportable(own, known)
-    start = become(known, _at_reference(own, known), none)
-    yield Transition("trusted reference", lost, located, begin, {**start, own.change: as_num(0, UM_S)}, trace, 0)
-    yield Transition("wait for a reference", lost, lost, TRUE, told, trace, 1)
+    start = become(known, _at_reference(own, known), none, as_num(0, UM_S))
+    yield Transition("trusted reference", lost, located, begin, start, requirements, 0)
+    yield Transition("wait for a reference", lost, lost, TRUE, every, requirements, 1)
     clash = own.reference.present & ~known.meets(ahead)
     yield Transition("reference contradicts", on, lost, clash, drop(CONTRADICTION), ("SAT-5", "SAT-1"), 2)
     better = own.reference.present & reportable(own, both)
-    again = become(both, _at_reference(own, both), none)
-    yield Transition("reference while located", on, located, better, again, trace, 3)
+    again = become(both, _at_reference(own, both), none, _change(own, both))
+    yield Transition("reference while located", on, located, better, again, requirements, 3)
     good = judged.eq(ACCEPTED) & reportable(own, found)
-    yield Transition("solution counts", on, located, good, become(found, carried(own, found), none), trace, 4)
+    solution = become(found, carried(own, found), none, _change(own, found))
+    yield Transition("solution counts", on, located, good, solution, requirements, 4)
     over = own.coasted >= own.config.coast_limit_cycles
     yield Transition("coasted too long", on, lost, over, drop(COASTED_OUT), ("SAT-1", "SAT-5"), 5)
-    yield Transition("tolerance exceeded", on, lost, ~reportable(own, ahead), drop(TOLERANCE), trace, 6)
+    yield Transition("tolerance exceeded", on, lost, ~reportable(own, ahead), drop(TOLERANCE), requirements, 6)
     beside = carried(own, ahead)
     yield Transition("common drift", on, lost, ~beside.holds, drop(DRIFT), ("SAT-1", "SAT-5"), 7)
     longer = minimum(own.coasted + 1, own.config.coast_limit_cycles)
-    yield Transition("coast", on, coasting, TRUE, become(ahead, beside, longer), ("SAT-1",), 8)
+    coast = become(ahead, beside, longer, _change(own, ahead))
+    yield Transition("coast", on, coasting, TRUE, coast, ("SAT-1",), 8)
 
 
-def _become(own: Parts, state: State) -> dict[Var, Expr]:
-    """The state, and the change of speed that the next prediction goes on with, if a vehicle can have it."""
-    change, most = state.speed - own.speed, own.config.speed_change_um_s
+def _state(own: Parts, state: State) -> Updates:
+    """Place and speed with their bounds."""
     return {
-        own.position: state.position,
-        own.low: state.low,
-        own.high: state.high,
-        own.speed: state.speed,
-        own.slowest: state.slowest,
-        own.fastest: state.fastest,
-        own.change: ite(between(-most, change, most), change, as_num(0, UM_S)),
-    }
+        own.position: state.position, own.low: state.low, own.high: state.high,
+        own.speed: state.speed, own.slowest: state.slowest, own.fastest: state.fastest,
+    }  # fmt: skip
+
+
+def _change(own: Parts, state: State) -> Num:
+    """Return the change of the estimated speed, with which the next prediction goes on; 0 where no vehicle can have it."""
+    change, most = state.speed - own.speed, own.config.speed_change_um_s
+    return ite(between(-most, change, most), change, as_num(0, UM_S))
 
 
 def _at_reference(own: Parts, state: State) -> Anchor:
@@ -261,7 +256,8 @@ def _at_reference(own: Parts, state: State) -> Anchor:
     return Anchor(TRUE, state.position - known.position, known.above, TRUE)
 
 
-def _anchored(own: Parts, anchor: Anchor) -> dict[Var, Expr]:
+def _anchor(own: Parts, anchor: Anchor) -> Updates:
+    """The distance of the position from the place that odometry gives, and the error bound of that place."""
     nothing = as_num(0, NM)
     return {
         own.anchored: anchor.kept,
@@ -270,10 +266,10 @@ def _anchored(own: Parts, anchor: Anchor) -> dict[Var, Expr]:
     }
 
 
-def _nothing(own: Parts) -> dict[Var, Expr]:
-    """The state while nothing is reported."""
-    numbers = (
+def _nothing(own: Parts) -> Updates:
+    """There is no position."""
+    zero = (
         own.position, own.low, own.high, own.speed, own.slowest, own.fastest, own.change, own.coasted, own.anchor_offset,
         own.anchor_margin,
     )  # fmt: skip
-    return {**{one: as_num(0, one.unit) for one in numbers}, own.anchored: FALSE}
+    return together({one: as_num(0, one.unit) for one in zero}, {own.anchored: FALSE})

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_M, UM_PER_M
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.sensing.satellite.solution import Estimate
 from safeloc.sensing.satellite.track_prediction import TrackState
-
-NM_PER_M, UM_PER_M = 1e9, 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +49,7 @@ class Ahead:
         return TrackState(self.position_nm / NM_PER_M + speed * offset_s, speed, 0.0)
 
     def estimate(self, offset_s: float) -> Estimate:
-        """How far off that may be."""
+        """Return the error bounds of the estimate at that time."""
         speed_margin, gained = self.speed_margin_um_s / UM_PER_M, self.max_acceleration_mm_s2 / 1e3 * offset_s**2 / 2
         margin = self.margin_nm / NM_PER_M + speed_margin * abs(offset_s) + gained
         return Estimate(margin, self.speed_um_s / UM_PER_M, speed_margin)

@@ -1,8 +1,8 @@
-"""Against a drift that all satellites have in common: the position held against odometry since the last reference.
+"""Detection of a drift that all satellites have in common: the position is compared with odometry since the last reference.
 
-A spoofer that moves every signal together within the thresholds passes each cycle's checks, without a bound in sum.
-What knows nothing of satellites bounds it: the last reference, carried along by odometry; without odometry in a cycle
-by the greatest speed. The state is never computed from it (SAT-1, SAT-5): it only ends a position that has drifted away.
+A spoofer that moves all signals together within the thresholds passes the checks of each cycle, and the sum has no bound.
+A source independent of satellites bounds it: the last reference, moved by odometry, or by the greatest speed in a cycle without
+odometry. The state is never computed from it (SAT-1, SAT-5): it only ends a position that has drifted away.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from safeloc.models.satellite.variables import Parts, State
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """How a state stands to the place that odometry carries along.
+    """A state compared with the last reference moved by odometry.
 
-    kept    it still bounds something: its margin is within the limit
-    offset  the state's place less that place; margin: what that place may be wrong by
-    holds   both may be true at once; without an anchor nothing is held against the state, unless it is required
+    kept    the comparison is still of use: its margin is within the limit
+    offset  the state's place less that place; margin: the error bound of that place
+    holds   both may be true at once; without an anchor every state passes, unless the check is required
     """
 
     kept: Bool
@@ -30,7 +30,7 @@ class Anchor:
 
 
 def carried(own: Parts, state: State) -> Anchor:
-    """The anchor a cycle later, against the state that would be taken on."""
+    """Return the anchor a cycle later, compared with the given next state."""
     config = own.config
     known = own.odometry.present
     run = ite(known, exact_to(own.odometry.value, NM), as_num(0, NM))

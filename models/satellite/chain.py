@@ -53,7 +53,7 @@ __all__ = ["ChainConfig", "Cycle", "EpochChain", "Outcome", "Reference", "Run", 
 
 
 class ChainConfig(Config):
-    """What the chain depends on.
+    """Configuration of the chain.
 
     at_switch   both: predict on every possible portion, and take what holds on each; none: no prediction there
     solution    along track: two unknowns; free: the directions across the track are unknown too (two satellites more)
@@ -69,7 +69,7 @@ class ChainConfig(Config):
 
     @property
     def bounds(self) -> Bounds:
-        """What comes to a used signal's own error: the map's, in the quantities that are compared."""
+        """Errors to add to a used signal's own: the map's, in the quantities that are compared."""
         compared = self.satellite.selection.compared
         return Bounds(
             None if compared == "doppler" else self.map_error_mm,
@@ -79,7 +79,7 @@ class ChainConfig(Config):
 
 @dataclass(frozen=True, slots=True)
 class Cycle:
-    """What comes in one cycle; `faults`: what the receiver's border refused of it (`epochs.received`)."""
+    """Inputs of one cycle; `faults`: inputs that the receiver's border refused (`epochs.received`)."""
 
     epoch: Epoch | None = None
     reference: Reference | None = None

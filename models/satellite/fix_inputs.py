@@ -12,7 +12,7 @@ from fractions import Fraction
 from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.satellite.ahead import Ahead
 from safeloc.models.satellite.variables import MAX_DILUTION_PERMILLE, SatelliteConfig
-from safeloc.sensing.rounding import Interval, outward
+from safeloc.sensing.rounding import ExactBounds, outward
 from safeloc.sensing.satellite.solution import Solution
 
 StepValues = dict[str, int | bool | str]
@@ -64,23 +64,23 @@ def _permille(dilution: Fraction) -> int:
     return math.ceil(dilution * 1_000)
 
 
-def _place_nm(solution: Solution, ahead: Ahead, offset_s: float) -> Interval:
+def _place_nm(solution: Solution, ahead: Ahead, offset_s: float) -> ExactBounds:
     """Brought to the time of the cycle at the predicted speed, whose margin counts for the time between."""
     found = solution.off_mm()
     if found is None:
-        return Interval(ahead.low_nm, ahead.high_nm)
+        return ExactBounds(ahead.low_nm, ahead.high_nm)
     late_s, gained = Fraction(abs(offset_s)), Fraction(ahead.max_acceleration_mm_s2) * NM_PER_MM / 2
     drift = math.ceil(ahead.speed_margin_um_s * UM_PER_MM * late_s + gained * late_s**2)
-    return Interval(found.low * NM_PER_MM, found.high * NM_PER_MM).widened(drift).moved(ahead.position_nm)
+    return ExactBounds(found.low * NM_PER_MM, found.high * NM_PER_MM).widened(drift).moved(ahead.position_nm)
 
 
 def _speed_um_s(solution: Solution, ahead: Ahead, offset_s: float, config: SatelliteConfig) -> tuple[int, int]:
-    """The speed, and what comes to its error. One that no vehicle has is told as the nearest that one has, and as far off."""
+    """Return the speed and its further error. A speed beyond every vehicle's becomes the nearest possible one, with that much more error."""
     fast, found = config.max_speed_mm_s * UM_PER_MM, solution.speed_off_mm_s()
     if found is None:
         return 0, fast
     gained = math.ceil(Fraction(abs(offset_s)) * ahead.max_acceleration_mm_s2 * UM_PER_MM)
-    whole = Interval(found.low * UM_PER_MM, found.high * UM_PER_MM).widened(gained).moved(ahead.speed_um_s)
+    whole = ExactBounds(found.low * UM_PER_MM, found.high * UM_PER_MM).widened(gained).moved(ahead.speed_um_s)
     speed, further = outward(whole)
     nearest = max(-fast, min(speed, fast))
     return nearest, further + abs(speed - nearest)

@@ -1,4 +1,4 @@
-"""Invariants of the satellite position machine that help to prove; proved themselves."""
+"""Lemmas of the satellite position machine: they help to prove its properties, and are proved themselves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from safeloc.models.satellite.world import Trusted, can_stop
 
 
 def lemmas(own: Parts, current: Num, table: tuple[Lit, ...], trusted: Trusted) -> dict[str, Bool]:
-    """Invariants of the machine; of its ghosts, those that follow from what is trusted."""
+    """Return invariants of the machine, and those of its ghosts that follow from the trusted source."""
     lost, located, _ = table
     state, most = held(own), (own.config.tolerance_mm - 2) * NM_PER_MM
     margin = own.anchor_margin

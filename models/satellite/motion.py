@@ -1,6 +1,6 @@
-"""The state a cycle later: predicted from the state before alone, and narrowed by what else holds the truth.
+"""The state a cycle later: predicted from the state before alone, and narrowed by a solution or a reference.
 
-An estimate and its bounds go apart: the bounds follow from physics and from what is known to hold the truth, the estimate
+Estimate and bounds are computed apart: the bounds follow from physics and from intervals that hold the truth, the estimate
 follows the latest solution within them. So a solution with wide bounds still leads the prediction.
 """
 
@@ -12,7 +12,7 @@ from safeloc.models.satellite.variables import Parts, State, around
 
 
 def predicted(own: Parts) -> State:
-    """The state E* from the state before alone: constant acceleration along the track (SAT-1, [0042])."""
+    """Return the state E* by the state before alone: constant acceleration along the track (SAT-1, [0042])."""
     config, period = own.config, Lit(own.config.period_ms, MS)
     fast, way, gained = config.max_speed_mm_s * 1_000, as_num(config.way_nm, NM), config.speed_change_um_s
     half = exact_to(own.change * Lit(config.period_ms // 2, MS), NM)
@@ -27,25 +27,25 @@ def predicted(own: Parts) -> State:
 
 
 def protection_level(own: Parts) -> Num:
-    """How far the solution's place may be off, in nm: every used signal wrong by all that a usable one may be."""
+    """Return the error bound of the solution's place, nm: every used signal has the greatest error of a usable one."""
     signals = own.dilution * Lit(own.config.selection.usable_range_error_mm, MM)
     return exact_to(signals, NM) + exact_to(own.further, NM)
 
 
 def speed_level(own: Parts) -> Num:
-    """How far its speed may be off, in um/s."""
+    """Return the error bound of the solution's speed, um/s."""
     return (
         exact_to(own.speed_dilution * Lit(own.config.selection.usable_speed_error_mm_s, MM_S), UM_S) + own.speed_further
     )
 
 
 def solved(own: Parts) -> State:
-    """What the solution says."""
+    """Return the state by the solution alone."""
     return around(exact_to(own.fix.value, NM), protection_level(own), own.fix_speed, speed_level(own))
 
 
 def referred(own: Parts) -> State:
-    """What the reference says; without its speed any that a vehicle has."""
+    """Return the state by the reference alone; without a speed of its own it allows any speed of a vehicle."""
     fast, known = own.config.max_speed_mm_s * 1_000, own.reference_speed.present
     place, error = exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
     speed = ite(known, own.reference_speed.value, as_num(0, UM_S))
@@ -54,7 +54,7 @@ def referred(own: Parts) -> State:
 
 
 def fixed(own: Parts) -> State:
-    """Prediction and solution together: both hold the truth, and the solution's estimates lead on, smoothed in place."""
+    """Return the common part of prediction and solution; the estimates are the solution's, the place smoothed."""
     found, ahead = solved(own), predicted(own)
     knows_speed = speed_level(own) < own.config.max_speed_mm_s * 1_000
     nearer = ahead.position + floor_div((found.position - ahead.position) * own.config.place_gain_percent, 100)
@@ -62,7 +62,7 @@ def fixed(own: Parts) -> State:
 
 
 def confirmed(own: Parts) -> State:
-    """Prediction and reference together; the estimate is that of the narrower one."""
+    """Return the common part of prediction and reference; the estimate is that of the narrower one."""
     found, ahead = referred(own), predicted(own)
     nearer = found.high - found.low <= ahead.high - ahead.low
     speed = ite(own.reference_speed.present, found.speed, ahead.speed)
@@ -80,7 +80,7 @@ def _within(value: Num, low: Num, high: Num) -> Num:
 
 
 def reportable(own: Parts, state: State) -> Bool:
-    """It may be reported: margins within the tolerance when rounded, place and speed in range."""
+    """Return whether the state may be reported: margins within the tolerance when rounded, place and speed in range."""
     config = own.config
     limit, most = config.position_limit_mm * NM_PER_MM, (config.tolerance_mm - 2) * NM_PER_MM
     place = [between(0, state.below, most), between(0, state.above, most), between(-limit, state.position, limit)]

@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import MM_PER_M, NM_PER_MM
 from safeloc.models.satellite.chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
@@ -23,10 +23,11 @@ from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.satellite.channels import identity
 from safeloc.sensing.satellite.line_track import LineTrack
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion, VehicleConfig
 from safeloc.simulation.satellite.constellation import GPS, Walker, constellation
 from safeloc.simulation.satellite.receiver import ReceiverConfig
-from safeloc.simulation.satellite.run import Outages, SimulatedRun, Spoofer, Truth, World
+from safeloc.simulation.satellite.run import SimulatedRun, Truth, World
 from safeloc.simulation.satellite.run import simulate as simulate_signals
 from safeloc.simulation.satellite.scenery import Scene, canyon, cutting, station_roof, tunnel
 from safeloc.simulation.speed_profile import Halt, drive
@@ -34,11 +35,10 @@ from safeloc.simulation.speed_profile import Halt, drive
 Steps = list[dict[str, Cell]]
 LINE, START_HEIGHT_M = "valley", 300.0
 SCENES = (station_roof(0, 150), canyon(600, 1_800), cutting(2_400, 3_300), tunnel(3_700, 4_100))
-"""What stands beside the line, in m along it."""
+"""Buildings beside the line, in m along it."""
 BALISE_MM, SPEED_MM_S = 1_000, 300
 """Accuracy of a balise, and of the speed that is known at it."""
 ODOMETRY_MM, ODOMETRY_PERCENT = 5, 2
-MM = 1_000
 
 
 FINE = SatelliteConfig(
@@ -64,13 +64,18 @@ class Journey:
     to_m: float = 400.0
     speed_mm_s: int = 25_000
     scenes: tuple[Scene, ...] = SCENES
-    spoofers: tuple[Spoofer, ...] = ()
-    outages: tuple[Outages, ...] = ()
+    faults: tuple[Fault, ...] = ()
     walkers: tuple[Walker, ...] = (GPS,)
     receiver: ReceiverConfig = ReceiverConfig()
     balises: bool = True
     odometry: bool = False
     lawful: bool = True
+
+
+def false_place(begin_ms: int, drift_m_per_s: float, gathering_m_per_s2: float) -> Fault:
+    """Return spoofed signals of all satellites, of a place that leaves the true one from then on."""
+    figures = {"drift_m_per_s": drift_m_per_s, "gathering_m_per_s2": gathering_m_per_s2}
+    return Fault("false place", begin=begin_ms, figures=figures)
 
 
 STREET = Journey(620, 760, 14_000)
@@ -80,7 +85,7 @@ SHIPPED: Mapping[str, tuple[Journey, int]] = {
     "satellite-tunnel": (Journey(4_240, 4_640, scenes=(tunnel(4_300, 4_420),), lawful=False), 2),
     "satellite_drift-spoofed": (
         Journey(
-            4_150, 4_550, scenes=(), spoofers=(Spoofer(3.0, 3.0, 0.5),), balises=False, odometry=True, lawful=False
+            4_150, 4_550, scenes=(), faults=(false_place(3_000, 3.0, 0.5),), balises=False, odometry=True, lawful=False
         ),
         5,
     ),
@@ -111,18 +116,21 @@ def track() -> LineTrack:
 def motion(journey: Journey, config: SatelliteConfig, vehicle: VehicleConfig | None = None) -> Motion:
     """From standstill at the line's beginning to a halt at the journey's end, from where the journey begins."""
     whole = drive(
-        vehicle or VehicleConfig(), [Halt(round(journey.to_m * MM), 3.0, journey.speed_mm_s)], [], config.period_ms
+        vehicle or VehicleConfig(),
+        [Halt(round(journey.to_m * MM_PER_M), 3.0, journey.speed_mm_s)],
+        [],
+        config.period_ms,
     )
-    first = int(np.searchsorted(whole.position_nm, round(journey.from_m * MM) * NM_PER_MM))
+    first = int(np.searchsorted(whole.position_nm, round(journey.from_m * MM_PER_M) * NM_PER_MM))
     start = whole.start_nm if first == 0 else int(whole.position_nm[first - 1])
     return replace(whole, position_nm=whole.position_nm[first:], speed_mm_s=whole.speed_mm_s[first:], start_nm=start)
 
 
 def signals(journey: Journey, config: SatelliteConfig, *, seed: int) -> SimulatedRun:
-    """What the receiver gives, with the truth."""
+    """Output of the receiver, with the truth."""
     sky = constellation(journey.walkers, np.random.default_rng(seed))
     (portion,) = track().portions(0.0, journey.to_m)
-    world = World(sky, portion, journey.scenes, journey.receiver, spoofers=journey.spoofers, outages=journey.outages)
+    world = World(sky, portion, journey.scenes, journey.receiver, journey.faults)
     return simulate_signals(world, motion(journey, config), seed=seed)
 
 
@@ -131,7 +139,7 @@ def passed(config: ChainConfig, journey: Journey, *, seed: int) -> Iterator[Pass
     run = signals(journey, config.satellite, seed=seed)
     chain = EpochChain(config, run.navigation, track().portions)
     rng = np.random.default_rng([seed, 1])
-    marks = [round(group.position_mm / MM, 3) for group in worked_line().balise_groups] if journey.balises else []
+    marks = [round(group.position_mm / MM_PER_M, 3) for group in worked_line().balise_groups] if journey.balises else []
     before: Truth | None = None
     for epoch, truth in zip(run.epochs, run.truth, strict=True):
         reference = _reference(truth, before, marks, rng)
@@ -145,13 +153,13 @@ def _reference(
 ) -> Reference | None:
     if before is not None and not any(before.place_m < mark <= truth.place_m for mark in marks):
         return None
-    place = truth.place_m * MM + 0.9 * BALISE_MM * float(rng.uniform(-1, 1))
-    speed = truth.speed_m_per_s * MM + 0.9 * SPEED_MM_S * float(rng.uniform(-1, 1))
+    place = truth.place_m * MM_PER_M + 0.9 * BALISE_MM * float(rng.uniform(-1, 1))
+    speed = truth.speed_m_per_s * MM_PER_M + 0.9 * SPEED_MM_S * float(rng.uniform(-1, 1))
     return Reference(round(place), BALISE_MM, round(speed), SPEED_MM_S)
 
 
 def _run(truth: Truth, before: Truth, rng: np.random.Generator) -> Run:
-    true_mm = (truth.place_m - before.place_m) * MM
+    true_mm = (truth.place_m - before.place_m) * MM_PER_M
     off = ODOMETRY_PERCENT / 100 * true_mm * float(rng.uniform(-1, 1))
     return Run(round(true_mm + off), ODOMETRY_MM + round(ODOMETRY_PERCENT / 100 * abs(true_mm)))
 
@@ -165,14 +173,14 @@ def simulate(config: SatelliteConfig, *, seed: int, journey: Journey | None = No
     steps: Steps = []
     for one in passed(ChainConfig(satellite=config), chosen, seed=seed):
         ghosts = _ghosts(one) if chosen.lawful else {}
-        steps.append({**one.outcome.inputs, **ghosts, "truth_mm": round(one.truth.place_m * MM)})
+        steps.append({**one.outcome.inputs, **ghosts, "truth_mm": round(one.truth.place_m * MM_PER_M)})
     return steps
 
 
 def first_of(config: SatelliteConfig, journey: Journey) -> dict[str, int]:
     """The ghosts before the first step of a lawful journey."""
     start, begun = motion(journey, config), journey.from_m > 0
-    speed = round(float(start.speed_mm_s[0]) * MM) if begun else 0
+    speed = round(float(start.speed_mm_s[0]) * MM_PER_M) if begun else 0
     return {"position.truth_nm": start.start_nm, "position.true_speed_um_s": speed} if journey.lawful else {}
 
 
@@ -186,7 +194,7 @@ def simulate_selection(config: SelectionConfig, *, seed: int, journey: Journey |
 def _ghosts(one: Passed) -> dict[str, Cell]:
     truth, inputs = one.truth, one.outcome.inputs
     made: dict[str, Cell] = {
-        "position.next_truth_nm": round(truth.place_m * MM * NM_PER_MM),
+        "position.next_truth_nm": round(truth.place_m * MM_PER_M * NM_PER_MM),
         "position.next_speed_um_s": round(truth.speed_m_per_s * NM_PER_MM),
         "selection.clock_mm": 0,
         "selection.clock_mm_s": 0,
@@ -212,7 +220,7 @@ def _split(
     added: Mapping[str, float],
 ) -> dict[str, Cell]:
     """A difference as the signal's own error, and what prediction and clock make of it."""
-    error = 0 if name is None else round((healthy[name] + added[name]) * MM)
+    error = 0 if name is None else round((healthy[name] + added[name]) * MM_PER_M)
     told = inputs.get(f"{channel}_speed_off_mm_s" if kind else f"{channel}_range_off_mm", error)
     own = f"{channel}_speed_error_mm_s" if kind else f"{channel}_error_mm"
     return {own: error, f"{channel}_prediction_mm{kind}": int(told) - error}

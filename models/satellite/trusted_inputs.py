@@ -1,4 +1,4 @@
-"""What is not from satellites: trusted references, and odometry that only checks."""
+"""Inputs that do not come from satellites: trusted references, and odometry as a check."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What odometry ran since the cycle before, with the error of this run. It only checks, it never locates."""
+    """Run since the cycle before by odometry, with its error. It only checks the position and never sets it."""
 
     run_mm: int
     error_mm: int

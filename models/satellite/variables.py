@@ -8,12 +8,12 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     Bool,
     BoolVar,
     Num,
     NumVar,
-    Optional,
     boolean,
     choice,
     enumeration,
@@ -21,6 +21,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
+from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PER_MILLE, UM_S
 from safeloc.models.satellite_selection import SelectionConfig
 
@@ -40,11 +41,11 @@ SPARE: dict[Redundancy, int] = {"solve": 0, "detect": 1, "exclude": 2}
 
 
 class SatelliteConfig(Config):
-    """What position from satellites depends on.
+    """Vehicle, receiver and limits of a position from satellites.
 
-    redundancy       how many satellites a solution needs: enough to solve, to detect a fault, to exclude one
-    drift_check      where present: solutions are held against odometry while it is at hand; required: nothing is
-                     reported without it
+    redundancy       number of satellites that a solution needs: enough to solve, to detect a fault, to exclude one
+    drift_check      where present: the position is compared with odometry while that is present; required: no position is
+                     reported without odometry
     state_error_mm, state_speed_error_mm_s   errors of the state up to which no healthy satellite is excluded
     """
 
@@ -76,7 +77,7 @@ class SatelliteConfig(Config):
 
     @model_validator(mode="after")
     def _bounds_signals(self) -> SatelliteConfig:
-        """A protection level follows from what a usable signal may be wrong by, and is never below it."""
+        """Refuse limits by which no protection level is possible: it is never below the error of a usable signal."""
         chosen = self.selection
         if chosen.removal == "both":
             raise ValueError(
@@ -92,7 +93,7 @@ class SatelliteConfig(Config):
 
     @model_validator(mode="after")
     def _keeps_healthy_ones(self) -> SatelliteConfig:
-        """The threshold rule, second half: the prediction's bound holds what one cycle can make of the state's error."""
+        """Refuse prediction bounds below the error that a cycle can make of the state's error (threshold rule, second half)."""
         rows = (
             ("range_prediction_mm", self.selection.range_prediction_mm, self.least_range_prediction_mm),
             ("speed_prediction_mm_s", self.selection.speed_prediction_mm_s, self.least_speed_prediction_mm_s),
@@ -112,17 +113,17 @@ class SatelliteConfig(Config):
 
     @property
     def way_nm(self) -> int:
-        """The greatest way that an acceleration adds in a cycle, A T^2 / 2."""
+        """The greatest distance that an acceleration adds in a cycle, A T^2 / 2."""
         return self.max_acceleration_mm_s2 * self.period_ms * self.period_ms // 2
 
     @property
     def way_at_most_nm(self) -> int:
-        """The farthest that a vehicle comes in a cycle."""
+        """The farthest run of a vehicle in a cycle."""
         return self.max_speed_mm_s * 1_000 * self.period_ms + self.way_nm
 
     @property
     def stopping_ms(self) -> int:
-        """So long at the present speed is no shorter a way than the one to a stop, from any speed."""
+        """A time in which a vehicle at its present speed, whatever that is, runs at least its stopping distance."""
         return -(-self.way_at_most_nm // self.speed_change_um_s)
 
     @property
@@ -137,112 +138,96 @@ class SatelliteConfig(Config):
         return self.state_speed_error_mm_s + -(-2 * self.speed_change_um_s // 1_000)
 
 
-@dataclass(frozen=True, eq=False)
 class Parts:
-    """The variables of the position machine.
+    """The variables of the position machine and its world.
 
-    usable, used  inputs per channel: it is in the list (wired from the selection); the solution uses it
+    usable, used  inputs per channel: the satellite is in the list of usable ones (wired from the selection); the solution
+                  uses it
     fix           input: along-track place of the solution
     dilution      input: how far errors of one metre in each used signal can move it at most, the sum of |weight|
     further       input: what comes to its error beside the signals': map, bend of the track, time, rounding
     fix_speed, speed_dilution, speed_further   the same of its speed, from range rates
-    unknowns      input: what the solution solved for: 2 along the track, 4 free of it, one more for each further clock
-    missing       input: why there is no solution
+    unknowns      input: number of unknowns solved: 2 along the track, 4 free of it, one more for each further clock
+    missing       input: the reason why there is no solution
     reference     input: a trusted place (a balise) with its accuracy; reference_speed: trusted too, where it is known
-    odometry      input: run since the cycle before, by what knows nothing of satellites, with the error of this run
-    position, low, high       the estimated place, and the bounds that hold the true one; speed, slowest, fastest alike
-    change        of the estimated speed in the last cycle
-    anchored      position and odometry since the last reference are comparable; anchor_offset: the position less that
-                  place, anchor_margin: what odometry may be wrong by
+    odometry      input: run since the cycle before, by a source independent of satellites, with the error of this run
+    position, low, high       state: the estimated place, and the bounds that hold the true one; speed, slowest, fastest alike
+    change        state: change of the estimated speed in the last cycle
+    coasted       state: cycles since a solution or a reference was used
+    anchored      state: position and odometry since the last reference are comparable; anchor_offset: the position less that
+                  place, anchor_margin: the error bound of odometry since then
     truth, true_speed  ghosts: nm and um/s
-    bounded, compared  ghosts per channel: the signal's error keeps the bound that a usable one is to keep; prediction
-                  and clock are as good as configured
+    bounded, compared  ghosts per channel: the signal's error keeps the bound of a usable signal; prediction and clock are as
+                  good as configured
     """
 
-    config: SatelliteConfig
-    usable: tuple[BoolVar, ...]
-    used: tuple[BoolVar, ...]
-    fix: Optional
-    dilution: NumVar
-    further: NumVar
-    fix_speed: NumVar
-    speed_dilution: NumVar
-    speed_further: NumVar
-    unknowns: NumVar
-    missing: NumVar
-    reference: Optional
-    accuracy: NumVar
-    reference_speed: Optional
-    speed_accuracy: NumVar
-    odometry: Optional
-    odometry_error: NumVar
-    position: NumVar
-    low: NumVar
-    high: NumVar
-    speed: NumVar
-    slowest: NumVar
-    fastest: NumVar
-    change: NumVar
-    coasted: NumVar
-    anchored: BoolVar
-    anchor_offset: NumVar
-    anchor_margin: NumVar
-    judged: NumVar
-    why_missing: NumVar
-    reason: NumVar
-    truth: NumVar
-    true_speed: NumVar
-    next_truth: NumVar
-    next_speed: NumVar
-    bounded: tuple[BoolVar, ...]
-    compared: tuple[BoolVar, ...]
+    def __init__(self, config: SatelliteConfig, truth: NumVar | None, *, signals: bool) -> None:
+        self.declared = declared = Declared()
+        self.config, channels = config, range(1, config.selection.channels + 1)
+        limit, fast = config.position_limit_mm, config.max_speed_mm_s * 1_000
+        reach, widest, cycle = _reach_nm(config), 2 * fast, -(-config.way_at_most_nm // NM_PER_MM)
+        self.usable = tuple(declared.sensor(boolean(f"usable_{n}")) for n in channels)
+        self.used = tuple(declared.sensor(boolean(f"used_{n}")) for n in channels)
+        self.fix = declared.sensor(optional("fix_mm", MM, -limit, limit))
+        self.dilution = declared.sensor(number("fix_dilution_permille", PER_MILLE, 0, MAX_DILUTION_PERMILLE))
+        self.further = declared.sensor(number("fix_further_mm", MM, 0, 10 * config.protection_limit_mm))
+        self.fix_speed = declared.sensor(number("fix_speed_um_s", UM_S, -fast, fast))
+        self.speed_dilution = declared.sensor(
+            number("fix_speed_dilution_permille", PER_MILLE, 0, MAX_DILUTION_PERMILLE)
+        )
+        self.speed_further = declared.sensor(number("fix_speed_further_um_s", UM_S, 0, widest))
+        self.unknowns = declared.sensor(number("fix_unknowns", COUNT, 2, MAX_UNKNOWNS))
+        self.missing = declared.sensor(choice("fix_missing", enumeration(MISSING)))
+        self.reference = declared.sensor(optional("reference_mm", MM, -limit, limit))
+        self.accuracy = declared.sensor(number("reference_accuracy_mm", MM, 0, config.tolerance_mm))
+        self.reference_speed = declared.sensor(optional("reference_speed_um_s", UM_S, -fast, fast))
+        self.speed_accuracy = declared.sensor(number("reference_speed_accuracy_um_s", UM_S, 0, widest))
+        self.odometry = declared.sensor(optional("odometry_mm", MM, -2 * cycle, 2 * cycle))
+        self.odometry_error = declared.sensor(number("odometry_error_mm", MM, 0, 2 * cycle))
+        self._keep(config)
+        own_truth = number("truth_nm", NM, -reach, reach)
+        self.truth = declared.ghost(own_truth if truth is None else truth, first=ANY)
+        self.true_speed = declared.ghost(number("true_speed_um_s", UM_S, -fast, fast), first=ANY)
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
+        self.next_speed = declared.choice(number("next_speed_um_s", UM_S, -fast, fast))
+        self.bounded: tuple[BoolVar, ...] = ()
+        self.compared: tuple[BoolVar, ...] = ()
+        if signals:
+            self.bounded = tuple(declared.choice(boolean(f"signal_bounded_{n}")) for n in channels)
+            self.compared = tuple(declared.choice(boolean(f"signal_compared_{n}")) for n in channels)
+
+    def _keep(self, config: SatelliteConfig) -> None:
+        """Declare the state: nothing is known."""
+        declared, fast, change = self.declared, config.max_speed_mm_s * 1_000, config.speed_change_um_s
+        limit, reach, farthest = config.position_limit_mm * NM_PER_MM, _reach_nm(config), config.anchor_limit_mm
+        apart = (config.tolerance_mm + farthest) * NM_PER_MM
+        self.position = declared.state(number("position_nm", NM, -limit, limit), first=0)
+        self.low = declared.state(number("low_nm", NM, -reach, reach), first=0)
+        self.high = declared.state(number("high_nm", NM, -reach, reach), first=0)
+        self.speed = declared.state(number("speed_um_s", UM_S, -fast, fast), first=0)
+        self.slowest = declared.state(number("slowest_um_s", UM_S, -fast, fast), first=0)
+        self.fastest = declared.state(number("fastest_um_s", UM_S, -fast, fast), first=0)
+        self.change = declared.state(number("change_um_s", UM_S, -change, change), first=0)
+        self.coasted = declared.state(number("coasted_cycles", COUNT, 0, config.coast_limit_cycles), first=0)
+        self.anchored = declared.state(boolean("anchored"), first=False)
+        self.anchor_offset = declared.state(number("anchor_offset_nm", NM, -apart, apart), first=0)
+        self.anchor_margin = declared.state(number("anchor_margin_nm", NM, 0, farthest * NM_PER_MM), first=0)
+        self.judged = declared.state(choice("fix_judged", enumeration(FIX)), first=NO_FIX)
+        self.why_missing = declared.state(choice("missing", enumeration(MISSING)), first=MISSING[0])
+        self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
 
 
-def parts(config: SatelliteConfig) -> Parts:
-    """Fresh variables for one machine."""
-    limit, fast = config.position_limit_mm, config.max_speed_mm_s * 1_000
-    reach, channels = (limit + 2 * config.tolerance_mm) * NM_PER_MM, range(1, config.selection.channels + 1)
-    widest, cycle = 2 * fast, -(-config.way_at_most_nm // NM_PER_MM)
-    apart = (config.tolerance_mm + config.anchor_limit_mm) * NM_PER_MM
-    return Parts(
-        config,
-        tuple(boolean(f"usable_{n}") for n in channels),
-        tuple(boolean(f"used_{n}") for n in channels),
-        optional("fix_mm", MM, -limit, limit),
-        number("fix_dilution_permille", PER_MILLE, 0, MAX_DILUTION_PERMILLE),
-        number("fix_further_mm", MM, 0, 10 * config.protection_limit_mm),
-        number("fix_speed_um_s", UM_S, -fast, fast),
-        number("fix_speed_dilution_permille", PER_MILLE, 0, MAX_DILUTION_PERMILLE),
-        number("fix_speed_further_um_s", UM_S, 0, widest),
-        number("fix_unknowns", COUNT, 2, MAX_UNKNOWNS),
-        choice("fix_missing", enumeration(MISSING)),
-        optional("reference_mm", MM, -limit, limit),
-        number("reference_accuracy_mm", MM, 0, config.tolerance_mm),
-        optional("reference_speed_um_s", UM_S, -fast, fast),
-        number("reference_speed_accuracy_um_s", UM_S, 0, widest),
-        optional("odometry_mm", MM, -2 * cycle, 2 * cycle),
-        number("odometry_error_mm", MM, 0, 2 * cycle),
-        number("position_nm", NM, -limit * NM_PER_MM, limit * NM_PER_MM),
-        number("low_nm", NM, -reach, reach),
-        number("high_nm", NM, -reach, reach),
-        number("speed_um_s", UM_S, -fast, fast),
-        number("slowest_um_s", UM_S, -fast, fast),
-        number("fastest_um_s", UM_S, -fast, fast),
-        number("change_um_s", UM_S, -config.speed_change_um_s, config.speed_change_um_s),
-        number("coasted_cycles", COUNT, 0, config.coast_limit_cycles),
-        boolean("anchored"),
-        number("anchor_offset_nm", NM, -apart, apart),
-        number("anchor_margin_nm", NM, 0, config.anchor_limit_mm * NM_PER_MM),
-        choice("fix_judged", enumeration(FIX)),
-        choice("missing", enumeration(MISSING)),
-        choice("reason", enumeration(REASON)),
-        number("truth_nm", NM, -reach, reach),
-        number("true_speed_um_s", UM_S, -fast, fast),
-        number("next_truth_nm", NM, -reach, reach),
-        number("next_speed_um_s", UM_S, -fast, fast),
-        tuple(boolean(f"signal_bounded_{n}") for n in channels),
-        tuple(boolean(f"signal_compared_{n}") for n in channels),
-    )
+def parts(config: SatelliteConfig, *, truth: NumVar | None = None, signals: bool = True) -> Parts:
+    """Declare the variables of one machine.
+
+    truth    the true place, where another machine's world moves the vehicle
+    signals  the world has ghosts of every channel's signal; without them nothing is assumed of a solution
+    """
+    return Parts(config, truth, signals=signals)
+
+
+def _reach_nm(config: SatelliteConfig) -> int:
+    return (config.position_limit_mm + 2 * config.tolerance_mm) * NM_PER_MM
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,25 +243,25 @@ class State:
 
     @property
     def below(self) -> Num:
-        """How far the true place may lie behind the estimate."""
+        """Greatest distance of the true place behind the estimate."""
         return self.position - self.low
 
     @property
     def above(self) -> Num:
-        """How far it may lie ahead of it."""
+        """Greatest distance of the true place ahead of the estimate."""
         return self.high - self.position
 
     def meets(self, other: State) -> Bool:
-        """Whether both have a place and a speed in common."""
+        """Return whether both have a place and a speed in common."""
         place = (self.low <= other.high) & (other.low <= self.high)
         return place & (self.slowest <= other.fastest) & (other.slowest <= self.fastest)
 
 
 def around(position: Num, margin: Num, speed: Num, speed_margin: Num) -> State:
-    """Estimates with the same margin on either side."""
+    """Return a state with the same margin on either side."""
     return State(position, position - margin, position + margin, speed, speed - speed_margin, speed + speed_margin)
 
 
 def held(own: Parts) -> State:
-    """The machine's state."""
+    """Return the state before the step."""
     return State(own.position, own.low, own.high, own.speed, own.slowest, own.fastest)

@@ -9,14 +9,13 @@ from __future__ import annotations
 from typing import Literal
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
-from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.satellite.variables import Parts
 from safeloc.models.satellite_selection import SelectionConfig
 
 Trusted = Literal["satellites", "odometry"]
-"""satellites: the solver and what it is told can be trusted; odometry: any solution may be false, the run is true."""
+"""satellites: the solver and its inputs are trusted; odometry: any solution may be false, the run is true."""
 
 REFERENCE = "a reference holds the true place"
 """The clause that an earlier machine can be made to keep, if the reference is its position."""
@@ -26,11 +25,10 @@ SELECTED = "a usable satellite keeps its bound"
 
 
 def world(own: Parts, trusted: Trusted) -> World:
-    """The vehicle's true place and speed, and for each channel what is true of its signal."""
-    signals = [*own.bounded, *own.compared] if trusted == "satellites" else []
+    """Make the world: true place and speed of the vehicle, and laws of the signals or of odometry."""
     return World(
-        ghosts={own.truth: ANY, own.true_speed: ANY},
-        choices=[own.next_truth, own.next_speed, *signals],
+        ghosts=own.declared.ghosts,
+        choices=own.declared.choices,
         moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
         clauses={**_movement(own), **_references(own), **(_signals(own) if trusted == "satellites" else _run(own))},
     )
@@ -150,7 +148,7 @@ FIGURES = {
 
 
 def hidden_errors(config: SelectionConfig) -> tuple[int, int]:
-    """What prediction and clock, as good as configured, leave in the differences: mm of range, mm/s of range rate."""
+    """Return the error that remains in the differences if prediction and clock are as configured: mm of range, mm/s of range rate."""
     return config.range_prediction_mm + config.range_clock_mm, config.speed_prediction_mm_s + config.speed_clock_mm_s
 
 

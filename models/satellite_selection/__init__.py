@@ -1,4 +1,4 @@
-"""Which visible satellites are usable: measured against predicted Doppler and pseudorange (SAT-1 to SAT-4, SAT-D1).
+"""Selection of usable satellites: measured against predicted Doppler and pseudorange (SAT-1 to SAT-4, SAT-D1).
 
 The prediction comes from the state at the cycle before and the mapped track alone (SAT-1); its differences to what was
 measured, the receiver's clock removed, are the inputs. In every cycle the list of usable satellites (LSVU) starts from
@@ -14,8 +14,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, Var, abs_, all_of, any_of, as_num, ite, minimum
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, abs_, all_of, any_of, as_num, ite, minimum
 from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.satellite_selection.variables import (
     ABSENT,
@@ -96,7 +97,7 @@ def build(own: Parts) -> Selection:
 
 
 def accepts(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:
-    """Whether the criterion keeps the satellite. |difference| is what counts: a one-sided test misses half the faults."""
+    """Return whether the criterion keeps the satellite. It tests |difference|: a one-sided test misses half the faults."""
     checks = []
     if config.compared in ("pseudorange", "both"):
         checks.append(_kept(abs_(one.off.value), config.range_threshold_mm, one.covariance.value, config.range_covariance_mm2, removal))  # fmt: skip
@@ -128,14 +129,14 @@ def _spread(one: Channel, config: SelectionConfig) -> Bool:
 
 
 def warm(own: Parts, one: Channel) -> Num:
-    """How many cycles the same satellite was heard on this channel, this one included, up to the warm-up."""
+    """Return the number of cycles in which this channel heard the same satellite, up to the warm-up, with this cycle."""
     same = one.identity.present & one.identity.value.eq(one.held) & _heard(one, own.config) & one.ephemeris
     first = one.identity.present & _heard(one, own.config) & one.ephemeris
     return ite(same, minimum(one.warm + 1, own.config.warm_up_cycles), ite(first, as_num(1, COUNT), 0))
 
 
 def standing(own: Parts, one: Channel) -> Num:
-    """What the channel is in this cycle."""
+    """Return the standing of the channel's satellite in this cycle."""
     config = own.config
     ready = _spread(one, config) & (warm(own, one) >= config.warm_up_cycles)
     judged = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
@@ -155,13 +156,16 @@ def _is_twice(own: Parts, one: Channel) -> Bool:
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, some = table
     count = _count(standing(own, one).eq(USABLE) for one in own.channels)
-    judged: dict[Var, Expr] = {own.usable: count}
-    for one in own.channels:
-        judged |= {one.standing: standing(own, one), one.warm: warm(own, one)}
-        judged[one.held] = ite(one.identity.present, one.identity.value, as_num(0, COUNT))
-    trace = ("SAT-1", "SAT-3", "SAT-4", "SAT-D1")
-    yield Transition("no satellite is usable", table, none, count.eq(0), judged, trace, 0)
-    yield Transition("satellites are selected", table, some, TRUE, judged, trace, 1)
+    requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-D1")
+    every = together({own.usable: count}, *(_channel(own, one) for one in own.channels))
+    yield Transition("no satellite is usable", table, none, count.eq(0), every, requirements, 0)
+    yield Transition("satellites are selected", table, some, TRUE, every, requirements, 1)
+
+
+def _channel(own: Parts, one: Channel) -> Updates:
+    """Standing, warm-up and identity of a channel's satellite."""
+    identity = ite(one.identity.present, one.identity.value, as_num(0, COUNT))
+    return {one.standing: standing(own, one), one.warm: warm(own, one), one.held: identity}
 
 
 def _count(terms: Iterator[Bool]) -> Num:

@@ -74,7 +74,7 @@ class SelectionConfig(Config):
 
     @derived("mm", "[D] threshold, prediction and clock error: what a usable pseudorange may be wrong by")
     def usable_range_error_mm(self) -> int:
-        """What a usable satellite's pseudorange may be wrong by: the threshold, and what prediction and clock may hide.
+        """Error bound of a usable satellite's pseudorange: the threshold, and the errors of prediction and clock.
 
         The criterion compares the signal's error with those of prediction and clock in it. Only the strict one
         (removal "either") bounds it.

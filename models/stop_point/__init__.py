@@ -1,11 +1,11 @@
 """Precise stop at a platform on the measured distance, and repositioning after an overrun (RFL-D7; source l. 245-265).
 
-A platform has several stop points, for vehicles of different lengths. One of them is selected; from then on the
-machine says what the vehicle may do.
+A platform has several stop points, for vehicles of different lengths. The mission selects one of them; from then on the
+machine orders what the vehicle may do.
 
     IDLE           no stop is pending: the machine orders nothing
     APPROACH       the stop lies ahead: the vehicle may proceed
-    BRAKING        the braking distance has come: brake
+    BRAKING        the distance left is no longer than the braking distance: brake
     STOPPED        standing within the stop window: hold, doors may open
     SHORT          standing before the window: hold
     CREEPING       forward at reduced speed into the window
@@ -13,8 +13,8 @@ machine says what the vehicle may do.
     REPOSITIONING  backwards at reduced speed into the window
     HELD           the stop cannot be made: hold until released
 
-The vehicle's front end lies in the interval that the reflector machine reports. What counts as "beyond" is the
-interval's far end, and as "short" its near end: only an interval that fits into the window is in place.
+The vehicle's front end lies in the interval that the reflector machine reports. "Beyond" is judged by the interval's far end,
+"short" by its near end: a vehicle is in place only if the whole interval fits into the window.
 """
 
 from __future__ import annotations
@@ -44,25 +44,25 @@ ORDERS = (NO_ORDER, PROCEED, BRAKE, HOLD, HOLD, CREEP, HOLD, REVERSE, HOLD)
 
 
 def machine(config: StopPointConfig | None = None) -> Machine:
-    """The stop-point machine of a vehicle (RFL-D7)."""
+    """Return the stop-point machine of a vehicle (RFL-D7)."""
     return build(parts(config or StopPointConfig())).machine
 
 
 @dataclass(frozen=True, eq=False)
 class StopPoint:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
     def in_mode(self, *labels: str) -> Bool:
-        """The machine is in one of the named modes."""
+        """Return whether the machine is in one of the named modes."""
         mode = self.machine.mode
         return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
 
 
 def build(own: Parts) -> StopPoint:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes(*MODES)
     current, judged = current_mode(table), judge(own)
     made = Machine(
@@ -101,7 +101,7 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """A stop is pending just in the modes that speak of one; without one no place is kept and no distance shown."""
+    """Return the lemmas: a stop is pending in every mode but IDLE; without one, no place is stored and no distance shown."""
     idle = current.eq(table[0])
     return {
         "a stop is pending unless idle": idle.iff(own.pending.eq(0)),

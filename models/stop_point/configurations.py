@@ -1,4 +1,4 @@
-"""Case splits of stop_point that the defaults fold away, and why each is folded in every configuration."""
+"""Case splits of the stop-point machine that the defaults fold away, with the reason why every configuration does."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ from safeloc.config import Configurations
 NEVER = {
     "properties/stop_point/orders.py: 0 * own.speed from yield from maker(model)": "a zero with the unit of a speed",
 }
-"""Case splits that no configuration makes live, and why."""
+"""Case splits that no configuration makes live, with the reason."""
 CONFIGURATIONS = Configurations({}, NEVER)

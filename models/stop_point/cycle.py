@@ -1,4 +1,4 @@
-"""What one cycle means to the stop-point machine: where the vehicle is to the stop, and how fast."""
+"""One cycle of the stop-point machine: the vehicle's place relative to the stop, and its speed."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, ceil_to, ite, maximum, minimum, product
 from safeloc.language.units import COUNT, MM, MM_S2, MS
 from safeloc.models.stop_point.variables import Parts
+from safeloc.models.vocabulary.choose import choose
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A stop point's place and window, mm."""
+    """Place of a stop point, and its window, mm."""
 
     stop: Num
     before: Num
@@ -19,22 +20,23 @@ class Window:
 
     @property
     def begins(self) -> Num:
-        """Near end."""
+        """Near end of the window."""
         return self.stop - self.before
 
     @property
     def ends(self) -> Num:
-        """Far end, towards the platform's end."""
+        """Far end of the window, towards the platform's end."""
         return self.stop + self.after
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One cycle, judged.
+    """The terms of one cycle.
 
-    low, high   the interval of end A, mm
-    pending     the window of the pending stop
-    chosen      the window of the selected stop; only while `selectable`
+    low, high   ends of the interval of end A, mm
+    pending     window of the pending stop
+    chosen      window of the selected stop; only while `known`
+    known       the selected stop is on the map
     """
 
     own: Parts
@@ -46,18 +48,18 @@ class Judged:
 
     @property
     def selectable(self) -> Bool:
-        """A stop is selected that is on the map, lies ahead, and was not served just before."""
+        """The selected stop is on the map, lies ahead, and is not the one served last."""
         new = self.own.selected.value.ne(self.own.served)
         return self.own.valid & self.named & self.known & new & (self.high <= self.chosen.ends)
 
     @property
     def named(self) -> Bool:
-        """A stop is selected."""
+        """The mission selects a stop."""
         return self.own.selected.present
 
     @property
     def changed(self) -> Bool:
-        """Another stop than the pending one is selected."""
+        """The mission selects another stop than the pending one."""
         return self.selectable & self.own.selected.value.ne(self.own.pending)
 
     @property
@@ -82,17 +84,17 @@ class Judged:
 
     @property
     def to_go(self) -> Num:
-        """Distance to the stop: from the measured position, or, without a measurement, from the interval's far end."""
+        """Distance to the stop, mm: from the measured position, or, without a measurement, from the interval's far end."""
         return self.pending.stop - ite(self.own.precise, self.own.position, self.high)
 
     @property
     def to_brake_in(self) -> Num:
-        """What is left for braking: to the stop, and from the interval's far end to the window's far end, the shorter."""
+        """Distance left for braking, mm: to the stop, or from the interval's far end to the window's far end if that is shorter."""
         return minimum(self.to_go, self.pending.ends - self.high)
 
     @property
     def brake_now(self) -> Bool:
-        """The braking distance from the greatest possible speed, reaction included, is not shorter than what is left."""
+        """Reaction and braking from the greatest possible speed take at least the distance left."""
         config = self.own.config
         speed = maximum(self.own.speed + config.speed_error_mm_s, 0)
         reaction = ceil_to(speed * Lit(config.reaction_ms, MS), MM)
@@ -101,33 +103,29 @@ class Judged:
 
     @property
     def forwards_too_fast(self) -> Bool:
-        """Possibly faster forwards than the reduced speed."""
+        """The vehicle possibly runs forwards faster than the reduced speed."""
         return self.own.speed + self.own.config.speed_error_mm_s > self.own.config.reduced_speed_mm_s
 
     @property
     def backwards_too_fast(self) -> Bool:
-        """Possibly faster backwards than the reduced speed."""
+        """The vehicle possibly runs backwards faster than the reduced speed."""
         return self.own.config.speed_error_mm_s - self.own.speed > self.own.config.reduced_speed_mm_s
 
     @property
     def too_far(self) -> Bool:
-        """Farther beyond the window than may be repositioned."""
+        """The vehicle is possibly farther beyond the window than it may reposition."""
         return self.high > self.pending.ends + self.own.config.reposition_limit_mm
 
 
 def judge(own: Parts) -> Judged:
-    """Judge one cycle."""
+    """Build the terms of one cycle."""
     first = own.stops[0]
     chosen = Window(first.position.value, first.before, first.after)
     known = [own.selected.value.eq(as_num(1, COUNT)) & first.position.present]
     for number, stop in enumerate(own.stops[1:], 2):
         meant = own.selected.value.eq(as_num(number, COUNT))
         known.append(meant & stop.position.present)
-        chosen = Window(
-            ite(meant, stop.position.value, chosen.stop),
-            ite(meant, stop.before, chosen.before),
-            ite(meant, stop.after, chosen.after),
-        )
+        chosen = choose(meant, Window(stop.position.value, stop.before, stop.after), chosen)
     return Judged(
         own,
         own.position - own.below,

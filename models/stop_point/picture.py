@@ -1,4 +1,4 @@
-"""How a run of the stop-point machine is drawn: as source 001, fig. 2."""
+"""The picture of a run of the stop-point machine, as in source 001, fig. 2."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FIGURE_2, CALLED = ("stop_point-figure-2", "stop_point-overrun"), {1: "207", 2: 
 
 
 def picture(config: StopPointConfig) -> Approach:
-    """Speed over distance to the stop point, with orders, stop window, overrun and repositioning."""
+    """Return the speed over the distance to the stop point, with orders, stop window, overrun and repositioning."""
     return Approach(
         title="Speed over distance to the stop point",
         speed="speed_mm_s",

@@ -1,7 +1,7 @@
 """Simulated stops at a platform, by default that of source fig. 2, as step streams of the stop-point machine with ghosts.
 
-Position and its bounds are those that the reflector machine reports on a simulated run; speed comes with its error.
-The vehicle's driving is given beforehand, well or badly: the machine's orders are what is looked at.
+The reflector machine, on a simulated run, reports position and bounds; the speed has its measuring error. The movement is
+fixed beforehand, well or badly driven, and does not follow the machine's orders.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Stop:
     """One drive to a stop point of the platform.
 
     number   the stop point, from 1 on
-    off_mm   where the vehicle comes to stand first, from the stop point on
+    off_mm   place at which the vehicle first comes to stand, relative to the stop point
     moves    further movements (mm, negative: backwards), each at reduced speed and permitted
     """
 
@@ -46,7 +46,7 @@ class Stop:
 
 @dataclass(frozen=True)
 class StopPlace:
-    """A stop point of the platform: where end A stands when stopped, and its window to either side; mm."""
+    """A stop point of the platform: place of end A of a stopped vehicle, and the window on either side; mm."""
 
     position_mm: int
     before_mm: int = WINDOW_MM
@@ -60,7 +60,7 @@ IN_PLACE, OVERRUN, SHORT = Stop(), Stop(off_mm=3_000, moves=(-3_000,)), Stop(num
 def simulate_stop(
     config: StopPointConfig, *, seed: int, stop: Stop = IN_PLACE, reduced_mm_s: int = 600
 ) -> list[dict[str, Cell]]:
-    """One drive as steps: inputs, ghost inputs, and the remark `truth_mm`. The last cycles are a departure order."""
+    """Return one drive as steps: inputs, ghost inputs, and the remark `truth_mm`. In the last cycles there is a departure order."""
     motion = _motion(stop, reduced_mm_s, SOURCE.period_ms)
     given = Platform(FIGURE_2_STOPS, stop.number, bool(stop.moves))
     return simulate_platform(config, given, motion, source=SOURCE, scene=PLATFORM, seed=seed)
@@ -68,7 +68,7 @@ def simulate_stop(
 
 @dataclass(frozen=True)
 class Platform:
-    """The stop points of a platform in order, the selected one (from 1 on), and whether repositioning is permitted."""
+    """Stop points of a platform in order, number of the selected one, and the permission to reposition."""
 
     stops: tuple[StopPlace, ...]
     selected: int
@@ -78,7 +78,7 @@ class Platform:
 def simulate_platform(
     config: StopPointConfig, platform: Platform, motion: Motion, *, source: ReflectorConfig, scene: Scene, seed: int
 ) -> list[dict[str, Cell]]:
-    """A given motion along a platform as steps; the position is what the reflector machine `source` reports on `scene`.
+    """Return a given motion along a platform as steps; the reflector machine `source` reports the position on `scene`.
 
     InputError for more stop points than the configuration has.
     """
@@ -111,7 +111,7 @@ def simulate_platform(
 
 
 def run_out_nm(config: StopPointConfig, speed_mm_s: int) -> int:
-    """How far a vehicle of that speed runs on when the brakes are ordered, by the guaranteed rate; none runs back."""
+    """Return the run-out of a vehicle of that speed after an order to brake, by the guaranteed rate, nm; 0 if it runs back."""
     speed = max(speed_mm_s, 0)
     return (speed * config.reaction_ms + speed * speed * 1_000 // (2 * config.brake_mm_s2)) * NM_PER_UM
 
@@ -128,7 +128,7 @@ def _motion(stop: Stop, reduced_mm_s: int, period_ms: int) -> Motion:
 
 
 def _places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Cell]:
-    """The map's inputs; the window of a stop point that the platform does not have is that of the first one."""
+    """Return the map's inputs; a stop point that the platform does not have gets the window of the first one."""
     inputs: dict[str, Cell] = {}
     for number in range(1, config.stop_points + 1):
         known = number <= len(stops)
@@ -139,7 +139,7 @@ def _places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Ce
 
 
 def _position(outputs: Mapping[str, Value]) -> dict[str, Cell]:
-    """The reflector machine's report as inputs of this one; 0 where it reports none."""
+    """Return the reflector machine's report as inputs of this one; 0 where there is no position."""
     names = ("position_mm", "margin_above_mm", "margin_below_mm")
     interval: dict[str, Cell] = {name: outputs[name] if outputs["valid"] else 0 for name in names}
     return {"position_valid": outputs["valid"], "position_precise": outputs["precise"], **interval}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Expr, Lit, Var, as_num, ite
+from safeloc.language.expr import TRUE, Lit, ite
 from safeloc.language.machine import Transition
-from safeloc.language.units import COUNT, MM
+from safeloc.language.rows import Updates, together
 from safeloc.models.stop_point.cycle import Judged
 from safeloc.models.stop_point.variables import (
     NO_POSITION,
@@ -18,12 +18,11 @@ from safeloc.models.stop_point.variables import (
     Parts,
 )
 
-Updates = dict[Var, Expr]
 REQUIREMENTS = ("RFL-D7",)
 
 
 def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """All transitions."""
+    """Yield all transitions."""
     yield from _ending(own, table)
     yield from _selecting(own, cycle, table)
     yield from _approaching(own, cycle, table)
@@ -33,31 +32,31 @@ def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transiti
 
 
 def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """The stop is given up, served, or cannot be made."""
+    """Yield the rows that end a stop, and of a lost position."""
     idle, approach, braking, stopped, short, creeping, overrun, repositioning, held = table
     pending = (approach, braking, stopped, short, creeping, overrun, repositioning)
-    over = {**_no_stop(own), own.served: own.pending, own.reason: NO_REASON}
+    over = together(_no_stop(own), {own.served: own.pending, own.reason: NO_REASON})
     yield Transition("released", (short, overrun, held), idle, own.released, over, REQUIREMENTS, 0)
     yield Transition("departs", stopped, idle, own.departure & own.valid, over, REQUIREMENTS, 0)
-    lost: Updates = {own.reason: NO_POSITION, own.distance: as_num(0, MM)}
+    lost: Updates = {own.reason: NO_POSITION, own.distance: 0}
     yield Transition("position lost", pending, held, ~own.valid, lost, REQUIREMENTS, 1)
 
 
 def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Which stop point of the platform is meant; it can be changed until the brake order."""
+    """Yield the rows of the selection of a stop point; the mission may change it until the brake order."""
     idle, approach, *_ = table
     chosen: Updates = {
         own.stop: cycle.chosen.stop,
         own.before: cycle.chosen.before,
         own.after: cycle.chosen.after,
         own.pending: own.selected.value,
-        own.served: as_num(0, COUNT),
+        own.served: 0,
         own.distance: cycle.chosen.stop - own.position,
         own.reason: NO_REASON,
     }
     yield Transition("stop selected", idle, approach, cycle.selectable, chosen, REQUIREMENTS, 2)
     yield Transition("another stop selected", approach, approach, cycle.changed, chosen, REQUIREMENTS, 2)
-    dropped = {**_no_stop(own), own.served: as_num(0, COUNT), own.reason: NO_REASON}
+    dropped = together(_no_stop(own), {own.served: 0, own.reason: NO_REASON})
     yield Transition("no stop selected", (idle, approach), idle, ~cycle.named, dropped, REQUIREMENTS, 2)
     refused: Updates = {own.reason: UNKNOWN_STOP}
     yield Transition("stop not on the map", idle, idle, ~cycle.known, refused, REQUIREMENTS, 3)
@@ -67,29 +66,29 @@ def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tr
 
 
 def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Up to the brake order, and beyond the window."""
+    """Yield the rows up to the brake order, and of an overrun."""
     _, approach, braking, stopped, short, creeping, overrun, *_ = table
-    near = _near(cycle)
+    near = together(_to_go(cycle), _fit(cycle))
     ahead, measured_beyond = (approach, braking, creeping), own.precise & cycle.beyond
     yield Transition("overruns", ahead, overrun, measured_beyond, near, REQUIREMENTS, 4)
     yield Transition("brakes", approach, braking, cycle.brake_now | ~cycle.short, near, REQUIREMENTS, 5)
-    yield Transition("proceeds", approach, approach, set=near, requirements=REQUIREMENTS, rank=6)
+    yield Transition("proceeds", approach, approach, TRUE, near, REQUIREMENTS, 6)
     measured = cycle.standing & own.precise
     yield Transition("stops in place", braking, stopped, measured & cycle.inside, near, REQUIREMENTS, 5)
     yield Transition("stops short", braking, short, measured & cycle.short, near, REQUIREMENTS, 5)
-    yield Transition("brakes on", braking, braking, set=near, requirements=REQUIREMENTS, rank=6)
+    yield Transition("brakes on", braking, braking, TRUE, near, REQUIREMENTS, 6)
 
 
 def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Standing in the window, before it or beyond it."""
+    """Yield the rows of a vehicle that stands in the window, before it or beyond it."""
     _, _, braking, stopped, short, _, overrun, _, held = table
-    near, measured = _near(cycle), cycle.standing & own.precise
+    near, measured = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise
     yield Transition("rolls away", stopped, braking, ~cycle.standing, near, REQUIREMENTS, 5)
     yield Transition("found in place", (short, overrun), stopped, measured & cycle.inside, near, REQUIREMENTS, 5)
     yield Transition(
         "found short", (stopped, overrun), short, measured & cycle.short & ~cycle.beyond, near, REQUIREMENTS, 5
     )
-    far = {**near, own.reason: TOO_FAR}
+    far = together(_to_go(cycle), {own.reason: TOO_FAR})
     yield Transition("too far to reposition", overrun, held, measured & cycle.too_far, far, REQUIREMENTS, 5)
     yield Transition("not beyond after all", overrun, braking, own.precise & ~cycle.beyond, near, REQUIREMENTS, 7)
     yield Transition(
@@ -98,9 +97,9 @@ def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tra
 
 
 def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Creeping forward into the window, and repositioning backwards into it."""
+    """Yield the rows of creeping forward into the window, and of repositioning backwards into it."""
     _, _, braking, _, short, creeping, overrun, repositioning, _ = table
-    near, may = _near(cycle), cycle.standing & own.precise & own.permitted
+    near, may = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise & own.permitted
     yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, REQUIREMENTS, 8)
     yield Transition("repositions", overrun, repositioning, may & cycle.beyond & ~cycle.short, near, REQUIREMENTS, 8)
     unsafe = ~own.precise | ~own.permitted
@@ -119,26 +118,30 @@ def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
 
 
 def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Yield the rows in which the order stays."""
     _, _, _, stopped, short, creeping, overrun, repositioning, held = table
-    for name, mode in (
-        ("stands in place", stopped),
-        ("stands short", short),
-        ("creeps on", creeping),
-        ("stands beyond", overrun),
-        ("reverses on", repositioning),
-    ):
-        yield Transition(name, mode, mode, set=_near(cycle), requirements=REQUIREMENTS, rank=10)
-    yield Transition("held", held, held, set={own.distance: as_num(0, MM)}, requirements=REQUIREMENTS, rank=10)
+    near = together(_to_go(cycle), _fit(cycle))
+    yield Transition("stands in place", stopped, stopped, TRUE, near, REQUIREMENTS, 10)
+    yield Transition("stands short", short, short, TRUE, near, REQUIREMENTS, 10)
+    yield Transition("creeps on", creeping, creeping, TRUE, near, REQUIREMENTS, 10)
+    yield Transition("stands beyond", overrun, overrun, TRUE, near, REQUIREMENTS, 10)
+    yield Transition("reverses on", repositioning, repositioning, TRUE, near, REQUIREMENTS, 10)
+    yield Transition("held", held, held, TRUE, {own.distance: 0}, REQUIREMENTS, 10)
 
 
-def _near(cycle: Judged) -> Updates:
-    """The distance to the stop is shown, and whether the interval fits into the window."""
-    return {
-        cycle.own.distance: cycle.pending.stop - cycle.own.position,
-        cycle.own.reason: ite(cycle.short & cycle.beyond, TOO_COARSE, NO_REASON),
-    }
+# ------------------------------------------------------------------ groups of updates
+
+
+def _to_go(cycle: Judged) -> Updates:
+    """Return the update of the shown distance."""
+    return {cycle.own.distance: cycle.pending.stop - cycle.own.position}
+
+
+def _fit(cycle: Judged) -> Updates:
+    """Return the update of the reason: is the interval too coarse for the window?"""
+    return {cycle.own.reason: ite(cycle.short & cycle.beyond, TOO_COARSE, NO_REASON)}
 
 
 def _no_stop(own: Parts) -> Updates:
-    lengths: Updates = dict.fromkeys((own.stop, own.before, own.after, own.distance), as_num(0, MM))
-    return {**lengths, own.pending: as_num(0, COUNT)}
+    """Return the updates after which no stop is pending: place, window, distance and number are 0."""
+    return {own.stop: 0, own.before: 0, own.after: 0, own.distance: 0, own.pending: 0}

@@ -58,8 +58,8 @@ class StopPointConfig(Config):
 class MapStop:
     """Inputs: one stop point of the platform; absent where the map has none. Lengths in mm.
 
-    position       where end A stands when the vehicle stops
-    before, after  the stop window on either side of it
+    position       place of end A when the vehicle has stopped
+    before, after  length of the stop window on either side of it
     """
 
     position: Optional
@@ -70,11 +70,15 @@ class MapStop:
 class Parts:
     """The variables of the machine.
 
-    selected   which stop point of the platform the mission names, from 1 on
-    permitted  moving within the platform at reduced speed is permitted (dispatcher, doors, rear clear)
+    valid      the position is valid; precise: a measurement gives it
+    selected   number of the stop point that the mission selects, from 1 on; absent: none
+    permitted  the vehicle may move within the platform at reduced speed (dispatcher, doors, rear clear)
     departure  the stop is served, the vehicle may leave it
-    released   whoever is in charge takes over: the stop is given up
-    run_out    ghost: how far the vehicle still runs if the order to brake comes in the next cycle
+    released   the person in charge takes over: the stop is given up
+    stop, before, after  place and window of the pending stop
+    pending, served      numbers of the pending stop and of the one served last; 0: none
+    distance   distance to the pending stop, as shown
+    run_out    ghost: distance that the vehicle still runs if the order to brake comes in the next cycle
     """
 
     def __init__(self, config: StopPointConfig) -> None:
@@ -109,12 +113,12 @@ class Parts:
 
 
 def parts(config: StopPointConfig) -> Parts:
-    """Fresh variables for one machine."""
+    """Return fresh variables for one machine."""
     return Parts(config)
 
 
 def _longest_nm(config: StopPointConfig) -> int:
-    """The run-out from the highest speed, reaction included."""
+    """Return the run-out from the highest speed, reaction included, nm."""
     fastest = config.max_speed_mm_s + config.speed_error_mm_s
     return (fastest * config.reaction_ms // 1_000 + fastest * fastest // (2 * config.brake_mm_s2) + 1) * NM_PER_MM
 

@@ -1,21 +1,19 @@
-"""What is physically so around the stop-point machine: where the front end is, how fast it runs, how far it runs on.
+"""The world of the stop-point machine: the true place and speed of the front end, and its run-out.
 
-The position comes from another device of the vehicle, the reflector machine. That its interval holds the truth is that
-device's word; here it is a law about an input.
+The position comes from another machine of the vehicle, the reflector machine, which proves that its interval holds the truth.
+Here that is a law about an input.
 """
 
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, between, exact_to, product, with_unit
-from safeloc.language.units import NM
+from safeloc.language.units import NM, NM_PER_UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.stop_point.variables import Parts
 
-NM_PER_UM, UM_PER_MM = 1_000, 1_000
-
 
 def world(own: Parts) -> World:
-    """The front end, its speed, and its run-out once the brakes are ordered."""
+    """Return the world: the front end, its speed, and its run-out after an order to brake."""
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
@@ -34,7 +32,7 @@ def _reported(own: Parts) -> Law:
     behind = exact_to(own.position, NM) - exact_to(own.below, NM)
     return Law(
         own.valid.implies(between(behind, own.next_truth, ahead)),
-        "While the position is reported valid, the front end stands within the reported interval.",
+        "While the reported position is valid, the front end lies in the reported interval.",
         source="[D] containment of the reflector machine",
         owner="supplier",
         check="the reflector machine's self-test at every balise",
@@ -45,7 +43,7 @@ def _measured(own: Parts) -> Law:
     error = own.config.speed_error_mm_s
     return Law(
         between(-error, own.next_true_speed - own.speed, error),
-        "The measured speed is off the true speed by no more than its error.",
+        "The measured speed differs from the true one by no more than its error.",
         figures=("speed_error_mm_s",),
         source="[M] 0.36 km/h at platform speeds",
         owner="supplier",
@@ -54,7 +52,7 @@ def _measured(own: Parts) -> Law:
 
 
 def _braked(own: Parts) -> Law:
-    """Twice the braking x what is run after the reaction is at most the square of the speed; in nm, ms and mm/s."""
+    """Return the law: twice the deceleration x the run after the reaction is at most the speed squared; in nm, ms and mm/s."""
     config = own.config
     speed, runs = own.next_true_speed, own.next_run_out
     reaction = with_unit(speed * (config.reaction_ms * NM_PER_UM), NM)
@@ -62,8 +60,8 @@ def _braked(own: Parts) -> Law:
     braking: Bool = (runs - reaction) * (2 * config.brake_mm_s2) <= squared
     return Law(
         (speed > 0).implies(braking) & (speed <= 0).implies(runs.eq(Lit(0, NM))),
-        "After an order to brake the vehicle runs on for the reaction time at its speed, and then brakes at least at "
-        "the guaranteed rate; one that stands or runs back does not run on.",
+        "After an order to brake the vehicle keeps its speed for the reaction time, and then brakes at least at the guaranteed "
+        "rate; a vehicle that stands or runs back does not run on.",
         figures=("reaction_ms", "brake_mm_s2"),
         source="[S] service brake 0.8 to 1.0 m/s2; reaction [M]",
         owner="operator",
@@ -72,7 +70,7 @@ def _braked(own: Parts) -> Law:
 
 
 def _squared(own: Parts) -> Law:
-    """Arithmetic that solvers find slowly by themselves: it excludes nothing."""
+    """Return a fact of arithmetic that solvers find slowly by themselves; it excludes nothing."""
     speed, fastest = own.next_true_speed, own.speed + own.config.speed_error_mm_s
     rising = (speed >= 0) & (speed <= fastest)
     return Law(

@@ -1,12 +1,12 @@
-"""A position on its way from one computer to another: its age is charged to the interval (RFL-14, FVA-9).
+"""A position on its way from one computer to another: its interval is widened by its age (RFL-14, FVA-9).
 
-The sender's report is taken in the cycle in which it is sent, and arrives some cycles later, or never. Between sending and
-use the vehicle moves on, no faster than its highest speed, in either direction: every cycle widens the interval by that,
-before arrival and after it. One report is on its way at a time; a newer one takes its place. A report that revokes (it
-holds no position) takes the position away when it arrives; one that never arrives leaves the last one to grow old.
+The sender's report leaves in the cycle in which it is sent, and arrives some cycles later, or never. Meanwhile the vehicle
+moves on, no faster than its highest speed, in either direction: every cycle widens the interval by that run, before arrival
+and after it. One report is on its way at a time; a newer one takes its place. A revoking report (one without a position)
+withdraws the last position when it arrives; while no report arrives, the last one grows older.
 
     NOTHING  no report, a revoking one, or one that has become too old or too wide
-    HELD     a report is held; its interval is given out, widened by its age
+    HELD     a report is stored; its interval is given out, widened by its age
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.rows import together
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
@@ -43,7 +44,7 @@ REQUIREMENTS = ("FVA-9", "FVA-18", "RFL-14")
 
 
 class TransmissionConfig(Config):
-    """What the link between two computers may do to a report."""
+    """Limits of the link between two computers."""
 
     period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
@@ -64,7 +65,7 @@ class TransmissionConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """A report: whether there is one, whether it holds a position, the interval as it was sent, its age in cycles."""
+    """A report: its presence, the validity of its position, the interval as it was sent, and its age in cycles."""
 
     there: Bool
     valid: Bool
@@ -74,21 +75,21 @@ class Report:
     age: Num
 
     def older(self, config: TransmissionConfig) -> Report:
-        """One cycle later; a report that is too old by then is there no more."""
+        """Return the report one cycle later; NO_REPORT if it is too old then."""
         young = self.there & (self.age + 1 <= config.age_limit_cycles)
         return choose(young, replace(self, there=young, age=self.age + 1), NO_REPORT)
 
     def charged(self, config: TransmissionConfig) -> Num:
-        """What its age adds to either side, mm."""
+        """Return the error that its age adds to either side, mm."""
         return with_unit(self.age * config.run_mm, MM)
 
     def usable(self, config: TransmissionConfig) -> Bool:
-        """It holds a position, narrow enough when its age is charged."""
+        """Return whether it has a position that is narrow enough when widened by its age."""
         charged, widest = self.charged(config), config.margin_limit_mm
         return self.there & self.valid & (self.below + charged <= widest) & (self.above + charged <= widest)
 
     def holds(self, truth: Num, config: TransmissionConfig) -> Bool:
-        """If it holds a position, the truth lies in its interval, widened by its age."""
+        """Return whether the truth lies in its interval, widened by its age, if it has a position."""
         charged = self.charged(config)
         low, high = self.position - self.below - charged, self.position + self.above + charged
         return (self.there & self.valid).implies(between(exact_to(low, NM), truth, exact_to(high, NM)))
@@ -98,7 +99,7 @@ NO_REPORT = Report(FALSE, FALSE, Lit(0, MM), Lit(0, MM), Lit(0, MM), Lit(0, COUN
 
 
 def choose(condition: Bool, then: Report, other: Report) -> Report:
-    """`then` where the condition holds, else `other`."""
+    """Return `then` where the condition holds, else `other`."""
     return Report(
         (condition & then.there) | (~condition & other.there),
         (condition & then.valid) | (~condition & other.valid),
@@ -111,7 +112,7 @@ def choose(condition: Bool, then: Report, other: Report) -> Report:
 
 @dataclass(frozen=True, eq=False)
 class Slot:
-    """State variables that keep a report."""
+    """State variables that store a report."""
 
     there: BoolVar
     valid: BoolVar
@@ -122,11 +123,11 @@ class Slot:
 
     @property
     def report(self) -> Report:
-        """What is kept."""
+        """The stored report."""
         return Report(self.there, self.valid, self.position, self.below, self.above, self.age)
 
     def become(self, report: Report) -> dict[Var, Expr]:
-        """Updates that keep the report."""
+        """Return the updates that store the report."""
         return {
             self.there: report.there, self.valid: report.valid, self.position: report.position,
             self.below: report.below, self.above: report.above, self.age: report.age,
@@ -158,7 +159,7 @@ class Parts:
 
 
 def parts(config: TransmissionConfig) -> Parts:
-    """Fresh variables for one link; where another machine's world moves the sender, use `Parts` with that machine's truth."""
+    """Declare the variables of one link; where another machine's world moves the sender, use `Parts` with that machine's truth."""
     return Parts(config, number("truth_nm", NM, -_reach_nm(config), _reach_nm(config)))
 
 
@@ -187,7 +188,7 @@ def _slot(declared: Declared, name: str, config: TransmissionConfig) -> Slot:
 
 
 def build(own: Parts, name: str = "transmission") -> Transmission:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("NOTHING", "HELD")
     current = current_mode(table)
     held = current.eq(table[1])
@@ -229,9 +230,9 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
         ),
         lemmas=_lemmas(own, held),
         doc=(
-            "Brings a position from one computer to another and charges its age. Assumed: a position that is sent holds the "
-            "truth when it is sent (the sender's own proof discharges this), and the vehicle moves no faster than its "
-            "highest speed. Of arrival nothing is assumed: late, never, or several at once."
+            "Brings a position from one computer to another and widens its interval by its age. Assumed: a position that is sent "
+            "holds the truth when it is sent (the sender's own proof discharges this), and the vehicle moves no faster than its "
+            "highest speed. Nothing is assumed of arrival: a report may come late, never, or together with others."
         ),
     )
     return Transmission(made, own)
@@ -246,13 +247,14 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     lands, kept = own.arrived & flying.there, own.held.report.older(own.config)
     sent = Report(TRUE, own.valid, own.position, own.below, own.above, as_num(0, COUNT))
     way = own.flying.become(choose(own.sent, sent, choose(lands, NO_REPORT, flying)))
-    taken, gone = {**way, **own.held.become(flying)}, {**way, **own.held.become(NO_REPORT)}
+    taken, gone = together(way, own.held.become(flying)), together(way, own.held.become(NO_REPORT))
+    aged = together(way, own.held.become(kept))
     yield Transition("report arrives", table, held, lands & flying.usable(config), taken, REQUIREMENTS, 0)
     yield Transition("report revokes", table, nothing, lands & ~flying.valid, gone, REQUIREMENTS, 1)
     yield Transition("report arrives too wide", table, nothing, lands, gone, REQUIREMENTS, 2)
     yield Transition("report has become too old", held, nothing, ~kept.there, gone, REQUIREMENTS, 3)
     yield Transition("report has become too wide", held, nothing, ~kept.usable(config), gone, REQUIREMENTS, 4)
-    yield Transition("report grows older", held, held, TRUE, {**way, **own.held.become(kept)}, REQUIREMENTS, 5)
+    yield Transition("report grows older", held, held, TRUE, aged, REQUIREMENTS, 5)
     yield Transition("no report", nothing, nothing, TRUE, way, REQUIREMENTS, 5)
 
 
@@ -260,7 +262,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _sent_truly(own: Parts) -> Bool:
-    """What the sender states holds the truth of that cycle."""
+    """The interval that the sender states holds the true position of that cycle."""
     low, high = own.position - own.below, own.position + own.above
     return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
 

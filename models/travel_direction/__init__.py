@@ -1,12 +1,12 @@
 """Direction of travel from the reflector models before and after a balise (RFL-D5; source l. 161, 290).
 
-One balise alone does not tell which way a vehicle runs along the line; the models of the reflectors on its two sides,
-in the order in which they are met, do. `before` and `after` are meant in the line's counting direction.
+One balise alone does not tell the direction in which a vehicle runs along the line. The models of the reflectors on its two
+sides do, by the order in which the vehicle meets them. `before` and `after` refer to the line's counting direction.
 
-    UNKNOWN  nothing is stated
-    HALF     a balise was passed, and the reflector passed last fits one direction; the one ahead has to confirm it
+    UNKNOWN  the machine states no direction
+    HALF     the vehicle passed a balise, and the last reflector before it fits one direction; the next one has to confirm it
     ALONG    the vehicle runs in counting direction
-    AGAINST  it runs against it
+    AGAINST  the vehicle runs against the counting direction
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, ite
+from safeloc.language.expr import TRUE, Bool, Lit, Num, ite
 from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.rows import Updates, together
 from safeloc.models.travel_direction.variables import (
     AGAINST,
     ALONG,
@@ -45,19 +46,19 @@ REQUIREMENTS = ("RFL-D5",)
 
 @dataclass(frozen=True, eq=False)
 class TravelDirection:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
 
 def machine(_: DirectionConfig | None = None) -> Machine:
-    """The direction machine (RFL-D5)."""
+    """Return the direction machine (RFL-D5)."""
     return build(parts()).machine
 
 
 def build(own: Parts) -> TravelDirection:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("UNKNOWN", "HALF", "ALONG", "AGAINST")
     current = current_mode(table)
     _, _, along, against = table
@@ -75,9 +76,9 @@ def build(own: Parts) -> TravelDirection:
         lemmas=_lemmas(own, current, table),
         definitions={"neighbours differ": own.telling, "confirmed ahead": own.confirmed, "refuted ahead": own.refuted},
         doc=(
-            "Direction of travel from the models of the reflectors before and after a balise, in the order in which they "
-            "are met. Assumed: of the two models recognised around a balise at least one is that of the map's reflector "
-            "there, and the direction changes only where the vehicle says that it moves backwards."
+            "Direction of travel from the models of the reflectors before and after a balise, in the order in which the "
+            "vehicle meets them. Assumed: at least one of the two models recognised around a balise is that of the map's "
+            "reflector there, and the direction changes only in a cycle in which the vehicle reports that it turned."
         ),
     )
     return TravelDirection(made, own)
@@ -85,21 +86,23 @@ def build(own: Parts) -> TravelDirection:
 
 def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, half, along, against = table
-    heard: dict[Var, Expr | int | bool] = {own.last: own.latest, own.asked: own.expected}
-    nothing: dict[Var, Expr | int | bool] = {**heard, own.awaited: NO_MODEL, own.along: False}
+    asked: Updates = {own.asked: own.expected}
+    heard = together(asked, {own.last: own.latest})
+    none: Updates = {own.awaited: NO_MODEL, own.along: False}
+    ended, turned = together(heard, none), together(asked, none, {own.last: NO_MODEL})
+    begun_along = together(heard, {own.awaited: own.after, own.along: True})
+    begun_against = together(heard, {own.awaited: own.before, own.along: False})
     fits_along = own.telling & own.latest.eq(own.before) & current.ne(along)
     fits_against = own.telling & own.latest.eq(own.after) & current.ne(against)
-    yield Transition("turned", table, unknown, own.backwards, {**nothing, own.last: NO_MODEL}, REQUIREMENTS, 0)
-    begun = {**heard, own.awaited: own.after, own.along: True}
-    yield Transition("fits along", table, half, fits_along, begun, REQUIREMENTS, 1)
-    begun = {**heard, own.awaited: own.before, own.along: False}
-    yield Transition("fits against", table, half, fits_against, begun, REQUIREMENTS, 1)
-    yield Transition("fits neither", half, unknown, own.balise, nothing, REQUIREMENTS, 2)
-    yield Transition("confirmed along", half, along, own.confirmed & own.along, nothing, REQUIREMENTS, 2)
-    yield Transition("confirmed against", half, against, own.confirmed & ~own.along, nothing, REQUIREMENTS, 2)
-    yield Transition("refuted", half, unknown, own.refuted, nothing, REQUIREMENTS, 2)
+    yield Transition("turned", table, unknown, own.backwards, turned, REQUIREMENTS, 0)
+    yield Transition("fits along", table, half, fits_along, begun_along, REQUIREMENTS, 1)
+    yield Transition("fits against", table, half, fits_against, begun_against, REQUIREMENTS, 1)
+    yield Transition("fits neither", half, unknown, own.balise, ended, REQUIREMENTS, 2)
+    yield Transition("confirmed along", half, along, own.confirmed & own.along, ended, REQUIREMENTS, 2)
+    yield Transition("confirmed against", half, against, own.confirmed & ~own.along, ended, REQUIREMENTS, 2)
+    yield Transition("refuted", half, unknown, own.refuted, ended, REQUIREMENTS, 2)
     for mode in table:
-        yield Transition(f"stay {mode.label.lower()}", mode, mode, set=heard, requirements=REQUIREMENTS, rank=3)
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, heard, REQUIREMENTS, 3)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:

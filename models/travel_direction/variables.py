@@ -13,21 +13,24 @@ UNKNOWN, ALONG, AGAINST = DIRECTION
 
 
 class DirectionConfig(Config):
-    """Nothing to configure: the map gives the models, the route the direction that is expected."""
+    """No figures: the map gives the models, and the route gives the expected direction."""
 
 
 class Parts:
     """The variables of the machine.
 
-    passed         model of a reflector that was passed in this cycle; NONE in most cycles
-    ahead          model of the nearest reflector measured ahead, with the minimum intensity; NONE if there is none
-    before, after  the map's models on the two sides of the balise that is read
-    backwards      the vehicle moved backwards or changed its driving end: what was passed no longer counts
+    passed         model of a reflector that the vehicle passed in this cycle; NONE in most cycles
+    ahead          model of the nearest reflector measured ahead with the minimum intensity; NONE if there is none
+    before, after  the map's models on the two sides of the balise that was read
+    backwards      the vehicle moved backwards or changed its driving end: reflectors passed before no longer count
     expected       the direction by route and movement authority
+    last           model of the last reflector that the vehicle passed; awaited: model that confirms the half decision
+    along          the half decision: in counting direction
+    asked          the expected direction, as received last
     runs_along     ghost: the vehicle runs in counting direction
-    last_read      ghost: the model read of the reflector passed last, since the vehicle turned
-    due            ghost: the model of the reflector that truly comes next after the balise; NONE once one was seen
-    first_right    ghost: of the reflector passed last before the balise the true model was read
+    last_read      ghost: model recognised of the last reflector that the vehicle passed since it turned
+    due            ghost: true model of the next reflector after the balise; NONE once the radar has seen one
+    first_right    ghost: the true model of the last reflector before the balise was recognised
     """
 
     def __init__(self) -> None:
@@ -52,26 +55,26 @@ class Parts:
 
     @property
     def latest(self) -> Num:
-        """The model passed last, this cycle included."""
+        """Model of the last reflector passed, this cycle included."""
         return ite(self.passed.eq(NO_MODEL), self.last, self.passed)
 
     @property
     def telling(self) -> Bool:
-        """A balise is read whose neighbours are of different models."""
+        """The vehicle reads a balise whose two neighbours have different models."""
         known = self.before.ne(NO_MODEL) & self.after.ne(NO_MODEL)
         return self.balise & self.before.ne(self.after) & known
 
     @property
     def confirmed(self) -> Bool:
-        """The reflector ahead is of the awaited model."""
+        """The reflector ahead has the awaited model."""
         return ~self.balise & self.ahead.eq(self.awaited)
 
     @property
     def refuted(self) -> Bool:
-        """The reflector ahead is of another model."""
+        """The reflector ahead has another model."""
         return ~self.balise & self.ahead.ne(NO_MODEL) & self.ahead.ne(self.awaited)
 
 
 def parts(_: DirectionConfig | None = None) -> Parts:
-    """Fresh variables for one machine."""
+    """Return fresh variables for one machine."""
     return Parts()

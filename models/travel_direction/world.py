@@ -1,7 +1,7 @@
-"""The world of the direction machine: which way the vehicle runs, and which reflectors truly stand around a balise.
+"""The world of the direction machine: the true direction, and the true models of the reflectors around a balise.
 
-Along the line the vehicle passes the reflector before a balise, then the balise, and then the one after it comes into view;
-against it, the other way round.
+In counting direction the vehicle passes the reflector before a balise, then the balise, and then sees the one after it; in the
+other direction, the other way round.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 
 def world(own: Parts) -> World:
-    """The direction, what was read of the reflector passed last, and what truly comes next after a balise."""
+    """Return the world."""
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
@@ -28,23 +28,23 @@ def world(own: Parts) -> World:
 
 
 def _read(own: Parts) -> Num:
-    """The model read of the reflector passed last, this cycle included."""
+    """Return the model recognised of the last reflector passed, this cycle included."""
     return ite(own.passed.ne(NO_MODEL), own.passed, own.last_read)
 
 
 def _behind(own: Parts) -> Num:
-    """The model of the reflector that the vehicle truly passed last before the balise."""
+    """Return the true model of the last reflector before the balise."""
     return ite(own.runs_along, own.before, own.after)
 
 
 def _between_models(own: Parts) -> Bool:
-    """A balise is passed between two reflectors of different models."""
+    """Return whether the vehicle passes a balise between two reflectors of different models."""
     different = own.after.ne(own.before)
     return different & own.after.ne(NO_MODEL) & own.before.ne(NO_MODEL) & own.balise
 
 
 def _due(own: Parts) -> Num:
-    """From a balise on that was met after a reflector, until the vehicle turns, meets another one, or sees one ahead."""
+    """Return the true model of the next reflector: from a balise after a reflector, until the vehicle turns or meets the next one."""
     next_one = ite(_read(own).eq(NO_MODEL), NO_MODEL, ite(own.runs_along, own.after, own.before))
     over = own.backwards | own.balise | own.ahead.ne(NO_MODEL)
     return ite(_between_models(own) & ~own.backwards, next_one, ite(over, NO_MODEL, own.due))
@@ -54,8 +54,8 @@ def _recognised(own: Parts) -> Law:
     first_seen = own.due.ne(NO_MODEL) & ~own.balise & ~own.backwards & own.ahead.ne(NO_MODEL)
     return Law(
         first_seen.implies(own.first_right | own.ahead.eq(own.due)),
-        "Of the models of the two reflectors around a balise, the one passed last before it and the first one seen after it, "
-        "at least one is read as the map has it; and the direction changes only where the vehicle says that it turned.",
+        "Of the last reflector before a balise and the first one seen after it, at least one is recognised with the model that "
+        "the map has; and the direction changes only in a cycle in which the vehicle reports that it turned.",
         source="[M] signatures told apart; source l. 161 and 290",
         owner="supplier",
         check="models read against the map, in operation",

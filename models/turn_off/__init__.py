@@ -1,14 +1,14 @@
 """Straight on or turning off at a switch, from the lateral motion of a reflector in view (RFL-12; source l. 169, 294).
 
-Before the switch the reflector keeps its place beside the vehicle's axis. Where the vehicle turns off, the image of a
-reflector ahead moves to the other side; where it runs straight on, the reflector stays. What is seen is compared with
-the course that map and movement authority give.
+Before the switch the image of a reflector ahead keeps its place beside the vehicle's axis. If the vehicle turns off, the
+image moves to the other side; if it runs straight on, the image stays. The machine compares the course that it sees with
+the one that map and movement authority give.
 
     IDLE      no switch in view
-    BEFORE    a switch lies ahead, within the view zone of the reflector that is measured: its lateral place is noted
-    OVER      the vehicle may be on the switch: the lateral place is watched
+    BEFORE    a switch lies ahead, in view of a reflector behind it: the machine notes the reflector's lateral place
+    OVER      the vehicle may be on the switch: the machine watches the lateral place
     DECIDED   straight on, left or right
-    UNSEEN    the reflector was not measured long enough: the next reflector's model has to tell
+    UNSEEN    the reflector was not measured long enough: only the next reflector's model can tell the course
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var, abs_, as_num, ite
+from safeloc.language.expr import TRUE, Bool, Lit, Num, abs_, as_num, ite
 from safeloc.language.machine import Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM
+from safeloc.language.rows import Updates, together
+from safeloc.language.units import COUNT
 from safeloc.models.turn_off.variables import COURSE, LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts, TurnOffConfig, parts
 from safeloc.models.turn_off.world import world
 
@@ -35,23 +36,24 @@ __all__ = [
     "machine",
     "parts",
 ]
+REQUIREMENTS = ("RFL-12",)
 
 
 @dataclass(frozen=True, eq=False)
 class TurnOff:
-    """The machine together with its variables, for properties to speak about."""
+    """The machine with the variables that its properties read."""
 
     machine: Machine
     own: Parts
 
 
 def machine(config: TurnOffConfig | None = None) -> Machine:
-    """The turn-off machine (RFL-12)."""
+    """Return the turn-off machine (RFL-12)."""
     return build(parts(config or TurnOffConfig())).machine
 
 
 def build(own: Parts) -> TurnOff:
-    """The machine over the given variables."""
+    """Return the machine over the given variables."""
     table = modes("IDLE", "BEFORE", "OVER", "DECIDED", "UNSEEN")
     current = current_mode(table)
     _, _, over, decided, _ = table
@@ -67,12 +69,12 @@ def build(own: Parts) -> TurnOff:
         lemmas=_lemmas(own, current, table),
         definitions={"the image moved by": own.motion, "surely before": own.before, "surely through": own.through},
         doc=(
-            "Straight on or turning off, from the lateral motion of a reflector in view over a switch, against the course "
-            "by map and movement authority. Assumed: a switch is told only while the whole interval lies before it, and what "
-            "is measured then and later, until another one is told, is the reflector behind it; lateral places are measured "
-            "within their error; running straight on, the image moves by no more than the sway; turning off, it moves to the "
-            "other side, and beyond the turnout by at least the configured shift; the reported interval holds the true "
-            "position."
+            "Decides from the lateral motion of a reflector, in view over a switch, whether the vehicle runs straight on or "
+            "turns off, and compares that with the course by map and movement authority. Assumed: the map gives a switch only "
+            "while the whole interval lies before it, and from then on, until it gives another one, the radar measures the "
+            "reflector behind that switch; lateral places are measured within their error; if the vehicle runs straight on, "
+            "the image moves by no more than the sway; if it turns off, the image moves to the other side, beyond the turnout by "
+            "at least the configured shift; the reported interval holds the true position."
         ),
     )
     return TurnOff(made, own)
@@ -80,43 +82,33 @@ def build(own: Parts) -> TurnOff:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     idle, before, over, decided, unseen = table
-    turn, straight, zero = own.config.turn_mm, own.config.straight_mm, as_num(0, COUNT)
-    trace = ("RFL-12",)
-    noting: dict[Var, Expr] = {
-        own.here: own.switch.value,
-        own.noted: own.lateral,
-        own.course: UNDECIDED,
-        own.asked: own.authorised,
-        own.misses: zero,
-    }
-    missed = ite(own.measured, zero, ite(own.misses >= own.misses.high, own.misses, own.misses + 1))
-    watched: dict[Var, Expr] = {own.misses: missed, own.asked: own.authorised}
-
-    def seen(course: Lit) -> dict[Var, Expr]:
-        return {own.course: course, own.asked: own.authorised, own.misses: zero}
-
-    yield Transition("switch in view", table, before, own.announced, noting, trace, 0)
-    yield Transition(
-        "reflector unseen",
-        (before, over),
-        unseen,
-        own.given_up,
-        {own.asked: own.authorised, own.misses: zero},
-        trace,
-        1,
-    )
-    kept = {**watched, own.noted: ite(own.measured, own.lateral, own.noted)}
-    yield Transition("still before", before, before, own.before, kept, trace, 2)
-    yield Transition("on the switch", before, over, ~own.before, watched, trace, 2)
-    yield Transition("backs off", over, before, own.before, watched, trace, 2)
-    yield Transition("turns left", over, decided, own.measured & (own.motion < -turn), seen(LEFT), trace, 3)
-    yield Transition("turns right", over, decided, own.measured & (own.motion > turn), seen(RIGHT), trace, 3)
+    turn, straight = own.config.turn_mm, own.config.straight_mm
+    asked: Updates = {own.asked: own.authorised}
+    found: Updates = {own.misses: 0}
+    missed: Updates = {own.misses: _misses(own)}
+    nearer: Updates = {own.noted: ite(own.measured, own.lateral, own.noted)}
+    noting = together(asked, found, {own.here: own.switch.value, own.noted: own.lateral, own.course: UNDECIDED})
+    unseen_on, watched, noted = together(asked, found), together(asked, missed), together(asked, missed, nearer)
+    left, right, on = (together(asked, found, {own.course: course}) for course in (LEFT, RIGHT, STRAIGHT))
+    forgotten: Updates = {own.here: own.here.low, own.course: UNDECIDED, own.asked: UNDECIDED}
+    yield Transition("switch in view", table, before, own.announced, noting, REQUIREMENTS, 0)
+    yield Transition("reflector unseen", (before, over), unseen, own.given_up, unseen_on, REQUIREMENTS, 1)
+    yield Transition("still before", before, before, own.before, noted, REQUIREMENTS, 2)
+    yield Transition("on the switch", before, over, ~own.before, watched, REQUIREMENTS, 2)
+    yield Transition("backs off", over, before, own.before, watched, REQUIREMENTS, 2)
+    yield Transition("turns left", over, decided, own.measured & (own.motion < -turn), left, REQUIREMENTS, 3)
+    yield Transition("turns right", over, decided, own.measured & (own.motion > turn), right, REQUIREMENTS, 3)
     goes_on = own.measured & own.through & (abs_(own.motion) <= straight)
-    yield Transition("runs straight on", over, decided, goes_on, seen(STRAIGHT), trace, 4)
-    yield Transition("watch", over, over, set=watched, requirements=trace, rank=5)
-    forgotten: dict[Var, Expr] = {own.here: as_num(own.here.low, MM), own.course: UNDECIDED, own.asked: UNDECIDED}
-    yield Transition("back before the switch", (decided, unseen), idle, own.before, forgotten, trace, 5)
-    yield Transition("keep the course", decided, decided, set={own.asked: own.authorised}, requirements=trace, rank=6)
+    yield Transition("runs straight on", over, decided, goes_on, on, REQUIREMENTS, 4)
+    yield Transition("watch", over, over, TRUE, watched, REQUIREMENTS, 5)
+    yield Transition("back before the switch", (decided, unseen), idle, own.before, forgotten, REQUIREMENTS, 5)
+    yield Transition("keep the course", decided, decided, TRUE, asked, REQUIREMENTS, 6)
+
+
+def _misses(own: Parts) -> Num:
+    """Return the cycles in a row without a measurement, this one included."""
+    counted = ite(own.misses >= own.misses.high, own.misses, own.misses + 1)
+    return ite(own.measured, as_num(0, COUNT), counted)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:

@@ -1,7 +1,7 @@
 """Simulated runs over switches as step streams of the turn-off machine, its ghosts included.
 
-Position, and whether the reflector behind a switch is measured, are what the reflector machine reports on a simulated
-run. The image's lateral motion is made here: none before a switch; beyond it none, or growing to the other side.
+The reflector machine, on a simulated run, reports the position and whether it measures the reflector behind a switch. This
+module adds the image's lateral motion: none before a switch; beyond it none, or growing to the other side.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from safeloc.simulation.motion import Motion
 
 Steps = list[dict[str, Cell]]
 OTHER = {"STRAIGHT": "LEFT", "LEFT": "STRAIGHT", "RIGHT": "STRAIGHT"}
-"""What a movement authority says that sends the vehicle the other way."""
+"""Course of a movement authority that sends the vehicle the other way."""
 
 
 @dataclass(frozen=True)
 class SwitchAhead:
     """A facing switch on the way, mm along it: its place, the course taken, and the first reflector behind it.
 
-    lateral_mm  where the reflector's image lies beside the axis before the switch, positive to the left
+    lateral_mm  lateral place of the reflector's image before the switch, positive to the left
     """
 
     position_mm: int
@@ -50,7 +50,7 @@ def simulate(
     seed: int,
     wrong_authority: bool = False,
 ) -> Steps:
-    """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+    """Return a run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
     wrong_authority  map and movement authority name another course at every switch than the one taken
     """
@@ -61,12 +61,12 @@ def simulate(
 
 @lru_cache(maxsize=8)
 def _on_board(config: str) -> Compiled:
-    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    """Return the machine without its world, cached for further runs with the same configuration (JSON)."""
     return compile_system(without_ghosts(lower(machine(TurnOffConfig.model_validate_json(config)))))
 
 
 class _Run:
-    """A run under way, with the machine on board: which switch it watches decides what its map says next."""
+    """A run under way, with the machine on board: the switch that it watches decides which one the map gives next."""
 
     def __init__(
         self, config: TurnOffConfig, switches: Sequence[SwitchAhead], rng: random.Random, wrong_authority: bool
@@ -77,7 +77,7 @@ class _Run:
         self._state = self._board.first()
 
     def step(self, truth_nm: int, reported: Mapping[str, Value]) -> dict[str, Cell]:
-        """The inputs and ghosts of one cycle, after which the machine on board has run it."""
+        """Return the inputs and ghosts of one cycle, and run it in the machine on board."""
         low, high = self._interval(reported)
         watched = self._switches.get(self._here())
         ahead = self._ahead(high)
@@ -103,7 +103,7 @@ class _Run:
         return {**inputs, **ghosts, "truth_mm": truth_nm // NM_PER_MM}
 
     def _interval(self, reported: Mapping[str, Value]) -> tuple[int, int]:
-        """The reported interval; the whole line where nothing is reported."""
+        """Return the reported interval; the whole line while nothing is reported."""
         limit = self._config.position_limit_mm
         if not reported["valid"]:
             return -limit, limit
@@ -114,12 +114,12 @@ class _Run:
         return int(dict(zip(self._board.state_names, self._state, strict=True))["switch_here_mm"])
 
     def _ahead(self, high_mm: int) -> SwitchAhead | None:
-        """The next switch that surely lies ahead."""
+        """Return the next switch that surely lies ahead."""
         places = [place for place in self._switches if place > high_mm]
         return self._switches[min(places)] if places else None
 
     def _shift_mm(self, switch: SwitchAhead, truth_nm: int) -> int:
-        """How far the image has moved: from the switch on, to a fifth more than the least shift where it must show."""
+        """Return the motion of the image: growing from the switch on, up to a fifth more than the least shift where it must show."""
         beyond = truth_nm // NM_PER_MM - switch.position_mm
         if beyond <= 0 or switch.course == "STRAIGHT":
             return 0
@@ -135,5 +135,5 @@ class _Run:
 
 
 def _measures(reported: Mapping[str, Value], switch: SwitchAhead) -> bool:
-    """The reflector machine measures the reflector behind the switch."""
+    """Return whether the reflector machine measures the reflector behind the switch."""
     return bool(reported["precise"]) and reported["reflector_position_mm"] == switch.reflector_mm

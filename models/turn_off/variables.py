@@ -25,7 +25,7 @@ UNDECIDED, STRAIGHT, LEFT, RIGHT = COURSE
 
 
 class TurnOffConfig(Config):
-    """How far a reflector's image moves, and how exactly that is measured."""
+    """Figures of the image's lateral motion and of its measurement."""
 
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
     lateral_error_mm: int = quantity(400, "mm", 0, 10_000, "[D] 3 mrad at 100 m, and 0.1 m of sway and survey")
@@ -60,7 +60,12 @@ class Parts:
     authorised   the course by map and movement authority
     true_switch  ghost: the switch whose reflector is measured
     true         ghost: the course the vehicle takes at that switch
-    place, shift ghosts: where the reflector lies beside the axis before the switch, and how far its image has moved
+    place, shift ghosts: lateral place of the reflector before the switch, and the lateral motion of its image since then
+    here         the switch that is watched; its lowest value: none
+    noted        lateral place of the image before the switch
+    course       the course seen; UNDECIDED: none yet
+    asked        the course by map and movement authority, as received last
+    misses       cycles in a row without a measurement, over the switch
     """
 
     def __init__(self, config: TurnOffConfig) -> None:
@@ -87,7 +92,7 @@ class Parts:
 
     @property
     def motion(self) -> Num:
-        """How far the image has moved since it was noted."""
+        """Lateral motion of the image since its place was noted, mm."""
         return self.lateral - self.noted
 
     @property
@@ -102,16 +107,16 @@ class Parts:
 
     @property
     def through(self) -> Bool:
-        """The whole interval lies beyond the turnout: a turn would show."""
+        """The whole interval lies beyond the turnout: a turn would show by now."""
         return self.low >= self.here + self.config.decide_mm
 
     @property
     def given_up(self) -> Bool:
-        """The vehicle is far beyond the switch, or the reflector was not measured for too long."""
+        """The vehicle is far beyond the switch, or the radar has not measured the reflector for too long."""
         far = self.low > self.here + self.config.give_up_mm
         return far | (~self.measured & (self.misses >= self.config.miss_limit_cycles))
 
 
 def parts(config: TurnOffConfig) -> Parts:
-    """Fresh variables for one machine."""
+    """Return fresh variables for one machine."""
     return Parts(config)

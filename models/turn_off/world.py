@@ -1,6 +1,6 @@
-"""The world of the turn-off machine: the switch whose reflector is measured, the course that is taken, and what the image does.
+"""The world of the turn-off machine: the switch whose reflector is measured, the vehicle's course, and the motion of the image.
 
-The map tells a switch while it surely lies ahead. From then on, until it tells another one, what is measured is the
+The map gives a switch while it surely lies ahead. From then on, until it gives another one, the radar measures the
 reflector behind that switch.
 """
 
@@ -12,7 +12,7 @@ from safeloc.models.turn_off.variables import LEFT, RIGHT, STRAIGHT, UNDECIDED, 
 
 
 def world(own: Parts) -> World:
-    """Switch, course and lateral place; the course may change while the vehicle is before the switch."""
+    """Return the world; the course may change while the vehicle is before the switch."""
     chosen = _another(own) | (own.measured & (own.high < own.true_switch))
     return World(
         ghosts=own.declared.ghosts,
@@ -35,7 +35,7 @@ def world(own: Parts) -> World:
 
 
 def _another(own: Parts) -> Bool:
-    """The map tells another switch, and its reflector is measured."""
+    """Return whether the map gives another switch, and the radar measures its reflector."""
     return own.switch.present & own.measured & own.switch.value.ne(own.true_switch)
 
 
@@ -71,7 +71,7 @@ def _measured(own: Parts) -> Law:
     error = own.config.lateral_error_mm
     return Law(
         own.measured.implies(between(-error, own.lateral - own.shift - _place(own), error)),
-        "The lateral place of a reflector is measured within its error: where it lies before the switch, and what it moved.",
+        "The measured lateral place is the place before the switch plus the motion of the image, within the measuring error.",
         ("lateral_error_mm",),
         "[D] 3 mrad at 100 m, and 0.1 m of sway and survey",
         "supplier",
@@ -82,7 +82,7 @@ def _measured(own: Parts) -> Law:
 def _rests(own: Parts) -> Law:
     return Law(
         (own.high < _switch(own)).implies(own.shift.eq(0)),
-        "Until the vehicle is on the switch, the image keeps its place; the reported interval holds the vehicle.",
+        "The image keeps its place until the vehicle is on the switch; the reported interval holds the vehicle.",
         source="[D] geometry of straight track; containment of the reflector machine",
         owner="infrastructure",
         check="a reflector is placed so that it is seen along straight track before the switch",
@@ -93,7 +93,7 @@ def _sways(own: Parts, chosen: Bool) -> Law:
     sway = own.config.sway_mm
     return Law(
         _course(own, chosen).eq(STRAIGHT).implies(between(-sway, own.shift, sway)),
-        "Running straight on, the image moves by no more than the vehicle sways.",
+        "If the vehicle runs straight on, the image moves by no more than the vehicle sways.",
         ("sway_mm",),
         "[M]",
         "operator",
@@ -105,10 +105,10 @@ def _turns(own: Parts, chosen: Bool, *, left: bool) -> Law:
     config, moved = own.config, -own.shift if left else own.shift
     beyond = own.low - _switch(own) >= config.decide_mm
     course = _course(own, chosen).eq(LEFT if left else RIGHT)
-    side = "left" if left else "right"
+    side, other = ("left", "right") if left else ("right", "left")
     return Law(
         course.implies((moved >= -config.sway_mm) & (beyond.implies(moved >= config.least_shift_mm))),
-        f"If the vehicle turns {side}, the image moves to the {side}: never farther the other way than the vehicle sways, and, "
+        f"If the vehicle turns {side}, the image moves to the {other}: never farther to the {side} than the vehicle sways, and, "
         "once the vehicle is beyond the turnout, by at least the least shift.",
         ("least_shift_mm", "decide_mm", "sway_mm"),
         "[D] turnout 1:9: 6.3 degrees, 2.5 m at 23 m of range; source l. 294",

@@ -1,1 +1,1 @@
-"""What several modes share: error laws, intervals, the odometer between references, reasons, reflector models."""
+"""Terms that several machines share: error laws, intervals, the odometer between references, reasons, reflector models."""

@@ -1,10 +1,10 @@
-"""What a machine shows of an interval while it reports none: numbers that cannot be taken for a place or for a margin."""
+"""Outputs of an interval while a machine reports none: numbers that nobody can take for a place or a margin."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from safeloc.language.absence import NO_BOUND, NO_PLACE, heard, shown_if
+from safeloc.language.absence import NO_BOUND, NO_PLACE, shown_if, zero_while_absent
 from safeloc.language.expr import Bool, Num
 from safeloc.language.machine import Machine
 
@@ -27,5 +27,5 @@ def margin_if(valid: Bool, margin_mm: Num) -> Num:
 def heard_interval(machine: Machine) -> tuple[Num, Num, Num]:
     """Return position, margin below and margin above of a machine for a wire: 0 while they are absent."""
     names = ("position_mm", "margin_below_mm", "margin_above_mm")
-    position, below, above = (heard(machine.output(name)) for name in names)
+    position, below, above = (zero_while_absent(machine.output(name)) for name in names)
     return position, below, above

@@ -1,10 +1,10 @@
-"""Error laws of distance-measuring units (MRK-4): how far a measured distance may be from the true one.
+"""Error laws of distance-measuring units (MRK-4): the greatest error of a measured distance.
 
 A unit measures a distance in every cycle. Its error since a reference is at most
 
     constant + sum over cycles of ( floor x period + rate x distance above the knee + drift x age x period )
 
-`constant` is a one-off (quantisation, a wheel that slips and grips again): the error wanders within it and does not
+`constant` counts once (quantisation, a wheel that slips and grips again): the error wanders within it and does not
 add up. All terms are exact whole nanometres: mm x ppm, mm/s x ms x 1000 and mm/s2 x ms x ms are all nm.
 """
 
@@ -16,11 +16,10 @@ from pydantic import Field
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import Lit, Num, as_num, exact_to, floor_to, maximum, with_unit
-from safeloc.language.units import MM, MM_S, MS, NM, NM_PER_MM, PPM
+from safeloc.language.units import MM, MM_S, MS, NM, NM_PER_MM, PPM, PPM_PER_ONE
 
-WHOLE_PPM = 1_000_000
 MOST_RATE_PPM = 900_000
-"""A machine with one odometer takes none that errs more: what it measures would be hardly any distance."""
+"""The greatest rate that a machine with a single odometer accepts: beyond it, a measurement hardly tells any distance."""
 UnitKind = Literal["wheel", "radar", "accelerometer", "eddy_current", "optical"]
 
 
@@ -42,12 +41,12 @@ class ErrorLaw(Config):
         return self.constant_mm * NM_PER_MM // 2
 
     def portion(self, share_ppm: int) -> ErrorLaw:
-        """The law of this share of a cycle, rounded up; without drift, which has no share that is the same in every cycle."""
-        rate, floor = (-(-figure * share_ppm // WHOLE_PPM) for figure in (self.rate_ppm, self.floor_mm_s))
+        """Return the law of this share of a cycle, rounded up; without drift, whose share differs from cycle to cycle."""
+        rate, floor = (-(-figure * share_ppm // PPM_PER_ONE) for figure in (self.rate_ppm, self.floor_mm_s))
         return self.model_copy(update={"rate_ppm": rate, "floor_mm_s": floor, "drift_mm_s2": 0})
 
     def growth_nm(self, distance: Num, age: Num, period_ms: int) -> Num:
-        """The error that one cycle adds. distance: magnitude in mm; age: ms since the reference. Unit nm."""
+        """Return the error that one cycle adds, nm. distance: magnitude in mm; age: ms since the reference."""
         knee = floor_to(Lit(self.knee_mm_s, MM_S) * Lit(period_ms, MS), MM)
         above = maximum(distance - knee, 0) if self.knee_mm_s else distance
         floor = exact_to(Lit(self.floor_mm_s, MM_S) * Lit(period_ms, MS), NM)

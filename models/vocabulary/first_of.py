@@ -6,7 +6,7 @@ from safeloc.language.expr import Bool, Num, ite
 
 
 def first_of(*cases: tuple[Bool, Num], default: Num) -> Num:
-    """The value of the first case whose condition holds."""
+    """Return the value of the first case whose condition holds."""
     result = default
     for condition, value in reversed(cases):
         result = ite(condition, value, result)

@@ -1,11 +1,25 @@
-"""A measured distance: what a cycle makes of it, and the bounds that it is judged by."""
+"""A distance that is measured once in a cycle: its limits, and its effect on the position."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
 
-from safeloc.language.expr import members
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.expr import (
+    Bool,
+    Num,
+    NumVar,
+    Optional,
+    abs_,
+    as_num,
+    ite,
+    members,
+    minimum,
+)
+from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.interval import Interval
 
 MEASURED = members("measured", "ADMITTED", "MISSING", "TOO_FAST", "JUMP")
 ADMITTED, MISSING, TOO_FAST, JUMP = MEASURED
@@ -13,7 +27,7 @@ ADMITTED, MISSING, TOO_FAST, JUMP = MEASURED
 
 @dataclass(frozen=True)
 class Limits:
-    """The physical and configured bounds a device works within; all whole numbers in the units named."""
+    """Physical and configured limits of a measuring device, whole numbers in the units named."""
 
     period_ms: int
     tolerance_mm: int
@@ -28,10 +42,94 @@ class Limits:
 
     @property
     def tolerance_nm(self) -> int:
-        """The tolerable error in nm."""
+        """The tolerable error, nm."""
         return self.tolerance_mm * NM_PER_MM
 
     @property
     def blind_nm(self) -> int:
-        """The farthest the vehicle gets in one cycle, in nm."""
+        """The farthest that the vehicle gets in a cycle, nm."""
         return self.max_speed_mm_s * self.period_ms * 1_000
+
+
+class CycleLimits(Protocol):
+    """The figures of a cycle that a measured distance is judged by."""
+
+    @property
+    def period_ms(self) -> int:
+        """Length of the cycle, ms."""
+        ...
+
+    @property
+    def max_step_mm(self) -> int:
+        """The greatest distance that is measured in a cycle at the highest speed, mm."""
+        ...
+
+    @property
+    def blind_nm(self) -> int:
+        """The farthest that the vehicle gets in a cycle, nm."""
+        ...
+
+    @property
+    def gap_limit(self) -> int:
+        """The most cycles without a usable distance."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredDistance:
+    """A distance measured once in a cycle, wrong by no more than its error law allows.
+
+    The distance is used if it is there and the vehicle can have run it. Otherwise the position rests, and the farthest travel
+    at the highest speed is added to both margins: no guess takes the place of a missing distance.
+
+    gap   cycles since the last distance that was used
+    more  error beyond the law, nm, which a checking unit reports with each distance (safeloc.models.motion)
+    """
+
+    law: ErrorLaw
+    step: Optional
+    gap: NumVar
+    limits: CycleLimits
+    more: NumVar | None = field(default=None, kw_only=True)
+
+    @cached_property
+    def inputs(self) -> list[NumVar | Optional]:
+        """The measured distance, and the error that is reported with it."""
+        return [self.step] if self.more is None else [self.step, self.more]
+
+    @cached_property
+    def admitted(self) -> Bool:
+        """This cycle's distance is used."""
+        return self.step.present & (abs_(self.step.value) <= self.limits.max_step_mm)
+
+    @cached_property
+    def failed(self) -> Bool:
+        """No distance could be used for longer than permitted."""
+        return ~self.admitted & (self.gap + 1 > self.limits.gap_limit)
+
+    @cached_property
+    def distance(self) -> Num:
+        """Distance by which the position moves, mm: the measured one, or 0."""
+        return ite(self.admitted, self.step.value, as_num(0, MM))
+
+    @cached_property
+    def most_error(self) -> Num:
+        """Greatest error of a distance that is used, nm: by the law, and what is reported beyond it."""
+        return self._with_more(self.law.growth_nm(abs_(self.step.value), as_num(0, MS), self.limits.period_ms))
+
+    def _with_more(self, error: Num) -> Num:
+        return error if self.more is None else error + self.more
+
+    @cached_property
+    def growth(self) -> Num:
+        """Error that the cycle adds to either margin, nm: that of the distance, or the farthest travel where none is used."""
+        return ite(self.admitted, self.most_error, self._with_more(as_num(self.limits.blind_nm, NM)))
+
+    def run_on(self, interval: Interval) -> Interval:
+        """Return the interval after this cycle's distance; the law's one-off constant has to be in its margins already."""
+        return interval.moved(self.distance, self.growth)
+
+    @cached_property
+    def gap_after(self) -> Num:
+        """Cycles without a usable distance after this one, counted up to one more than permitted."""
+        return ite(self.admitted, as_num(0, COUNT), minimum(self.gap + 1, self.limits.gap_limit + 1))

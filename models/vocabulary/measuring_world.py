@@ -1,6 +1,6 @@
-"""A unit that measures distance, as the world has it: which distances a vehicle can have run, and what a law allows them.
+"""A distance-measuring unit in a world: the distances that a vehicle can have run, and the errors that its law allows.
 
-For worlds alone: no machine imports this. A machine charges with figures and terms of its own.
+Only worlds import this. A machine adds errors by figures and terms of its own, so that a wrong one cannot excuse itself.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ THOUSAND = 1_000
 
 @dataclass(frozen=True)
 class Physics:
-    """What a vehicle can run, and how finely it is measured; cycles are counted no farther than `longest_cycles`."""
+    """Limits of the vehicle's movement, and the step of its measurement; silence is counted up to `longest_cycles`."""
 
     period_ms: int
     max_speed_mm_s: int
@@ -43,7 +43,7 @@ class Physics:
 
     @property
     def farthest_mm(self) -> int:
-        """The farthest that a unit measures in a cycle at the highest speed, in whole mm."""
+        """The greatest distance that a unit measures in a cycle at the highest speed, in whole mm."""
         return -(-self.max_speed_mm_s * self.period_ms // THOUSAND) + self.measuring_step_mm
 
     @property
@@ -53,13 +53,18 @@ class Physics:
 
     @property
     def farthest_nm(self) -> int:
-        """What the vehicle really runs in a cycle at its highest speed, nm."""
+        """The true distance of a cycle at the highest speed, nm."""
         return self.max_speed_mm_s * self.period_ms * THOUSAND
 
 
 @dataclass(frozen=True, eq=False)
 class Measuring:
-    """A unit: what it delivers, and the last distance it delivered that can have been run, with the cycles since then."""
+    """A unit in the world.
+
+    step    distance that the unit delivers
+    heard   ghost: the last distance it delivered that a vehicle can have run, mm
+    silent  ghost: cycles since then
+    """
 
     law: ErrorLaw
     step: Optional
@@ -69,9 +74,9 @@ class Measuring:
 
     @property
     def can_be_run(self) -> Bool:
-        """A distance was delivered, and a vehicle can have run it: by its speed, and since the last such distance.
+        """The unit delivered a distance that a vehicle can have run, by its speed and by the change since the last such distance.
 
-        Written as limits either way, where machines compare sizes: no wrong edit of a machine's term is repeated here.
+        The term limits the distance either way, where machines compare magnitudes: a wrong edit there is not repeated here.
         """
         step, farthest_mm = self.step.value, self.physics.farthest_mm
         change = with_unit((self.silent + 1) * self.physics.change_mm, MM)
@@ -80,11 +85,11 @@ class Measuring:
         return all_of([self.step.present, between(-farthest_mm, step, farthest_mm), changed])
 
     def first(self) -> dict[Var, Initial]:
-        """Ghosts with initial values: nothing was delivered yet."""
+        """Return the ghosts with their first values: the unit has delivered nothing yet."""
         return {self.heard: 0, self.silent: self.physics.gap_limit_cycles + 1}
 
     def moves(self) -> dict[Var, Expr]:
-        """How its ghosts move."""
+        """Return the next values of the ghosts."""
         counts, longest = self.can_be_run, self.physics.longest_cycles
         return {
             self.heard: ite(counts, self.step.value, self.heard),
@@ -92,9 +97,9 @@ class Measuring:
         }
 
     def allows(self, error: Num, drift_age: Num | None = None) -> Bool:
-        """Whether the law allows this error of the cycle's distance, nm; `drift_age`: ms since it was set, if it drifts.
+        """Return whether the law allows this error of the cycle's distance, nm; `drift_age`: ms since the reference, if it drifts.
 
-        In thousandths of a nm: the rate counts what lies above the knee.
+        The rate counts the part of the distance above the knee, in thousandths of a nm.
         """
         law, period = self.law, self.physics.period_ms
         thousandths, knee = self.step.value * THOUSAND, Lit(law.knee_mm_s * period, MM)

@@ -1,14 +1,15 @@
-"""The odometer between two groups: one measured distance a cycle, admitted only where the vehicle can have run it.
+"""The odometer between two references: one measured distance a cycle, used only where the vehicle can have run it.
 
-A distance that is missing or not admitted is never replaced by a guess: the estimate rests and both margins grow by
-what the vehicle can have run at its highest speed. Where several hear one odometer that a second unit checks
-(safeloc.models.motion), the distance comes judged, and with it what is to be charged beyond the law.
+Several machines may read one odometer that a second unit checks (safeloc.models.motion). They get its distances checked
+already, and with each one the error that has to be added beyond the law.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     Bool,
@@ -16,139 +17,117 @@ from safeloc.language.expr import (
     Expr,
     Num,
     NumVar,
-    Optional,
     Var,
     abs_,
-    as_num,
     choice,
     enumeration,
     ite,
     maximum,
-    minimum,
     number,
     optional,
     with_unit,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.vocabulary.error_law import ErrorLaw
-from safeloc.models.vocabulary.interval import Interval
-from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
+from safeloc.models.vocabulary.measured import (
+    ADMITTED,
+    JUMP,
+    MEASURED,
+    MISSING,
+    TOO_FAST,
+    Limits,
+    MeasuredDistance,
+)
 
 
 @dataclass(frozen=True, eq=False)
-class Odometer:
-    """Its input, its law, what it last measured, and for how many cycles it has been silent.
+class Odometer(MeasuredDistance):
+    """A measured distance that is also compared with the last one: the speed changes no faster than the vehicle can.
 
-    more    where the distance comes judged: what the cycle is charged beyond the law, nm
+    last    the last distance that was used, mm
+    judged  verdict on the distance of the last cycle
     """
 
-    law: ErrorLaw
-    step: Optional
-    last: NumVar
-    gap: NumVar
-    judged: NumVar
     limits: Limits
-    more: NumVar | None = None
+    last: NumVar
+    judged: NumVar
 
-    @property
-    def inputs(self) -> list[Var | Optional]:
-        """The measured distance, and what comes with it."""
-        return [self.step] if self.more is None else [self.step, self.more]
-
-    @property
+    @cached_property
     def verdict(self) -> Num:
-        """Whether this cycle's distance is admitted, and if not, why."""
+        """Verdict on this cycle's distance: ADMITTED, or why it is not used."""
         too_fast = abs_(self.step.value) > self.limits.max_step_mm
         return ite(~self.step.present, MISSING, ite(too_fast, TOO_FAST, ite(self._jump, JUMP, ADMITTED)))
 
-    @property
+    @cached_property
     def _jump(self) -> Bool:
-        """The vehicle cannot have changed its speed so much; a distance that comes judged is not judged again."""
+        """The vehicle cannot have changed its speed so much; a distance that was checked already is not checked again."""
         if self.more is not None:
             return FALSE
         known = self.gap <= self.limits.gap_limit
         allowed = with_unit((self.gap + 1) * self.limits.max_step_change_mm, MM)
         return known & (abs_(self.step.value - self.last) > allowed)
 
-    @property
+    @cached_property
     def admitted(self) -> Bool:
-        """This cycle's distance counts."""
+        """This cycle's distance is used."""
         return self.verdict.eq(ADMITTED)
 
-    @property
-    def failed(self) -> Bool:
-        """Silent, or not to be believed, for longer than permitted."""
-        return ~self.admitted & (self.gap + 1 > self.limits.gap_limit)
-
-    @property
-    def distance(self) -> Num:
-        """The distance that counts in this cycle, mm; 0 where none was admitted."""
-        return ite(self.admitted, self.step.value, as_num(0, MM))
-
-    @property
-    def most_error(self) -> Num:
-        """The error that an admitted distance may have, nm: what the law allows, and what is told beyond it."""
-        return self._beyond(self.law.growth_nm(abs_(self.step.value), as_num(0, MS), self.limits.period_ms))
-
-    def _beyond(self, charge: Num) -> Num:
-        return charge if self.more is None else charge + self.more
-
-    @property
-    def growth(self) -> Num:
-        """What the cycle adds to either margin, nm."""
-        return ite(self.admitted, self.most_error, self._beyond(as_num(self.limits.blind_nm, NM)))
-
-    def run_on(self, interval: Interval) -> Interval:
-        """The interval after the cycle, telegrams apart."""
-        return interval.moved(self.distance, self.growth)
-
     def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: not yet heard of."""
+        """Return the state variables with their first values: no distance was measured yet."""
         return {self.last: 0, self.gap: self.limits.gap_limit + 1, self.judged: MISSING}
 
+    def declare(self, declared: Declared) -> Odometer:
+        """Give inputs and state their roles in a machine; return the odometer itself."""
+        for one in self.inputs:
+            declared.sensor(one)
+        for var, first in self.state().items():
+            declared.state(var, first=first)
+        return self
+
+    @cached_property
+    def last_after(self) -> Num:
+        """The last distance that was used, this cycle included, mm."""
+        return ite(self.admitted, self.step.value, self.last)
+
     def listen(self) -> dict[Var, Expr]:
-        """Updates of every cycle."""
-        return {
-            self.last: ite(self.admitted, self.step.value, self.last),
-            self.gap: ite(self.admitted, as_num(0, COUNT), minimum(self.gap + 1, self.limits.gap_limit + 1)),
-            self.judged: self.verdict,
-        }
+        """Return the updates of every cycle: last distance, gap and verdict."""
+        return {self.last: self.last_after, self.gap: self.gap_after, self.judged: self.verdict}
 
 
 def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, told: bool = False) -> Odometer:
-    """An odometer with fresh variables named `odometer_...`; `told`: its distances come judged."""
+    """Return an odometer with fresh variables named `odometer_...`; `told`: a second unit has checked its distances."""
     reach = 2 * limits.max_step_mm + 1_000
     return Odometer(
         law,
         optional(f"{name}_mm", MM, -reach, reach),
-        number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
         number(f"{name}_gap_cycles", COUNT, 0, limits.gap_limit + 1),
-        choice(f"{name}_judged", enumeration(MEASURED)),
         limits,
-        number(f"{name}_more_nm", NM, 0, most_told_nm(limits.max_step_mm)) if told else None,
+        last=number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
+        judged=choice(f"{name}_judged", enumeration(MEASURED)),
+        more=number(f"{name}_more_nm", NM, 0, most_told_nm(limits.max_step_mm)) if told else None,
     )
 
 
 def most_told_nm(max_step_mm: int) -> int:
-    """The most that can be told as to be charged beyond the law in a cycle: four times the farthest distance, nm."""
+    """Return the greatest error beyond the law that is reported with a distance, nm: four times the farthest distance."""
     return 4 * max_step_mm * NM_PER_MM
 
 
 @dataclass(frozen=True, eq=False)
 class Heading:
-    """Which way the vehicle runs along the route: it turns after more than `reversal_mm` against it without a break."""
+    """The vehicle's direction along the route: it turns after more than `reversal_mm` against it without a break."""
 
     backwards: BoolVar
     rolled: NumVar
     reversal_mm: int
 
     def state(self) -> dict[Var, Initial]:
-        """State variables with initial values: forwards."""
+        """Return the state variables with their first values: forwards."""
         return {self.backwards: False, self.rolled: 0}
 
     def after(self, distance: Num) -> tuple[Bool, dict[Var, Expr]]:
-        """Whether the vehicle runs backwards after the cycle, and the updates."""
+        """Return whether the vehicle runs backwards after the cycle, and the updates."""
         rolled = maximum(self.rolled + ite(self.backwards, distance, -distance), 0)
         turned = rolled > self.reversal_mm
         backwards = ite(turned, ~self.backwards, self.backwards)

@@ -1,4 +1,4 @@
-"""Why a machine gives no position."""
+"""Reasons why a machine gives no position."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must hold of the balise machine, in the words of the requirements (RFL-5, RFL-9, RFL-D4)."""
+"""Properties of the balise machine, in the words of the requirements (RFL-5, RFL-9, RFL-D4)."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def _charged(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "accuracy by precedence",
         (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
-        statement="an accepted group is charged with the location accuracy of linking, else the national one, else the default",
+        statement="the location accuracy of an accepted group is that of linking, else the national one, else the default",
     )
     national = own.national
     told = national.known & national.kept.eq(national.received.value)
@@ -155,7 +155,7 @@ def _charged(model: Balise) -> Iterator[Property]:
 
 
 def _facing(model: Balise) -> Iterator[Property]:
-    """What balises say of the direction of travel."""
+    """Properties of the direction of travel by balises."""
     machine, own, step = model.machine, model.own, Step(model)
     along, was_along = own.memory.direction.eq(v.ALONG), earlier_num(own.memory.direction).eq(v.ALONG)
     yield for_all_inputs(
@@ -219,7 +219,7 @@ def _resets(model: Balise) -> Iterator[Property]:
 
 
 def _told_ahead(model: Balise) -> Iterator[Property]:
-    """What a telegram says of the next reflector, and from where to search for it."""
+    """Properties of the next reflector that a telegram gives, and of the place from where to search for it."""
     own, step = model.own, Step(model)
     told = own.reflector.known & ~earlier_bool(own.reflector.known)
     new = own.reflector.place.ne(earlier_num(own.reflector.place)) & own.reflector.known

@@ -1,4 +1,4 @@
-"""What holds of the balise machine on a line that passes the audit, in the audit's own rules (RFL-D4)."""
+"""Properties of the balise machine on a line that passes the audit, in the audit's own rules (RFL-D4)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def layout_properties(model: Balise) -> Iterator[Property]:
-    """Every property that leans on the layout."""
+    """Return the properties that rest on the layout."""
     yield from _windows(model)
     if not model.own.config.odometer.floor_mm_s:
         yield from _reckoning(model)

@@ -1,4 +1,4 @@
-"""What must hold of linking: windows, groups given up, and reactions (RFL-D4)."""
+"""Properties of linking: windows, groups given up, and reactions (RFL-D4)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def linking_properties(model: Balise) -> Iterator[Property]:
 
 
 def _kept(model: Balise) -> Iterator[Property]:
-    """What the map announced is kept as it was announced: the world's law of the map leans on that."""
+    """The machine stores announced groups as they were announced: the world's law of the map rests on that."""
     slots = model.own.linking.slots
     for number, slot in enumerate(slots, 1):
         was = [_as_it_was(slot, before) for before in slots[number - 1 :]]
@@ -132,7 +132,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
 
 
 def _events(step: Step) -> dict[str, Bool]:
-    """What happens to announced groups, by the transition that tells of it."""
+    """Properties of announced groups, by the transition that reports their outcome."""
     memory = step.model.own.memory
     counted = memory.verdict.eq(v.ACCEPTED) & step.announced
     first = step.read_of(step.model.own.linking.slots[0])

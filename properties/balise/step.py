@@ -81,7 +81,7 @@ class Step:
     # ------------------------------------------------------------------ the telegram
 
     def read_of(self, slot: Record) -> Bool:
-        """What was read has the identity of the group that was in a slot."""
+        """Return whether the reading has the identity of the group that was in a slot."""
         group = self.model.own.read.group
         return group.present & earlier_num(slot.group).eq(group.value)
 
@@ -175,7 +175,7 @@ class Step:
         return self.model.own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE)
 
     def by_precedence(self, of_slot: Callable[[Record], Num], otherwise: Num) -> Num:
-        """What linking says of the group that was read, else what came with the telegram."""
+        """Return the value that linking gives for the group that was read, else the one that came with the telegram."""
         result, located = otherwise, earlier_bool(self.model.machine.flag("valid"))
         for slot in reversed(self.model.own.linking.slots):
             known = located & earlier_num(slot.group).ne(0) & self.read_of(slot)
@@ -184,7 +184,7 @@ class Step:
 
     @cached_property
     def place_told(self) -> Num:
-        """Where the group lies that was read, mm."""
+        """Place of the group that was read, mm."""
         return self.by_precedence(lambda slot: slot.place, self.model.own.read.place.value)
 
     @cached_property
@@ -207,7 +207,7 @@ class Step:
         return earlier_num(own.memory.group).ne(0) & (told - less > self.moved.above)
 
     def _run_back(self, age: Num) -> Num:
-        """How far the vehicle may have run backwards since a reading without a counter, nm."""
+        """Greatest run backwards since a reading without a counter, nm."""
         config = self.model.own.config
         step = exact_to(as_num(config.measuring_step_mm, MM), NM)
         forwards = self.admitted & (age < config.period_ms + 1) & (self.distance >= 0)

@@ -7,10 +7,11 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, abs_, any_of, before, floor_div, ite, minimum, was
 from safeloc.language.spec import Property, always
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.fibre import CODE, COUNTS, Fibre
 from safeloc.models.fibre import variables as v
 from safeloc.properties.fibre.place import LAW
-from safeloc.properties.fibre.seen import MM_IN_NM, Seen
+from safeloc.properties.fibre.seen import Seen
 
 SYMBOLS = 4
 for_all_inputs = partial(always, requirements=CODE, unconditional=True)
@@ -53,7 +54,7 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, counting, located, _ = machine.modes
     mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
-    long = abs_(ran) >= own.config.long_mm * MM_IN_NM
+    long = abs_(ran) >= own.config.long_mm * NM_PER_MM
     real = was(own.ghosts.real) & ~own.reference
     counts = before(mode).eq(counting) & mode.eq(counting) & (own.read > 0)
     stays = before(mode).eq(located) & mode.eq(located)

@@ -7,10 +7,10 @@ from functools import partial
 
 from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to, ite, minimum, was
 from safeloc.language.spec import Property, always
-from safeloc.language.units import NM
+from safeloc.language.units import NM, NM_PER_MM
 from safeloc.models.fibre import CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
-from safeloc.properties.fibre.seen import MM_IN_NM, Seen, followed
+from safeloc.properties.fibre.seen import Seen, followed
 
 LAW = "the detector's bounds, true references, and a code in which near sections differ"
 for_all_inputs = partial(always, requirements=("FWG-1", "FWG-11"), unconditional=True)
@@ -90,7 +90,7 @@ def _charged(model: Fibre) -> Iterator[Property]:
         statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before "
         "it: the whole run since the last amplitude is added to the error",
     )
-    most = own.config.tolerance_mm * MM_IN_NM
+    most = own.config.tolerance_mm * NM_PER_MM
     yield for_all_inputs(
         "the run without an amplitude is kept",
         own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),

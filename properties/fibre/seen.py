@@ -11,11 +11,9 @@ from functools import cached_property
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, before, ite, was, with_unit
 from safeloc.language.machine import Machine
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
-
-MM_IN_NM = 1_000_000
 
 
 def followed(machine: Machine) -> Bool:
@@ -74,9 +72,9 @@ class Seen:
     def charge_nm(self) -> Num:
         """Greatest error of the run, nm: rate and floor of a measured run, the farthest run if none was measured."""
         own, config = self.own, self.own.config
-        part = with_unit(abs_(own.run.value) * config.rate_ppm, NM) + config.floor_mm * MM_IN_NM
+        part = with_unit(abs_(own.run.value) * config.rate_ppm, NM) + config.floor_mm * NM_PER_MM
         stands = own.run.present & own.run.value.eq(0)
-        farthest = -(-config.max_speed_mm_s * config.period_ms // 1_000) * MM_IN_NM
+        farthest = -(-config.max_speed_mm_s * config.period_ms // 1_000) * NM_PER_MM
         return ite(stands, Lit(0, NM), ite(own.run.present, part, Lit(farthest, NM)))
 
     @cached_property
@@ -87,7 +85,7 @@ class Seen:
     @cached_property
     def blind_nm(self) -> Num:
         """Greatest run since the last amplitude, with this cycle's, nm."""
-        measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * MM_IN_NM, NM)
+        measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * NM_PER_MM, NM)
         return measured + before(self.own.unheard) + self.charge_nm
 
     @cached_property
@@ -97,7 +95,7 @@ class Seen:
 
     @property
     def _room_nm(self) -> int:
-        return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * MM_IN_NM
+        return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * NM_PER_MM
 
     @cached_property
     def run(self) -> Num:
@@ -120,11 +118,11 @@ class Seen:
 
     def _within(self, off: Num, figure_mm: int) -> Bool:
         """Return the condition that `off` is within the figure and the error of the run."""
-        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.wrong_nm
+        return with_unit((abs_(off) - figure_mm - 1) * NM_PER_MM, NM) < self.wrong_nm
 
     def _within_edges(self, off: Num, figure_mm: int) -> Bool:
         """Return the same between two edges; the second was passed anywhere since the last amplitude."""
-        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.blind_nm + self.wrong_nm
+        return with_unit((abs_(off) - figure_mm - 1) * NM_PER_MM, NM) < self.blind_nm + self.wrong_nm
 
     # -------------------------------------------------------------- the section that is passed
 

@@ -1,4 +1,4 @@
-"""What must hold of the guard of a receiver (MRK-D6)."""
+"""Properties of the guard of a receiver (MRK-D6)."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _between_mm(low: Num, truth: Num, high: Num) -> Bool:
 
 
 def _charged(model: Guard) -> Iterator[Property]:
-    """What a fix may be wrong by, in figures of its own."""
+    """Return the error bound of a fix, in figures of the properties' own."""
     machine, own, step = model.machine, model.own, Step(model)
     low, high = step.place - step.charge, step.place + step.charge
     yield for_all_inputs(
@@ -103,7 +103,7 @@ def _told_whole(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "the place last known is told whole",
         between(0, behind, NM_PER_MM - 1) & between(0, ahead, NM_PER_MM - 1),
-        statement="what is told of the place last known holds all of it, with the way that a vehicle may roll back, to a millimetre",
+        statement="the reported last known place contains all of it, with the distance that a vehicle may roll back, to a millimetre",
     )
 
 
@@ -222,7 +222,7 @@ def _carried(model: Guard) -> Iterator[Property]:
 
 
 def _new_start(model: Guard) -> Iterator[Property]:
-    """What the host's new start does, and that nothing else does it."""
+    """Properties of the host's new start: its effect, and that nothing else has it."""
     machine, own, line = model.machine, model.own, Step(model).line_nm
     lost = machine.modes[0]
     nowhere = own.known_low.eq(-line) & own.known_high.eq(line) & own.near_low.eq(-line) & own.near_high.eq(line)
@@ -249,7 +249,7 @@ def _told(model: Guard) -> Iterator[Property]:
 
 
 def _trust(model: Guard) -> Iterator[Property]:
-    """How trust is lost, and how it grows, while an interval is held."""
+    """Properties of losing and regaining trust, while an interval is held."""
     machine, own, step = model.machine, model.own, Step(model)
     _, _, passing, probation = machine.modes
     was_holding, holding, now = _was_holding(model), machine.flag("holding"), machine.mode
@@ -294,7 +294,7 @@ def _trust(model: Guard) -> Iterator[Property]:
 
 
 def _recovering(model: Guard) -> Iterator[Property]:
-    """How trust begins."""
+    """Properties of the first trust in a receiver."""
     machine, own, step = model.machine, model.own, Step(model)
     lost, recovering, passing, _ = machine.modes
     now, was, begins = machine.mode, before(machine.mode), step.fair.eq(PASSED)

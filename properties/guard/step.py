@@ -25,7 +25,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MS, NM, UM, UM_S
+from safeloc.language.units import COUNT, MS, NM, NM_PER_MM, UM, UM_S
 from safeloc.models.guard import Guard
 from safeloc.models.guard.variables import (
     ACROSS,
@@ -44,7 +44,6 @@ from safeloc.models.guard.variables import (
     TOO_COARSE,
 )
 
-NM_PER_MM = 1_000_000
 HALF_TURN_MRAD = 3_142
 QUARTER_TURN_MRAD = 1_571
 
@@ -70,7 +69,7 @@ class Step:
 
     @property
     def _way(self) -> int:
-        """What that adds to the way of a period, nm."""
+        """Distance that it adds in a period, nm."""
         return self._change * self.model.own.config.period_ms // 2
 
     @property
@@ -133,13 +132,13 @@ class Step:
 
     @property
     def line_nm(self) -> int:
-        """How far the line reaches either way, and a window beyond it."""
+        """Extent of the line either way, and a window beyond it."""
         config = self.model.own.config
         return (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM
 
     @cached_property
     def known(self) -> tuple[Num, Num]:
-        """Where the vehicle is by what was last known of it: it ran at the highest speed, back only where that is permitted."""
+        """Return the place of the vehicle from its last known place: it ran at the highest speed, back only where that is permitted."""
         own, line = self.model.own, self.line_nm
         ran = own.config.period_ms * self._top + self._way
         back = ite(own.forwards_only, as_num(0, NM), as_num(ran, NM))
@@ -184,12 +183,12 @@ class Step:
 
     @cached_property
     def place(self) -> Num:
-        """Where the fix is, nm."""
+        """Place of the fix, nm."""
         return exact_to(self.model.own.fix.value, NM)
 
     @cached_property
     def charge(self) -> Num:
-        """What it may be off: its own error, more the farther off the track, and its age at full speed; nm."""
+        """Error bound of the fix: its own error, more the farther off the track, and its age at full speed; nm."""
         own, config = self.model.own, self.model.own.config
         off = exact_to(with_unit(own.offset * config.offset_charge_permille, UM), NM)
         aged = exact_to(with_unit(own.age * config.max_speed_mm_s, UM), NM)
@@ -202,7 +201,7 @@ class Step:
 
     @cached_property
     def alone(self) -> Num:
-        """What map and vehicle alone say of the delivery."""
+        """Verdict on the delivery by map and vehicle alone."""
         own, config, told = self.model.own, self.model.own.config, self._named_fault
         reach = (2 * config.window_limit_mm + config.position_limit_mm) * NM_PER_MM
         beside = (self.place + self.charge > reach) | (self.place - self.charge < -reach)
@@ -238,7 +237,7 @@ class Step:
 
     @cached_property
     def fair(self) -> Num:
-        """What map, vehicle, course and the place last known say of the delivery."""
+        """Verdict on the delivery by map, vehicle, course and the last known place."""
         only = self.model.own.forwards_only
         rows = (
             (self.alone.ne(PASSED), self.alone),
@@ -250,7 +249,7 @@ class Step:
 
     @cached_property
     def fair_row(self) -> Num:
-        """How many fair fixes are in a row with this one."""
+        """Number of fair fixes in a row with this one."""
         own, most = self.model.own, self.model.own.config.confirmations
         goes_on = self.follows & ~own.elsewhere
         longer = ite(before(own.fair) >= most - 1, as_num(most, COUNT), before(own.fair) + 1)
@@ -266,7 +265,7 @@ class Step:
 
     @cached_property
     def verdict(self) -> Num:
-        """What speaks against it: a fault, the map, the vehicle's limits, or where it can be and how fast by now."""
+        """Verdict on the fix: a fault, the map, the vehicle's limits, or the places and speeds that it can have by now."""
         own = self.model.own
         beside = (self.place > self.high) | (self.place < self.low)
         rows = (
@@ -280,7 +279,7 @@ class Step:
 
     @property
     def _against(self) -> list[Bool]:
-        """What a vehicle cannot have done by now."""
+        """Reasons why no vehicle can be at the fix by now."""
         return [self.model.own.elsewhere, self._apart, self._too_fast, self._no_speed_left]
 
     @cached_property

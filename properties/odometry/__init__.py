@@ -1,4 +1,4 @@
-"""What must hold of odometry between markers, in the words of the requirements (MRK-1 to MRK-5, MRK-D1 to MRK-D6)."""
+"""Properties of odometry between markers, in the words of the requirements (MRK-1 to MRK-5, MRK-D1 to MRK-D6)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import partial
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite, maximum, with_unit
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
-from safeloc.language.units import MM, NM
+from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry.distance_device import Device, Unit
 from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
@@ -23,7 +23,6 @@ LAW = (
     "that lies far away, once in the age limit; the map's accuracy; the vehicle's length; top speed"
 )
 
-MM_IN_NM = 1_000_000
 for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
@@ -167,8 +166,8 @@ def _selection(model: Odometry) -> Iterator[Property]:
 
 
 def _no_worse(machine: Machine, unit: Unit) -> Bool:
-    """What is reported, rounded up to whole mm, has no greater margin than the unit while that has a position."""
-    reported = exact_to(_margin(machine), NM) - (MM_IN_NM - 1)
+    """The reported margins, rounded up to whole mm, are no greater than the unit's, while that unit has a position."""
+    reported = exact_to(_margin(machine), NM) - (NM_PER_MM - 1)
     return unit.alive.implies((reported <= unit.above) | (reported <= unit.below))
 
 
@@ -192,7 +191,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
             yield for_all_inputs(
                 f"{unit.name} charges silence",
                 (kept & silent).implies(unit.above - earlier_num(unit.above) >= farthest),
-                statement="a cycle in which no distance of the device is admitted is charged with the highest speed",
+                statement="in a cycle without an admitted distance of the device the margins grow by the run at the highest speed",
                 requirements=("MRK-D1", "MRK-4"),
             )
 

@@ -1,4 +1,4 @@
-"""What must hold of odometry while one unit, whichever, breaks its error law as it likes (MRK-4, MRK-D1)."""
+"""Properties of odometry while one unit, unknown which, breaks its error law at will (MRK-4, MRK-D1)."""
 
 from __future__ import annotations
 

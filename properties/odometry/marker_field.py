@@ -52,7 +52,7 @@ def _no_gain(whole: MarkerField) -> Iterator[Property]:
 
 
 def _terms(whole: MarkerField) -> tuple[Bool, Num, Num, Num]:
-    """Whether a position is reported; the run behind it; end A past its marker; the spacing."""
+    """Return the flag of a reported position; the run behind it; the distance of end A past its marker; the spacing."""
     machine, own = whole.source.machine, whole.own
     valid, run = whole.says.bool(machine.flag("valid")), whole.says.num(machine.output("distance_run_mm"))
     return valid, run, own.num(whole.field.phase_a), own.num(whole.field.spacing)

@@ -1,7 +1,7 @@
-"""What must hold of position by reflectors and odometry between them (RFL-1 to RFL-3, -5, -6, -8, -10, -D2, -D3).
+"""Properties of the reflector machine (RFL-1 to RFL-3, -5, -6, -8, -10, -D2, -D3).
 
-Said of where end A and the origins of echoes truly are, of what was put in, and of what the machine reports and keeps, in
-figures of the requirement (`figures`).
+They read the true places of end A and of the echoes' origins, the inputs, and the machine's outputs and state. Their figures
+come from the requirement (`figures`), not from terms of the machine.
 """
 
 from __future__ import annotations
@@ -22,6 +22,6 @@ __all__ = ["LAW", "layout_of", "properties"]
 
 
 def properties(model: ReflectorMachine) -> list[Property]:
-    """Every property of the reflector machine."""
+    """Return every property of the reflector machine."""
     makers = (safety, view, search, zones, leaving, self_test, not_found, room)
     return [prop for maker in makers for prop in maker(model)]

@@ -1,4 +1,4 @@
-"""Figures and words that the claims share: the distance that counts, the interval, where a reflector is seen from."""
+"""Terms that the properties share: the usable distance, the interval, the places from which a reflector is in view."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.variables import Parts
 
 LAW = (
-    "odometer and balise keep their error laws, or a balise lies far away; a range is wrong by the echo's error bound, by the "
-    "radar's scale, and by a systematic part of any size that drifts no faster than stated; models are read correctly at the "
-    "minimum intensity, and from within the strong range; the map's distances, between equal models and from balise to "
-    "reflector, are right; no other thing shows a reflector's signature with the minimum intensity"
+    "odometer and balise keep their error laws, or the balise lies far away; the error of a range is at most the echo's error "
+    "bound, plus the radar's scale error, plus a systematic error of any size that drifts no faster than stated; an echo with "
+    "the minimum intensity comes from within the strong range, and its model is recognised correctly; the map's distances, "
+    "between equal models and from balise to reflector, are right; no other thing shows a reflector's signature with the "
+    "minimum intensity"
 )
 PASSED = ("self-test passed", "self-test passed at the balise")
 FAILED = ("self-test failed", "self-test failed at the balise")
@@ -23,61 +24,61 @@ READY = ("ODOMETRY", "SEARCH", *IN_ZONE)
 
 
 def was(model: ReflectorMachine, *labels: str) -> Bool:
-    """The machine was in one of the named modes before the step."""
+    """Return whether the machine was in one of the named modes before the step."""
     return earlier_bool(model.in_mode(*labels))
 
 
 def balise_read(own: Parts) -> Bool:
-    """A balise was read in this cycle."""
+    """Return whether the vehicle read a balise in this cycle."""
     return own.balise.position.present & own.balise.identity.present
 
 
 def begun(own: Parts) -> Bool:
-    """A balise began a reference measurement in this cycle."""
+    """Return whether a balise began a self-test in this cycle."""
     return own.procedure.ne(before(own.procedure)) & (own.procedure > 0)
 
 
 def in_test(model: ReflectorMachine) -> Bool:
-    """In this cycle an echo of the reference reflector tests the radar."""
+    """Return whether an echo of the reference reflector tests the radar in this cycle."""
     return begun(model.own) | was(model, "REFERENCE")
 
 
 def balise_accuracy(own: Parts) -> Num:
-    """The accuracy of the reading, or the national value, mm."""
+    """Return the accuracy of the reading, or the national value, mm."""
     told = own.balise.accuracy
     return ite(~told.present, own.config.balise_accuracy_mm, told.value)
 
 
 def run_since(own: Parts) -> Num:
-    """What the reading says was run since the balise was passed, mm."""
+    """Return the distance run since the balise, as the reading gives it, mm."""
     told = own.balise.since
     return ite(~told.present, as_num(0, MM), told.value)
 
 
 def without_sign(term: Num) -> Num:
-    """The magnitude."""
+    """Return the magnitude."""
     return ite(term < 0, -term, term)
 
 
 def counts(own: Parts) -> Bool:
-    """A distance was measured, and the highest speed allows it."""
+    """Return whether a distance was measured that the highest speed allows."""
     config = own.config
     most = config.measuring_step_mm - (-config.max_speed_mm_s * config.period_ms // 1_000)
     return (own.odometer.step.value <= most) & (own.odometer.step.value >= -most) & own.odometer.step.present
 
 
 def ran_mm(own: Parts) -> Num:
-    """The distance that counts in this cycle, mm."""
+    """Return the usable distance of this cycle, mm; 0 if there is none."""
     return ite(~counts(own), as_num(0, MM), own.odometer.step.value)
 
 
 def told_more(own: Parts) -> Num:
-    """What a checking unit tells beyond the odometer's law, nm."""
+    """Return the error that a checking unit reports beyond the odometer's law, nm."""
     return as_num(0, NM) if own.odometer.more is None else own.odometer.more
 
 
 def law_nm(own: Parts) -> Num:
-    """What the odometer's law allows in this cycle, and what is told beyond it; mm x ppm = nm."""
+    """Return the error that the odometer's law allows in this cycle, and the error reported beyond it, nm; mm x ppm = nm."""
     law, config = own.config.odometer, own.config
     measured = (
         with_unit(without_sign(own.odometer.step.value) * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
@@ -87,7 +88,7 @@ def law_nm(own: Parts) -> Num:
 
 
 def ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
-    """The most that was run (forwards, backwards) in the last so many ms of the cycle, nm."""
+    """Return the farthest travel (forwards, backwards) in the last `latency_ms` of the cycle, nm."""
     config, share = own.config, -(-latency_ms * 1_000_000 // own.config.period_ms)
     ran = with_unit(own.odometer.step.value * share, NM)
     blind = as_num(-(-config.max_speed_mm_s * config.period_ms * share // 1_000), NM)
@@ -98,7 +99,7 @@ def ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
 
 
 def echo_sides(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
-    """By how much end A may be (ahead of, behind) where an echo of a right radar puts it, nm."""
+    """Return how far end A may be (ahead of, behind) the place that an echo gives, nm, if the radar has no systematic error."""
     config = own.config
     forward, backward = ran_late(own, config.frame_latency_ms)
     share = with_unit(range_ * config.radar_scale_ppm, NM)
@@ -107,12 +108,12 @@ def echo_sides(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
 
 
 def known_place(own: Parts) -> Num:
-    """Where a self-test has end A without the radar, mm: by the balise, and by the distance run since."""
+    """Return the place of end A in a self-test without the radar, mm: by the balise and the distance run since."""
     return ite(begun(own), run_since(own) + own.balise.position.value, ran_mm(own) + before(own.anchor.position))
 
 
 def known_sides(own: Parts) -> tuple[Num, Num]:
-    """By how much it may be (ahead of, behind) there, nm: by the reading's error, or by that and the odometer's since."""
+    """Return how far end A may be (ahead of, behind) that place, nm: by the errors of the reading and of the odometer since."""
     config = own.config
     base = with_unit(config.odometer.rate_ppm * without_sign(run_since(own)), NM) + exact_to(balise_accuracy(own), NM)
     late, whole = ran_late(own, config.balise_latency_ms), ran_late(own, config.period_ms)
@@ -124,47 +125,47 @@ def known_sides(own: Parts) -> tuple[Num, Num]:
 
 
 def rearmost(own: Parts) -> Num:
-    """The rear end of the kept interval, nm."""
+    """Return the rear end of the stored interval, nm."""
     return exact_to(own.track.position, NM) - own.track.below
 
 
 def foremost(own: Parts) -> Num:
-    """The front end of the kept interval, nm."""
+    """Return the front end of the stored interval, nm."""
     return own.track.above + exact_to(own.track.position, NM)
 
 
 def width(own: Parts) -> Num:
-    """The kept interval's width, nm."""
+    """Return the width of the stored interval, nm."""
     return own.track.below + own.track.above
 
 
 def late_mm(own: Parts) -> int:
-    """The farthest a vehicle gets in the latency of a frame, in whole mm."""
+    """Return the farthest that a vehicle gets in the latency of a frame, in whole mm."""
     config = own.config
     return -(-config.max_speed_mm_s * config.frame_latency_ms // 1_000) + config.measuring_step_mm + 1
 
 
 def seen_from(own: Parts, position: Num, view_from: Num) -> Num:
-    """Where end A stands when a reflector comes into view, nm: the radar stands behind end A by its offset."""
+    """Return the place of end A at which a reflector comes into view, nm: the radar stands behind end A by its offset."""
     return exact_to(position, NM) - exact_to(view_from - own.config.radar_offset_mm, NM)
 
 
 def found_by(own: Parts, position: Num, view_from: Num) -> Num:
-    """Where a reflector that is looked for must have been found at the latest, nm."""
+    """Return the place of end A at which the search for a reflector ends, nm."""
     return seen_from(own, position, view_from) + exact_to(as_num(own.config.search_run_mm, MM), NM)
 
 
 def looked_for(own: Parts) -> Num:
-    """Where the reflector stands that was looked for in this cycle, mm; only while it valid and in a view or search zone."""
+    """Return the place of the reflector that was searched in this cycle, mm; only in a search zone, view zone or self-test."""
     return ite(begun(own), own.ahead.position.value, before(own.target.position))
 
 
 def stands_at(own: Parts, slot: Slot, position: Num) -> Bool:
-    """The echo was truly reflected by a reflector that stands at a place of the map, within the survey's accuracy."""
+    """Return whether the echo's origin is at a place of the map, within the survey's accuracy."""
     apart = own.ghosts.origin[slot.number - 1] - exact_to(position, NM)
     return between(-own.config.map_accuracy_mm * 1_000_000, apart, own.config.map_accuracy_mm * 1_000_000)
 
 
 def strong(own: Parts, slot: Slot) -> Bool:
-    """The slot holds an echo of this frame with the minimum intensity."""
+    """Return whether the slot holds an echo of this frame with the minimum intensity."""
     return (slot.intensity >= own.config.minimum_intensity_cdb) & own.frame & slot.range.present

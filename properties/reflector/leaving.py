@@ -9,14 +9,14 @@ from safeloc.language.expr import Bool, Num, as_num, before, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
-from safeloc.models.reflector.dead_reckoning import Track
+from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.properties.reflector.figures import IN_ZONE, foremost, law_nm, ran_mm, rearmost, was
 
 for_all_inputs = partial(always, requirements=("RFL-D2",), unconditional=True)
 
 
 def leaving(model: ReflectorMachine) -> Iterator[Property]:
-    """Constant error, passing, loss, and odometry after it."""
+    """Yield the properties of constant error, passing, loss, and odometry after it."""
     for maker in (_constant, _steps, _anchored, _goes_on, _unaided, _silent_radar):
         yield from maker(model)
 
@@ -28,8 +28,8 @@ def _constant(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "error is constant",
         tracked.implies(reaches & (foremost(own) - own.open_long >= exact_to(anchor.position, NM) - anchor.below)),
-        statement="in the view zone each measured position agrees with the distance run since the reflector came into view; "
-        "what the self-test left open hides no disagreement",
+        statement="in the view zone each measured position agrees with the distance run since the reflector came into view; the "
+        "bound on the systematic error hides no disagreement",
     )
 
 
@@ -44,8 +44,8 @@ def _steps(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "no measurement jumps",
         again.implies((apart <= last_front + back + more) & (-apart <= last_back + front + more)),
-        statement="two measured positions in a row differ from the distance run by no more than echoes, survey, odometer and "
-        "drift may be wrong; what the self-test left open hides no jump",
+        statement="two measured positions in a row differ by the distance run, within the errors of echoes, survey, odometer and "
+        "drift; the bound on the systematic error hides no jump",
     )
 
 
@@ -62,13 +62,13 @@ def _anchored(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "the anchor runs on by the odometer alone",
         stays.implies(ran_on | afresh),
-        statement="what was run since the reflector came into view is the measured distance, and is as uncertain as the "
-        "odometer's law says, and the radar's drift, no more; once that is of no use it is counted from the last position on",
+        statement="the anchor moves by the measured distance, and its margins grow by no more than the odometer's law and the radar's "
+        "drift; an anchor that has grown too wide begins anew at the last position",
     )
 
 
-def _no_wider(anchor: Track, position: Num, sides: tuple[Num, Num], by: Num) -> Bool:
-    """The anchor stands there, and exceeds these margins by no more than so much."""
+def _no_wider(anchor: StoredInterval, position: Num, sides: tuple[Num, Num], by: Num) -> Bool:
+    """Return whether the anchor is at this position, and its margins exceed these ones by at most `by`."""
     above, below = sides
     return anchor.position.eq(position) & (anchor.above - above <= by) & (anchor.below - below <= by)
 
@@ -107,7 +107,7 @@ def _silent_radar(model: ReflectorMachine) -> Iterator[Property]:
         own.config.pause_limit_cycles + 1,
         ~own.frame & model.in_mode("COAST", "VIEW"),
         own.frame | ~model.in_mode("COAST", "VIEW"),
-        statement="missing frames are no lost reflector until the permitted pause is over; then odometry goes on",
+        statement="a reflector counts as lost for missing frames only after the permitted pause; then odometry goes on",
         requirements=("RFL-D2",),
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(model.in_mode("COAST") & (waited <= own.pauses + 1)),
@@ -118,5 +118,6 @@ def _silent_radar(model: ReflectorMachine) -> Iterator[Property]:
             own.pauses.eq(ite(own.frame, before(own.pauses), before(own.pauses) + 1))
             & own.misses.eq(ite(own.frame, before(own.misses) + 1, before(own.misses)))
         ),
-        statement="while a reflector is not measured, cycles without a frame and frames without its echo are counted apart",
+        statement="while the radar does not measure the reflector, the machine counts cycles without a frame and frames without its "
+        "echo apart",
     )

@@ -1,4 +1,4 @@
-"""A reflector that is not where the map has it, and input that is not to be believed (RFL-D3)."""
+"""A reflector that is missing at its place on the map, and implausible input (RFL-D3)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ under_assumption = partial(
 
 
 def not_found(model: ReflectorMachine) -> Iterator[Property]:
-    """Not found in time, and not believed."""
+    """Yield the properties of missing reflectors and implausible input."""
     for maker in (_in_time, _reference_in_time, _not_before, _reference_not_before, _ends, _unfit, _route):
         yield from maker(model)
 
@@ -30,8 +30,8 @@ def _in_time(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "what is looked for is found in time",
         model.in_mode("SEARCH").implies(truth - width(own) <= found_by(own, target.position, target.view_from)),
-        statement="a reflector is looked for no farther than the search run, and the interval's width, behind the beginning "
-        "of its view zone",
+        statement="the search for a reflector ends, at the latest, one search run and one interval width behind the beginning of "
+        "its view zone",
     )
 
 
@@ -44,14 +44,14 @@ def _reference_in_time(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "the reference reflector is found in time",
         waits.implies(~(late & searched) & between(-far, own.run, far)),
-        statement="the self-test waits for its reflector no farther than the search run behind the beginning of its view zone "
-        "and behind the prescribed line, and never farther than the longest reference run",
+        statement="the self-test waits for its reflector until one search run behind the beginning of its view zone and behind the "
+        "prescribed distance, and never beyond the longest reference run",
         requirements=("RFL-6", "RFL-D3"),
     )
 
 
 def _missed(model: ReflectorMachine, *modes: str) -> Bool:
-    """From one of these modes the machine comes to say that the reflector was not found."""
+    """Return whether the machine, in one of these modes before, reports that the reflector was not found."""
     return was(model, *modes) & model.in_mode("NOT_READY") & model.own.error.eq(NOT_FOUND)
 
 
@@ -61,14 +61,14 @@ def _not_before(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "not found is said only beyond the search",
         _missed(model, "SEARCH").implies(own.ghosts.truth > by),
-        statement="a reflector that is looked for is said not to be found only when the vehicle truly is beyond the search run",
+        statement="the machine reports a searched reflector as not found only if the vehicle truly is beyond the search run",
     )
     by_next = found_by(own, ahead.position.value, ahead.view_from)
     yield under_assumption(
         "passed unseen is said only beyond the search",
         _missed(model, "ODOMETRY").implies((own.ghosts.truth > by_next) & (ahead.position.value > before(own.found))),
-        statement="a reflector is said to be passed unseen only when the vehicle truly is beyond its search run, and when it "
-        "is not one found before",
+        statement="the machine reports a reflector as passed unseen only if the vehicle truly is beyond its search run, and if the "
+        "reflector was not found before",
     )
 
 
@@ -81,8 +81,8 @@ def _reference_not_before(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "the reference is missed only beyond the search",
         (_missed(model, "REFERENCE") & ~begun(own)).implies(far | (searched & (own.ghosts.truth > by))),
-        statement="the reference reflector is said not to be found only beyond the search run, by truth and by the run since "
-        "the balise, or beyond the longest reference run",
+        statement="the machine reports the reference reflector as not found only beyond the search run, by the true place and by the "
+        "run since the balise, or beyond the longest reference run",
         requirements=("RFL-6", "RFL-D3"),
     )
 
@@ -94,12 +94,12 @@ def _ends(model: ReflectorMachine) -> Iterator[Property]:
         machine.fired("reflector not found", "reference reflector not found", "reflector passed unseen").implies(
             model.in_mode("NOT_READY") & ~machine.flag("ready") & model.own.error.eq(NOT_FOUND)
         ),
-        statement="a reflector that is not found where the map has it leaves the vehicle not ready, with an error",
+        statement="if a reflector is not found at its place on the map, the machine is not ready and reports an error",
     )
 
 
 def _unfit(model: ReflectorMachine) -> Iterator[Property]:
-    """Implausible input moves nothing."""
+    """Yield the properties of implausible input: it changes nothing."""
     machine, own = model.machine, model.own
     unfit = all_of(~slot.judged.eq(FITS) & ~slot.judged_next.eq(FITS) for slot in own.slots)
     yield for_all_inputs(
@@ -107,15 +107,14 @@ def _unfit(model: ReflectorMachine) -> Iterator[Property]:
         (unfit & ~balise_read(own) & machine.flag("valid")).implies(
             ~machine.flag("precise") & own.track.position.eq(ran_mm(own) + before(own.track.position))
         ),
-        statement="a weak, foreign, too near, too coarse, ambiguous or out-of-window echo leaves position and source to "
-        "odometry",
+        statement="with only weak, foreign, too near, too coarse, ambiguous or out-of-window echoes, odometry alone gives the position",
         requirements=("RFL-1", "RFL-10", "RFL-D3"),
     )
     nothing = model.own.target.model.eq(NO_MODEL) & machine.output("reflector_model").eq(NO_MODEL)
     yield for_all_inputs(
         "nothing is sighted outside its zones",
         model.in_mode("DELOCALIZED", "NOT_READY", "ODOMETRY").implies(nothing),
-        statement="no reflector is reported where none is looked for",
+        statement="the machine reports no reflector in modes in which it searches none",
     )
 
 
@@ -124,6 +123,6 @@ def _route(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "a contradicted route is not reported",
         own.contradicted.implies(~model.machine.flag("valid")),
-        statement="when direction or turn-off contradict the map, nothing is reported from that step on",
+        statement="while direction or turn-off contradict the map, there is no position",
         requirements=("RFL-12", "RFL-D5"),
     )

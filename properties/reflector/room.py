@@ -27,7 +27,7 @@ from safeloc.properties.reflector.figures import (
 
 
 def room(model: ReflectorMachine) -> Iterator[Property]:
-    """What a good layout allows."""
+    """Yield the properties of a line that keeps the layout rules."""
     yield from _room(model)
     yield from _skipped(model)
     for label, text in (("VIEW", "a reflector can be measured"), ("PASSING", "a reflector can be passed")):
@@ -47,23 +47,23 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
         (kept & ~in_test(model) & separable_by_distance(clear, layout)).implies(
             all_of((slot.error <= fine).implies(~one) for slot, one in zip(own.slots, ambiguous, strict=True))
         ),
-        statement="where the spacing of equal models keeps the layout rule, no measurement within the radar's error is "
-        "refused as ambiguous",
+        statement="if the spacing of equal models keeps the layout rule, the machine refuses no measurement within the radar's error "
+        "as ambiguous",
         requirements=("RFL-8", "RFL-10"),
         unconditional=own.odometer.more is None,
     )
     yield always(
         "a self-test is ambiguous only where another is heard",
         (kept & in_test(model) & any_of(ambiguous)).implies(_other_heard(own, clear)),
-        statement="in a self-test an echo is refused as ambiguous only where, from somewhere in the interval, another reflector "
-        "of the model could be heard with the minimum intensity",
+        statement="in a self-test the machine refuses an echo as ambiguous only if the radar could receive another reflector of the "
+        "model with the minimum intensity, from somewhere in the interval",
         requirements=("RFL-6", "RFL-10"),
         unconditional=True,
     )
 
 
 def _other_heard(own: Parts, clear: Num) -> Bool:
-    """Another one behind the reference reflector by its clearance is still ahead, or one before it in the strong range."""
+    """Return whether a reflector at the clearance before the reference reflector may be ahead, or one behind it in strong range."""
     forward, backward = ran_late(own, own.config.frame_latency_ms)
     stands = exact_to(looked_for(own) + own.config.radar_offset_mm, NM)
     away = exact_to(clear - own.config.map_accuracy_mm, NM)
@@ -77,14 +77,14 @@ def _skipped(model: ReflectorMachine) -> Iterator[Property]:
     yield always(
         "nothing is skipped",
         (was(model, "ODOMETRY") & model.in_mode("ODOMETRY") & known).implies(_ahead_or_found(own)),
-        statement="in the odometry zone a reflector of the map is either ahead, or was found before; none is passed in silence",
+        statement="in the odometry zone the map's next reflector is either ahead or was found before; the vehicle passes none unnoticed",
         requirements=("RFL-D3",),
         unconditional=True,
     )
 
 
 def _ahead_or_found(own: Parts) -> Bool:
-    """The next reflector is not yet in view, or crowded by another one, or its search is over and it was found before."""
+    """Return whether the next reflector is not in view yet, or another one is too near, or its search is over and it was found."""
     ahead = own.ahead
     by = found_by(own, ahead.position.value, ahead.view_from)
     ahead_of_view = foremost(own) < seen_from(own, ahead.position.value, ahead.view_from)
@@ -94,8 +94,8 @@ def _ahead_or_found(own: Parts) -> Bool:
 
 
 def layout_of(config: ReflectorConfig) -> LayoutConfig:
-    """The layout that suits the machine: a measured reflector's error holds the frame's latency at top speed, the radar's
-    scale, and what a self-test may leave open."""
+    """Return the layout figures for the machine: the error of a measured reflector includes the travel in the frame's latency,
+    the radar's scale error, and the systematic error that a self-test may not exclude."""
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     lag_mm = -(-config.max_step_mm * share // 1_000_000) + 1
     scale_mm = -(-config.range_limit_mm * config.radar_scale_ppm // 1_000_000)

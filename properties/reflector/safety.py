@@ -1,4 +1,4 @@
-"""Containment, and what is reported when nothing is known."""
+"""Containment, and the loss and return of the position."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from safeloc.properties.no_interval import no_interval
 from safeloc.properties.reflector.figures import LAW, balise_accuracy, balise_read, counts, run_since, without_sign
 
 FAR_STEPS = 24
-"""More steps at the highest speed than a cycle can be charged."""
+"""Distance at the highest speed, in cycles: more than any error that a cycle adds."""
 for_all_inputs = partial(always, requirements=("RFL-1",), unconditional=True)
 under_assumption = partial(always, requirements=("RFL-5", "RFL-D3"), assumption=LAW)
 
 
 def safety(model: ReflectorMachine) -> Iterator[Property]:
-    """The interval, its loss, and its return."""
+    """Yield the properties of the interval, its loss, and its return."""
     for maker in (_contained, _tolerable, _silent, _located_again, _stated, _no_false_alarm, _stray, _silent_odometer):
         yield from maker(model)
 
@@ -33,7 +33,7 @@ def _contained(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "containment",
         machine.flag("valid").implies(between(position - below, own.ghosts.truth, position + above)),
-        statement="in every zone the reported interval holds the true position of end A",
+        statement="in every zone the reported interval contains the true position of end A",
         requirements=("RFL-1", "RFL-2", "RFL-3", "RFL-5", "RFL-D2"),
     )
 
@@ -58,7 +58,7 @@ def _silent(model: ReflectorMachine) -> Iterator[Property]:
         (~machine.flag("valid")).implies(
             no_interval(machine) & no_reflector & all_of(one.eq(0) for one in kept) & ~machine.flag("precise")
         ),
-        statement="nothing is reported without a valid position, and none is kept",
+        statement="without a valid position the machine reports none, and stores none",
         requirements=("RFL-1", "RFL-D3"),
     )
 
@@ -69,7 +69,7 @@ def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(balise_read(own) & ~own.contradicted & heard),
-        statement="a position is reported again only through a balise, and only with an odometer",
+        statement="after a loss the machine reports a position again only by a balise, and only with an odometer",
         requirements=("RFL-5", "RFL-D3"),
     )
     config, tells = own.config, own.balise
@@ -81,7 +81,7 @@ def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "a balise locates",
         (~earlier_bool(valid) & balise_read(own) & ~own.contradicted & heard & fine & on_map).implies(valid),
-        statement="without a position, a balise whose accuracy is tolerable gives one, unless odometer or route fail",
+        statement="without a position, a balise of tolerable accuracy gives one, unless the odometer failed or the route is contradicted",
         requirements=("RFL-5",),
     )
 
@@ -91,7 +91,7 @@ def _stated(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "error stated",
         own.error.eq(NO_ERROR).iff(machine.flag("ready")),
-        statement="whenever the machine is not ready for precise positioning, it says why",
+        statement="the machine reports an error exactly while it is not ready for precise positioning",
         requirements=("RFL-6", "RFL-D3"),
     )
 
@@ -101,7 +101,7 @@ def _no_false_alarm(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "a sound radar raises no alarm",
         ~own.error.one_of(DRIFT, ECHOES_CONTRADICT),
-        statement="while radar, odometer and map keep their laws, no drift and no contradiction of echoes is stated",
+        statement="while radar, odometer and map keep their laws, the machine reports no drift and no contradiction of echoes",
         requirements=("RFL-D2", "RFL-D3"),
     )
     off = own.ghosts.truth - exact_to(run_since(own) + tells.position.value, NM)
@@ -110,7 +110,7 @@ def _no_false_alarm(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "only a stray balise contradicts",
         new.implies(balise_read(own) & ((off > accuracy) | (-off > accuracy))),
-        statement="a balise is said to contradict the position only where it is not where its reading says",
+        statement="the machine reports that a balise contradicts the position only if the reading is wrong by more than its accuracy",
     )
 
 
@@ -125,7 +125,7 @@ def _stray(model: ReflectorMachine) -> Iterator[Property]:
         (balise_read(own) & earlier_bool(model.machine.flag("valid")) & ((off > away) | (-off > away))).implies(
             ~model.machine.flag("valid")
         ),
-        statement="a reading that is off by more than any position error takes the position away",
+        statement="a reading that is wrong by more than any position error ends the report of a position",
     )
 
 
@@ -135,10 +135,10 @@ def _silent_odometer(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "cycles without a distance are counted",
         own.odometer.gap.eq(ite(counts(own), 0, longer)),
-        statement="the cycles since the last distance that a vehicle can have run are counted, up to one beyond the permitted",
+        statement="the machine counts the cycles since the last distance that a vehicle can have run, up to one more than permitted",
     )
     yield for_all_inputs(
         "without an odometer nothing is reported",
         model.machine.flag("valid").implies(own.odometer.gap <= limit),
-        statement="no position is reported after more cycles without a distance than permitted",
+        statement="after more cycles without a distance than permitted there is no position",
     )

@@ -1,4 +1,4 @@
-"""Before the view zone: what is looked for, from where on, and what else is not (RFL-1, RFL-8, figures 001 items 6, 7, 19)."""
+"""Before the view zone: the searched reflector, and the beginning of its search (RFL-1, RFL-8, figures 001 items 6, 7, 19)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ for_all_inputs = partial(always, requirements=("RFL-1", "RFL-10"), unconditional
 
 
 def search(model: ReflectorMachine) -> Iterator[Property]:
-    """The odometry zone and the search zone."""
+    """Yield the properties of the odometry zone and the search zone."""
     for maker in (_clutter, _not_too_early, _zone_begins, _as_told):
         yield from maker(model)
 
@@ -29,7 +29,7 @@ def _clutter(model: ReflectorMachine) -> Iterator[Property]:
         (was(model, "ODOMETRY", "NOT_READY", "DELOCALIZED") & ~balise_read(own)).implies(
             ~model.machine.flag("precise") & ~own.recognised
         ),
-        statement="in the odometry zone no echo, however strong, is taken for a reflector",
+        statement="in the odometry zone, not ready or without a position, the machine takes no echo, however strong, for a reflector",
     )
 
 
@@ -41,8 +41,8 @@ def _not_too_early(model: ReflectorMachine) -> Iterator[Property]:
         (model.in_mode("SEARCH") & ~was(model, "SEARCH")).implies(
             (exact_to(target.clear, NM) > width(own)) & (foremost(own) >= begins)
         ),
-        statement="the search begins as early as the odometry error asks for, and only if no other reflector of the model "
-        "fits into the interval",
+        statement="the search begins only when the vehicle may be in the view zone, and only if no other reflector of the model fits "
+        "into the interval",
         requirements=("RFL-1", "RFL-8"),
     )
 
@@ -51,7 +51,7 @@ def _zone_begins(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "no unfit neighbour",
         (model.in_mode("VIEW") & ~was(model, "VIEW")).implies(model.machine.fired(*SIGHTED)),
-        statement="the view zone begins with a measurement of the reflector that was looked for, and with nothing else",
+        statement="only a measurement of the searched reflector begins the view zone",
         requirements=("RFL-1",),
     )
 
@@ -62,13 +62,13 @@ def _as_told(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "the target is the next reflector of the map",
         (changed & target.model.ne(NO_MODEL)).implies(_told(own)),
-        statement="a reflector that becomes the target is the one that the map tells next, in all its figures",
+        statement="a new target is the map's next reflector, with all its figures",
         requirements=("RFL-3", "RFL-8"),
     )
     yield for_all_inputs(
         "what is looked for is on the map",
         model.in_mode("SEARCH", "VIEW", "COAST", "PASSING", "REFERENCE").iff(target.model.ne(NO_MODEL)),
-        statement="a reflector is looked for or tracked just while there is a target",
+        statement="the machine searches or tracks a reflector exactly while it has a target",
         requirements=("RFL-3",),
     )
 

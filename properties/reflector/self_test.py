@@ -35,7 +35,7 @@ under_assumption = partial(always, requirements=("RFL-6",), assumption=LAW)
 
 
 def self_test(model: ReflectorMachine) -> Iterator[Property]:
-    """Readiness, the test itself, what it is measured from, and what a failed one means."""
+    """Yield the properties of the self-test: readiness, the test itself, its beginning, its failure, its age."""
     makers = (
         _ready,
         _prescribed,
@@ -58,35 +58,35 @@ def _ready(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "ready only after the self-test",
         ready.implies(since(ready, machine.fired(*PASSED))),
-        statement="precise positioning is possible only after a self-test that passed, and since then without a break",
+        statement="the machine is ready only after a self-test that passed, and without a break since then",
     )
     yield for_all_inputs(
         "precise only when ready",
         machine.flag("precise").implies(ready),
-        statement="no precise position without a passed self-test",
+        statement="a position is precise only while the machine is ready, that is, after a self-test that passed",
     )
 
 
 def _told_distance(own: Parts) -> Num:
-    """The distance from balise to reflector by telegram, else by the map, else by the system's variable, mm."""
+    """Return the prescribed distance from balise to reflector: by telegram, else by map, else by the system's variable, mm."""
     by_map, telegram = own.ahead.reference, own.balise.reference
     known = ite(~by_map.present, own.config.reference_distance_mm, by_map.value)
     return ite(~telegram.present, known, telegram.value)
 
 
 def _run_now(own: Parts) -> Num:
-    """The distance run since the balise, at the end of this cycle, mm."""
+    """Return the distance run since the balise, at the end of this cycle, mm."""
     return ite(begun(own), run_since(own), before(own.run) + ran_mm(own))
 
 
 def _most(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
-    """By how much a right radar may seem to measure (too short, too long), nm: what is known and the echo are both wrong."""
+    """Return how much a sound radar may seem to measure (too short, too long), nm: by the errors of the known place and the echo."""
     (ahead, behind), (early, late) = known_sides(own), echo_sides(own, range_, error)
     return late + ahead, early + behind
 
 
 def _prescribed_kept(own: Parts, range_: Num, error: Num) -> Bool:
-    """The distance from balise to reflector is the prescribed one, within what it may be measured wrong and the survey."""
+    """Return whether the distance from balise to reflector is the prescribed one, within its measuring error and the survey's."""
     prescribed = ite(begun(own), _told_distance(own), before(own.reference))
     missed = exact_to(range_ + _run_now(own), NM) - exact_to(prescribed + own.config.radar_offset_mm, NM)
     short, long = _most(own, range_, error)
@@ -95,7 +95,7 @@ def _prescribed_kept(own: Parts, range_: Num, error: Num) -> Bool:
 
 
 def _place_kept(own: Parts, range_: Num, error: Num) -> Bool:
-    """The reflector stands where the map has it, as far as the vehicle's place is known without the radar."""
+    """Return whether the reflector is measured at its place on the map, as far as the vehicle's place is known without the radar."""
     missed = exact_to(known_place(own) + range_, NM) - exact_to(looked_for(own) + own.config.radar_offset_mm, NM)
     short, long = _most(own, range_, error)
     return (missed <= long) & (missed >= -short)
@@ -112,13 +112,13 @@ def _prescribed(model: ReflectorMachine) -> Iterator[Property]:
         machine.fired(*PASSED).implies(
             _agrees(own, machine.output("range_mm"), machine.output("range_error_mm")) & machine.flag("precise")
         ),
-        statement="the self-test passes only with a measured reflector whose distance from the balise is the prescribed one, "
-        "and whose place is that of the map, within the errors of balise, echo, survey and the odometer since the balise",
+        statement="the self-test passes only if the measured reflector has the prescribed distance from the balise and its place on the "
+        "map, within the errors of balise, echo, survey and the odometer since the balise",
     )
     yield for_all_inputs(
         "a test at the balise belongs to it",
         machine.fired("self-test passed at the balise", "self-test failed at the balise").implies(begun(own)),
-        statement="a self-test that is decided at the balise is that of the balise just read",
+        statement="a self-test that ends in the cycle of a balise reading is that of the balise just read",
     )
 
 
@@ -129,14 +129,14 @@ def _fails_rightly(model: ReflectorMachine) -> Iterator[Property]:
         machine.fired(*FAILED).implies(
             any_of(slot.judged.eq(FITS) & ~_agrees(own, slot.range.value, slot.error) for slot in own.slots)
         ),
-        statement="the self-test fails only with a measured reflector whose distance from the balise is not the prescribed "
-        "one, or whose place is not that of the map",
+        statement="the self-test fails only if the measured reflector does not have the prescribed distance from the balise, or not its "
+        "place on the map",
     )
     yield under_assumption(
         "a right radar passes the self-test",
         machine.fired(*FAILED).implies(own.ghosts.bias.ne(0)),
-        statement="a radar without a systematic error never fails the self-test, whatever noise, scale, survey, balise and "
-        "odometer are within their laws",
+        statement="a radar without a systematic error never fails the self-test, with any errors of noise, scale, survey, balise and "
+        "odometer that their laws allow",
     )
 
 
@@ -145,7 +145,7 @@ def _begins(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "a test begins with a balise",
         begun(own).implies(balise_read(own) & own.procedure.eq(tells.identity.value) & own.ahead.position.present),
-        statement="a reference measurement begins with a balise that is read, and with the next reflector of the map",
+        statement="a self-test begins only with a balise reading, and only if the map has a next reflector",
         requirements=("RFL-5", "RFL-6"),
     )
     line = ite(~tells.search.present, as_num(0, MM), tells.search.value)
@@ -154,8 +154,8 @@ def _begins(model: ReflectorMachine) -> Iterator[Property]:
         (begun(own) & model.in_mode("REFERENCE")).implies(
             own.reference.eq(_told_distance(own)) & own.run.eq(run_since(own)) & own.search_from.eq(line)
         ),
-        statement="the prescribed distance is that of the telegram, else of the map, else of the system; the run is counted "
-        "from the balise, and the reflector is looked for from the telegram's line on",
+        statement="the prescribed distance is that of the telegram, else of the map, else of the system; the run counts from the "
+        "balise, and the search begins at the telegram's distance",
         requirements=("RFL-5", "RFL-6", "RFL-8"),
     )
 
@@ -168,8 +168,8 @@ def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
         (was(model, "REFERENCE") & model.in_mode("REFERENCE") & ~begun(own)).implies(
             own.run.eq(before(own.run) + ran_mm(own)) & all_of(var.eq(before(var)) for var in kept)
         ),
-        statement="while the reference reflector is waited for, the run since the balise grows by the measured distance, and "
-        "what was prescribed stays",
+        statement="while the self-test waits for its reflector, the run since the balise grows by the measured distance, and the "
+        "prescribed figures stay",
         requirements=("RFL-6", "RFL-8"),
     )
 
@@ -180,39 +180,39 @@ def _from_the_line(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "looked for from the prescribed line",
         (machine.fired(*PASSED) & (line > 0)).implies(_run_now(own) >= line),
-        statement="where the telegram says from which distance on the reflector is looked for, it is not found before",
+        statement="if the telegram gives the distance at which the search begins, the self-test does not pass before it",
         requirements=("RFL-8",),
     )
 
 
 def _beyond(own: Parts, most: Num) -> Bool:
-    """The radar's systematic error is greater than that, nm."""
+    """Return whether the radar's systematic error exceeds this bound, nm."""
     return (own.ghosts.bias > most) | (own.ghosts.bias < -most)
 
 
 def _found_out(model: ReflectorMachine) -> Iterator[Property]:
-    """What the test finds, whatever the radar's systematic error is."""
+    """Yield the properties of a self-test under any systematic error of the radar."""
     machine, own = model.machine, model.own
     figure = exact_to(as_num(own.config.reference_tolerance_mm, MM), NM)
     yield under_assumption(
         "a radar that errs is found out by the self-test",
         (in_test(model) & _beyond(own, figure)).implies(~machine.flag("ready") & ~machine.flag("precise")),
-        statement="a radar whose systematic error exceeds the reference tolerance at a self-test is not used: in that cycle "
-        "the machine is not ready, and what was precise is so no longer",
+        statement="if the radar's systematic error exceeds the reference tolerance at a self-test, the machine is neither ready nor "
+        "precise in that cycle",
     )
     measured = any_of(slot.judged.eq(FITS) for slot in own.slots)
     yield under_assumption(
         "a radar that errs is called so",
         (in_test(model) & machine.flag("valid") & measured & _beyond(own, figure)).implies(own.error.eq(MISMATCH)),
-        statement="where the reference reflector is measured by a radar whose systematic error exceeds the reference "
-        "tolerance, the error is a mismatch",
+        statement="if a radar whose systematic error exceeds the reference tolerance measures the reference reflector, the machine "
+        "reports a mismatch",
     )
     short, long = _most(own, machine.output("range_mm"), machine.output("range_error_mm"))
     yield under_assumption(
         "what passes is no worse than the test can see",
         machine.fired(*PASSED).implies(~_beyond(own, short + long)),
-        statement="a self-test is passed only by a radar whose systematic error is within twice what balise, echo, survey and "
-        "the odometer since the balise may be wrong by",
+        statement="a radar passes the self-test only if its systematic error is within twice the errors of balise, echo, survey and the "
+        "odometer since the balise",
     )
     yield under_assumption(
         "precise only with a radar that is nearly right",
@@ -223,19 +223,19 @@ def _found_out(model: ReflectorMachine) -> Iterator[Property]:
 
 
 def _left_open(model: ReflectorMachine) -> Iterator[Property]:
-    """What is charged after a test that passed."""
+    """Yield the property of the interval after a test that passed."""
     machine, own = model.machine, model.own
     place = exact_to(known_place(own), NM)
     ahead, behind = known_sides(own)
     yield for_all_inputs(
         "a test that passed makes nothing better known",
         machine.fired(*PASSED).implies((foremost(own) >= place + ahead) & (rearmost(own) <= place - behind)),
-        statement="the precise interval of a self-test is not narrower than what was known without the radar, on either side",
+        statement="the interval after a self-test contains the interval that was known without the radar",
     )
 
 
 def _ages(model: ReflectorMachine) -> Iterator[Property]:
-    """How long a test is good for."""
+    """Yield the properties of the age of a test."""
     machine, own, config = model.machine, model.own, model.own.config
     drift = as_num(config.radar_drift_mm_s * config.period_ms * 1_000, NM)
     most = exact_to(as_num(config.reference_tolerance_mm, MM), NM)
@@ -244,13 +244,13 @@ def _ages(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "what a test left open grows by the drift",
         later.implies(all_of((side - before(side)).eq(drift) for side in sides)),
-        statement="in each cycle after a self-test the radar may have drifted by the most that it may, to either side",
+        statement="in each cycle after a self-test the bounds on the systematic error grow by the greatest drift, on either side",
     )
     yield for_all_inputs(
         "a test is out of date only when it is",
         machine.fired("self-test too long ago").implies(any_of(before(side) > most - drift for side in sides)),
-        statement="readiness is taken away for the age of the self-test only where the radar may have drifted beyond the "
-        "reference tolerance",
+        statement="the machine stops being ready for the age of the self-test only if the radar may have drifted beyond the reference "
+        "tolerance",
     )
 
 
@@ -267,6 +267,6 @@ def _failed(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "a mismatch ends the procedure",
         model.machine.fired(*FAILED).implies(model.in_mode("NOT_READY") & own.error.ne(NO_ERROR)),
-        statement="a reference measurement that does not fit leaves the vehicle not ready, with an error",
+        statement="after a failed self-test the machine is not ready and reports an error",
         requirements=("RFL-6", "RFL-D3"),
     )

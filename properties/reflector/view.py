@@ -1,4 +1,4 @@
-"""The view zone: what begins it, whose echo it is, and whose margins count in it (RFL-1, -2, -3, -10, -D2)."""
+"""The view zone: its beginning, the origin of its echo, and its margins (RFL-1, -2, -3, -10, -D2)."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ under_assumption = partial(always, requirements=("RFL-1", "RFL-3"), assumption=L
 
 
 def view(model: ReflectorMachine) -> Iterator[Property]:
-    """What is measured, and what may be made of it."""
+    """Yield the properties of measurements and of the position by them."""
     for maker in (_never_mistaken, _strong_enough, _own_bound, _sent_by_it, _used, _reasons, _source):
         yield from maker(model)
 
 
 def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
-    """A reflector is never taken for another, nor anything else for a reflector."""
+    """Yield the properties that no reflector is taken for another, and nothing else for a reflector."""
     own, valid = model.own, model.machine.flag("valid")
     verdicts = {
         "target": [_from_there(own, slot, valid & slot.judged.eq(FITS), looked_for(own)) for slot in own.slots],
@@ -36,8 +36,7 @@ def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
         yield under_assumption(
             f"the {name} is never mistaken",
             all_of(right),
-            statement=f"an echo that fits the {name} was reflected by that very reflector, however many others the line "
-            "has",
+            statement=f"that very reflector reflected the echo that fits the {name}, however many others the line has",
             requirements=("RFL-3", "RFL-10"),
         )
 
@@ -47,7 +46,7 @@ def _from_there(own: Parts, slot: Slot, fits: Bool, position: Num) -> Bool:
 
 
 def _is_reported(model: ReflectorMachine, slot: Slot) -> Bool:
-    """Range, error and lateral place that are reported are those of this slot."""
+    """Return whether the reported range, error and lateral place are those of this slot."""
     machine = model.machine
     return (
         machine.output("range_mm").eq(slot.range.value)
@@ -64,8 +63,7 @@ def _strong_enough(model: ReflectorMachine) -> Iterator[Property]:
         (machine.flag("precise") | machine.output("source").eq(BY_REFLECTOR)).implies(
             any_of(strong(own, slot) & _is_reported(model, slot) & slot.model.eq(shown) for slot in own.slots)
         ),
-        statement="only an echo with the minimum intensity and the model of the reported reflector makes that reflector the "
-        "source of the position; without one the source is never the reflector",
+        statement="a reflector is the source of the position only by an echo with the minimum intensity and the reflector's model",
     )
 
 
@@ -84,9 +82,9 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
             (own.track.position + machine.output("range_mm")).eq(place)
             & all_of((least <= side) & (side - least <= late) for side, least in sides)
         ),
-        statement="in the view zone the interval is that of the echo: its range from the reflector's place, its error bound, "
-        "the survey's, the radar's scale, what the last self-test left open with the drift since, and what was run since the "
-        "frame; never narrower because of what was known before",
+        statement="in the view zone the position is the reflector's place less the range; each margin consists of the errors of echo, "
+        "survey and scale, the systematic error that the last self-test did not exclude, with its drift, and the travel since "
+        "the frame; an earlier position never narrows it",
         requirements=("RFL-2", "RFL-3", "RFL-D2"),
     )
 
@@ -102,7 +100,7 @@ def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
                 for slot in own.slots
             )
         ),
-        statement="the echo whose range is reported was truly sent by the reflector that is reported",
+        statement="the reported reflector truly sent the echo whose range is reported",
         requirements=("RFL-2", "RFL-3", "RFL-10"),
     )
 
@@ -121,7 +119,7 @@ def _used(model: ReflectorMachine) -> Iterator[Property]:
             (machine.flag("valid") & _from_target(own, slot)).implies(slot.judged.ne(OUT_OF_WINDOW))
             for slot in own.slots
         ),
-        statement="what the reflector that is looked for truly reflects is never refused as out of the window",
+        statement="the machine never refuses a true echo of the searched reflector as out of the window",
     )
 
 
@@ -140,7 +138,7 @@ def _reasons(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "an echo that is not judged has its reason",
         all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.judged, slot.judged_next)),
-        statement="an empty slot, a pause of the radar and an echo below the minimum intensity are stated just where there is one",
+        statement="the verdicts empty slot, radar pause and too weak appear exactly when they are true",
     )
 
 
@@ -150,6 +148,6 @@ def _source(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "the source is stated",
         source.eq(BY_REFLECTOR).iff(machine.flag("precise")) & source.eq(NO_SOURCE).iff(~machine.flag("valid")),
-        statement="the source is the reflector just while the position is precise, and none just while there is none",
+        statement="the source is the reflector exactly while the position is precise, and NONE exactly while there is no position",
         requirements=("RFL-1",),
     )

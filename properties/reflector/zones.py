@@ -1,4 +1,4 @@
-"""Where zones end without a measurement: too close, gone by, backed out of the search; and echoes that exclude each other."""
+"""Ends of zones without a measurement: too close, gone by, backed out of the search; and echoes that exclude each other."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ for_all_inputs = partial(always, requirements=("RFL-D2",), unconditional=True)
 
 
 def zones(model: ReflectorMachine) -> Iterator[Property]:
-    """Ends of zones, both ways."""
+    """Yield the properties of the ends of zones, in both directions of travel."""
     for maker in (_too_close, _gone_by, _search_left, _one_story):
         yield from maker(model)
 
@@ -28,13 +28,13 @@ def _too_close(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "no echo is waited for when too close",
         model.in_mode("COAST").implies(foremost(own) < close),
-        statement="a reflector that is not measured is waited for only while the vehicle surely is before the end of its view "
+        statement="the machine waits for an echo of an unmeasured reflector only while the vehicle surely is before the end of the view "
         "zone",
     )
     yield for_all_inputs(
         "too close only when it may be",
         (model.in_mode("PASSING") & was(model, "COAST", "VIEW")).implies(foremost(own) >= close),
-        statement="passing begins only where the vehicle may be beyond the end of the view zone",
+        statement="passing begins only if the vehicle may be beyond the end of the view zone",
     )
 
 
@@ -45,12 +45,12 @@ def _gone_by(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "passing goes on until it lies behind",
         (was(model, "PASSING") & model.in_mode("PASSING")).implies(rearmost(own) < place),
-        statement="a reflector is passed until the whole interval lies beyond it",
+        statement="passing lasts until the whole interval lies beyond the reflector",
     )
     yield always(
         "what was passed lies behind",
         (was(model, "PASSING") & model.in_mode("ODOMETRY")).implies(own.ghosts.truth >= exact_to(passed + offset, NM)),
-        statement="when a reflector was passed, the radar truly is beyond its place on the map",
+        statement="when passing ends, the radar truly is beyond the reflector's place on the map",
         requirements=("RFL-D2",),
         assumption="odometer, balise, radar and map keep their laws",
     )
@@ -69,7 +69,7 @@ def _search_left(model: ReflectorMachine) -> Iterator[Property]:
     yield always(
         "the search is left only before the view zone",
         (was(model, "SEARCH") & model.in_mode("ODOMETRY")).implies(own.ghosts.truth < was_begun),
-        statement="the search is given up without an error only where the vehicle truly is before the view zone",
+        statement="the search ends without an error only if the vehicle truly is before the view zone",
         requirements=("RFL-8", "RFL-D3"),
         assumption="odometer, balise, radar and map keep their laws",
     )
@@ -87,13 +87,13 @@ def _one_story(model: ReflectorMachine) -> Iterator[Property]:
             (by_target & first.judged.eq(FITS) & other.judged.eq(FITS)).implies(_agree(own, first, other))
             for other in others
         ),
-        statement="a reflector is measured only where every echo that fits it agrees with the one that is reported",
+        statement="a reflector gives the position only if every echo that fits it agrees with the reported one",
         requirements=("RFL-D3", "RFL-10"),
     )
 
 
 def _agree(own: Parts, one: Slot, other: Slot) -> Bool:
-    """Both ranges are alike within their errors, the survey's and the radar's, and what may have been run since the frame."""
+    """Return whether both ranges agree, within the errors of echoes, survey and radar and the travel since the frame."""
     config = own.config
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     run_mm = -(-config.max_step_mm * share // 1_000_000)

@@ -1,7 +1,7 @@
-"""What must hold of route recognition (RFL-D6): the true route is always among those carried, and no sequence decides alone.
+"""Properties of route recognition (RFL-D6): the true route is always among the possible ones, and no sequence decides alone.
 
-Said of the route that the vehicle really runs on, of what is seen and what the map says of it, and of what the machine
-reports and keeps, in figures of the requirement (`figures`).
+They read the true route, the sightings, the map's answers, and the machine's outputs and state. Their figures come from the
+requirement (`figures`), not from terms of the machine.
 """
 
 from __future__ import annotations
@@ -17,5 +17,5 @@ __all__ = ["LAW", "properties"]
 
 
 def properties(model: Route) -> list[Property]:
-    """Every property of the route machine."""
+    """Return every property of the route machine."""
     return [prop for maker in (safety, refutation, reports, reached) for prop in maker(model)]

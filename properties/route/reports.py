@@ -1,4 +1,4 @@
-"""What is reported, and when nothing is: tolerance, silence of the odometer, reasons, the movement authority."""
+"""The reports and their absence: tolerance, silence of the odometer, reasons, the movement authority."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def reports(model: Route) -> Iterator[Property]:
-    """The claims of what is put out."""
+    """Yield the properties of the outputs."""
     for maker in (_silent, _wide, _odometer, _reasons, _authority):
         yield from maker(model)
 
@@ -30,24 +30,24 @@ def _silent(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "nothing is reported without a start",
         carried(model) | (silent & machine.output("route").eq(0)),
-        statement="idle or lost, no route and no interval is reported",
+        statement="in IDLE and LOST the machine reports no route and no interval",
     )
     yield for_all_inputs(
         "no route left is no report",
         silent.implies(~carried(model)),
-        statement="the cycle in which no route fits any more is the cycle in which nothing is reported",
+        statement="in a cycle in which no route is possible, the machine reports nothing",
     )
     yield for_all_inputs(
         "no place on a route that is refuted",
         all_of(
             [machine.flag("valid") | no_interval(machine), *(_no_place(model, route) for route in model.own.routes)]
         ),
-        statement="a route that is not possible has no interval, and while no route is decided there is no position",
+        statement="an impossible route has no reported interval, and while no route is decided there is no position",
     )
     yield for_all_inputs(
         "no resurrection",
         (carried(model) & ~earlier_bool(carried(model))).implies(model.own.start.present),
-        statement="after a contradiction only a new start, with its own reference, begins to report",
+        statement="after a loss the machine reports again only from a new start on, with a reference of its own",
     )
 
 
@@ -62,21 +62,21 @@ def _wide(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "tolerance",
         all_of(widths),
-        statement="no reported interval is wider than the tolerable error to either side",
+        statement="no reported interval is wider than twice the tolerable error",
         requirements=("RFL-D6", "RFL-D1"),
     )
     lost = _given_up(model) & own.reason.eq(TOLERANCE)
     yield for_all_inputs(
         "given up for its width only where it may be too wide",
         lost.implies(any_of(_may_be_too_wide(own, Told(own, route)) for route in own.routes)),
-        statement="nothing is given up for tolerance unless an interval, run on, may be wider than tolerable to the mm, or "
+        statement="the machine gives the routes up for tolerance only if an interval, run on, may be wider than tolerable to the mm, or "
         "reach beyond the line",
         requirements=("RFL-D6", "RFL-D1"),
     )
 
 
 def _given_up(model: Route) -> Bool:
-    """What was reported is not any more, and there was no new start."""
+    """Return whether the machine stops reporting in a cycle without a new start."""
     return earlier_bool(carried(model)) & ~model.own.start.present & ~carried(model)
 
 
@@ -92,26 +92,25 @@ def _odometer(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "a distance is admitted just if it can have been run",
         odometer.judged.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
-        statement="a distance counts exactly if it is below the top speed, and within the greatest change of speed since the "
-        "last one",
+        statement="a distance is used exactly if the top speed and the greatest change of speed since the last one allow it",
     )
     counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
     yield for_all_inputs(
         "silent cycles are counted",
         (odometer.judged.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.judged.ne(ADMITTED) & counted),
-        statement="cycles without an admitted distance are counted, to one beyond the limit",
+        statement="the machine counts the cycles without a usable distance, up to one more than permitted",
     )
     too_long = odometer.gap > own.config.gap_limit_cycles
     yield for_all_inputs(
         "a silent odometer ends the report",
         (earlier_bool(carried(model)) & ~own.start.present).implies(own.reason.eq(SENSOR_FAILURE).iff(too_long)),
-        statement="what is carried is given up for the odometer exactly where it was silent for longer than permitted",
+        statement="the machine gives the routes up for the odometer exactly if that was silent for longer than permitted",
         requirements=("RFL-D6", "RFL-D1"),
     )
 
 
 def _can_be_run(own: Parts) -> tuple[Bool, Bool]:
-    """In figures of the requirement: top speed and greatest acceleration, rounded up to mm, and steps of the measurement."""
+    """Return whether top speed and greatest acceleration allow the distance, rounded up to mm, with the measuring steps."""
     config, step = own.config, own.odometer.step.value
     farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
@@ -125,7 +124,7 @@ def _reasons(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "reason stated",
         model.own.reason.eq(NO_REASON).iff(carried(model)),
-        statement="a reason is stated exactly while nothing is reported",
+        statement="the machine gives a reason exactly while it reports no route",
     )
 
 
@@ -135,17 +134,17 @@ def _authority(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "authority",
         carried(model).implies(machine.flag("refutes_authority").iff(refuted)),
-        statement="that the route of the movement authority is refuted is reported in the same cycle",
+        statement="the machine reports in the same cycle that the route of the movement authority is refuted",
         requirements=("RFL-D6", "RFL-12"),
     )
 
 
 def reached(model: Route) -> Iterator[Property]:
-    """Each route can be decided."""
+    """Yield, for each route, that it can be decided."""
     for route in model.own.routes:
         yield reachable(
             f"route {route.number} is decided after others were possible",
             model.machine.fired("one route is left") & route.possible,
-            statement="the route can be told from the others by what is seen",
+            statement="sightings can distinguish the route from the others",
             requirements=REQUIREMENTS,
         )

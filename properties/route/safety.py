@@ -1,4 +1,4 @@
-"""The true route is always among those carried, and what is stated of it is true."""
+"""The true route is always among the possible ones, and the reports about it are true."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def safety(model: Route) -> Iterator[Property]:
-    """The claims of the true route."""
+    """Yield the properties of the true route."""
     machine, seen = model.machine, model.own.ghosts
     yield under_assumption(
         "the true route is carried",
         carried(model).implies(all_of(_holds_truth(model, route) for route in model.own.routes)),
-        statement="while anything is reported, the true route is among the hypotheses, and its interval holds the truth",
+        statement="while the machine reports any route, the true one is possible, and its interval contains the true place",
     )
     yield under_assumption(
         "the decided route is true",
         machine.flag("valid").implies(machine.output("route").eq(seen.route)),
-        statement="a route that is stated is the one the vehicle is on",
+        statement="a decided route is the one on which the vehicle runs",
     )
     position, below, above = (
         exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "margin_below", "margin_above")
@@ -34,12 +34,12 @@ def safety(model: Route) -> Iterator[Property]:
     yield under_assumption(
         "containment",
         machine.flag("valid").implies(between(position - below, seen.truth, position + above)),
-        statement="once the route is decided, the reported interval along it holds the true distance from the start",
+        statement="while the route is decided, the reported interval along it contains the true distance from the start",
     )
     yield under_assumption(
         "a right authority is never refuted",
         (carried(model) & model.own.authorised.eq(seen.route)).implies(~machine.flag("refutes_authority")),
-        statement="a vehicle on the route of its movement authority is never reported to be off it",
+        statement="the machine never reports that a vehicle on the route of its movement authority is off it",
         requirements=("RFL-D6", "RFL-12"),
     )
 

@@ -1,4 +1,4 @@
-"""What must hold of position from satellites (SAT-1, SAT-4, SAT-5, SAT-6)."""
+"""Properties of position from satellites (SAT-1, SAT-4, SAT-5, SAT-6)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def properties(model: Satellite) -> list[Property]:
 
 
 def drift_properties(model: Satellite) -> list[Property]:
-    """What holds although every signal may be false: model with `trusted="odometry"`."""
+    """Return the properties that hold although every signal may be false: model with `trusted="odometry"`."""
     of, machine, own = model.composition.of(model.machine), model.machine, model.own
     position, bound = (exact_to(of.num(machine.output(name)), NM) for name in ("position_mm", "drift_bound_mm"))
     bounded = always(

@@ -57,7 +57,7 @@ def prediction(model: Satellite) -> Iterator[Property]:
 
 
 def prediction_error(model: Satellite) -> Iterator[Property]:
-    """How far the truth may be from E*."""
+    """Properties of the prediction E*: its distance from the truth is bounded."""
     off, off_speed = _prediction_errors(model)
     within, within_speed = _error_bounds(model)
     yield always(
@@ -73,7 +73,7 @@ def prediction_error(model: Satellite) -> Iterator[Property]:
 
 
 def _prediction_errors(model: Satellite) -> tuple[Num, Num]:
-    """How far the truth is from E*(t): twice the way in nm, and um/s."""
+    """Return the distance of the truth from E*(t): twice the way in nm, and the speed in um/s."""
     own, of, was = model.own, model.composition.of(model.machine), kept_before(model)
     fast = own.config.max_speed_mm_s * 1_000
     speed = minimum(maximum(was.speed + was.change, -fast), fast)
@@ -82,14 +82,14 @@ def _prediction_errors(model: Satellite) -> tuple[Num, Num]:
 
 
 def _state_errors(model: Satellite) -> tuple[Num, Num]:
-    """How far the state was from the truth in the cycle before."""
+    """Return the distance of the state from the truth in the cycle before."""
     own, of = model.own, model.composition.of(model.machine)
     off, off_speed = of.num(own.truth - own.position), of.num(own.true_speed - own.speed)
     return abs_(earlier_num(off)), abs_(earlier_num(off_speed))
 
 
 def _error_bounds(model: Satellite) -> tuple[Num, Num]:
-    """What they may be: twice the way, and the speed."""
+    """Return the bounds of these errors: twice the way, and the speed."""
     was_off, was_off_speed = _state_errors(model)
     way = was_off + run_at(model, was_off_speed) + 2 * most_way(model)
     return way * 2, was_off_speed + 2 * most_change(model)

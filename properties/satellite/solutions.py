@@ -54,7 +54,7 @@ def solutions(model: Satellite) -> Iterator[Property]:
 
 
 def used(model: Satellite) -> Iterator[Property]:
-    """What each satellite of a solution that counts is, from what was measured of it."""
+    """Properties of each satellite of an accepted solution, by its measured values."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.composition.of(model.selection.machine)
     accepted = of.num(own.judged).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
@@ -87,7 +87,7 @@ def used(model: Satellite) -> Iterator[Property]:
 
 
 def _satellites(used: Sequence[Bool]) -> Num:
-    """How many satellites a solution uses."""
+    """Return the number of satellites that a solution uses."""
     total = as_num(0, COUNT)
     for flag in used:
         total = total + ite(~flag, as_num(0, COUNT), 1)
@@ -95,7 +95,7 @@ def _satellites(used: Sequence[Bool]) -> Num:
 
 
 def narrowed(model: Satellite) -> Iterator[Property]:
-    """What a solution that counts leaves of the interval: its level charges all that a usable signal may be wrong by."""
+    """Properties of the interval after an accepted solution: its protection level covers the greatest error of usable signals."""
     own, of, now, was = model.own, model.composition.of(model.machine), now_kept(model), kept_before(model)
     place, level, way = exact_to(of.num(own.fix.value), NM), most_off(model), most_way(model)
     speed, speed_level, gained = of.num(own.fix_speed), most_speed_off(model), most_change(model)
@@ -110,13 +110,13 @@ def narrowed(model: Satellite) -> Iterator[Property]:
         "a solution narrows to its protection level and no farther",
         of.bool(model.machine.fired("solution counts")).implies(all_of(ends)),
         statement="a solution that counts leaves of the predicted interval what is within its protection level: its dilution "
-        "times threshold, prediction and clock error together, and what is told beside; the same of the speed",
+        "times threshold, prediction and clock error together, and the further error; the same of the speed",
         requirements=("SAT-4", "SAT-5"),
     )
 
 
 def judged(model: Satellite) -> Iterator[Property]:
-    """What becomes of a solution, and why there is none: in this order of reasons."""
+    """Properties of the verdict on a solution, and of the reason for none: in this order of reasons."""
     own, of = model.own, model.composition.of(model.machine)
     told, located = of.num(own.judged), earlier_bool(of.bool(model.machine.flag("valid")))
     used = [of.bool(flag) for flag in own.used]

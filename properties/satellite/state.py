@@ -1,4 +1,4 @@
-"""What the satellites' position was and is, in the words of the requirements, and how a vehicle moves between."""
+"""The satellites' position before and after a step, in the words of the requirements, and the vehicle's movement between."""
 
 from __future__ import annotations
 
@@ -50,25 +50,25 @@ def run_at(model: Satellite, speed: Num) -> Num:
 
 
 def most_way(model: Satellite) -> int:
-    """What the greatest acceleration adds to the way of a cycle: A T2 / 2, in nm."""
+    """The most that an acceleration adds to the distance of a cycle: A T2 / 2, in nm."""
     config = model.own.config
     return config.max_acceleration_mm_s2 * config.period_ms**2 // 2
 
 
 def most_change(model: Satellite) -> int:
-    """What the greatest acceleration changes of the speed in a cycle: A T, in um/s."""
+    """The most by which the speed changes in a cycle: A T, in um/s."""
     return model.own.config.period_ms * model.own.config.max_acceleration_mm_s2
 
 
 def most_off(model: Satellite) -> Num:
-    """What a solution's place may be off by, in nm: dilution times all that a usable range may be wrong by, and the rest."""
+    """Error bound of a solution's place, in nm: dilution times the greatest error of a usable range, and the further error."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.own.config.selection
     wrong = Lit(chosen.range_clock_mm + chosen.range_prediction_mm + chosen.range_threshold_mm, MM)
     return exact_to(wrong * of.num(own.dilution), NM) + exact_to(of.num(own.further), NM)
 
 
 def most_speed_off(model: Satellite) -> Num:
-    """What its speed may be off by, in um/s."""
+    """Error bound of its speed, in um/s."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.own.config.selection
     wrong = Lit(chosen.speed_clock_mm_s + chosen.speed_prediction_mm_s + chosen.speed_threshold_mm_s, MM_S)
     return exact_to(wrong * of.num(own.speed_dilution), UM_S) + of.num(own.speed_further)

@@ -1,7 +1,7 @@
-"""What must hold of the precise stop at a platform (RFL-D7).
+"""Properties of the precise stop at a platform (RFL-D7).
 
-Everything is said of where the front end truly is, how fast it truly runs, and what was put in; in figures of the
-requirement: the window of the stop that the map gives, the guaranteed braking distance, the reduced speed.
+They read the true place and speed of the front end, the inputs, and the figures of the requirement: the window of the stop on
+the map, the guaranteed braking distance, the reduced speed.
 """
 
 from __future__ import annotations
@@ -17,5 +17,5 @@ from safeloc.properties.stop_point.towards import towards
 
 
 def properties(model: StopPoint) -> list[Property]:
-    """Every property of the stop-point machine."""
+    """Return every property of the stop-point machine."""
     return [prop for maker in (towards, going_on, standing, beyond, selection, orders) for prop in maker(model)]

@@ -1,4 +1,4 @@
-"""Beyond the window, before it, and held: each is told on a measurement only, and told whenever it is measured."""
+"""Beyond the window, before it, and held: each state needs a measurement, and each such measurement leads to it."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def beyond(model: StopPoint) -> Iterator[Property]:
-    """When a stop is overrun, short or held, and when it is so no more."""
+    """Yield the properties of the beginning and end of OVERRUN, SHORT and HELD."""
     for maker in (_overrun, _overrun_ends, _short, _too_far, _measured_again):
         yield from maker(model)
 
 
 def _measured(model: StopPoint) -> Bool:
-    """The distance to the reflector is measured in this cycle."""
+    """Return whether the distance to the reflector is measured in this cycle."""
     return model.own.valid & model.own.precise
 
 
@@ -41,22 +41,22 @@ def _overrun(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "an overrun is told on a measurement only",
         (overrun & towards).implies(past),
-        statement="a vehicle on its way to the stop is said to have overrun it only when it is measured to be possibly beyond "
-        "the window",
+        statement="the machine reports an overrun of a vehicle on its way to the stop only if the vehicle, as measured, is possibly "
+        "beyond the window",
     )
     yield for_all_inputs(
         "a measured overrun is told",
         (towards & past & own.pending.eq(before(own.pending))).implies(overrun),
-        statement="a vehicle on its way to the pending stop that is measured to be possibly beyond the window is said to have "
-        "overrun it",
+        statement="the machine reports an overrun if a vehicle on its way to the pending stop, as measured, is possibly beyond the "
+        "window",
     )
     yield for_all_inputs(
         "found beyond only by a fine measurement",
         (overrun & earlier_bool(model.in_mode("STOPPED", "SHORT"))).implies(
             past & stands(own) & (rearmost(own) >= near_end(own))
         ),
-        statement="a vehicle that stood in the window or before it is said to stand beyond it only when it is measured to "
-        "stand surely not before the window",
+        statement="the machine reports an overrun of a vehicle that stood in the window or before it only if the vehicle, as "
+        "measured, is possibly beyond the window and surely not before it",
     )
 
 
@@ -66,13 +66,13 @@ def _overrun_ends(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "an overrun is taken back on a measurement only",
         (was_beyond & model.in_mode("BRAKING")).implies(back),
-        statement="after an overrun the vehicle is braked for the stop again only when it is measured to be surely not beyond "
-        "the window",
+        statement="after an overrun the machine brakes for the stop again only if the vehicle, as measured, is surely not beyond the "
+        "window",
     )
     yield for_all_inputs(
         "an overrun is taken back",
         (was_beyond & back & ~own.released).implies(~model.in_mode("OVERRUN")),
-        statement="a vehicle that is measured to be surely not beyond the window is no longer said to have overrun it",
+        statement="the machine ends the overrun of a vehicle that, as measured, is surely not beyond the window",
     )
 
 
@@ -82,13 +82,13 @@ def _short(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "short only on a measurement",
         (short & ~earlier_bool(short)).implies(before_it),
-        statement="a vehicle is said to have stopped short only when it is measured to stand possibly before the window",
+        statement="the machine reports that a vehicle stopped short only if the vehicle, as measured, stands possibly before the window",
     )
     yield for_all_inputs(
         "stopped short is told",
         (ordered_before(model).eq(BRAKE) & before_it & (foremost(own) <= far_end(own))).implies(short),
-        statement="a braked vehicle that is measured to stand possibly before the window, and surely not beyond it, is said to "
-        "have stopped short",
+        statement="the machine reports that a braked vehicle stopped short if the vehicle, as measured, stands possibly before the "
+        "window and surely not beyond it",
     )
 
 
@@ -99,13 +99,13 @@ def _too_far(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "too far only on a measurement",
         enters.implies(own.precise & stands(own) & (foremost(own) > limit)),
-        statement="a vehicle is held for being too far beyond the window only when it is measured to stand possibly farther "
-        "beyond it than may be repositioned",
+        statement="the machine holds a vehicle for being too far beyond the window only if the vehicle, as measured, stands possibly "
+        "farther beyond it than it may reposition",
     )
     yield for_all_inputs(
         "how much too far is shown",
         enters.implies((model.machine.output("distance_mm") + own.position).eq(own.stop)),
-        statement="in the cycle in which a vehicle is found too far beyond the window, its distance to the stop is shown",
+        statement="in the cycle in which the machine finds a vehicle too far beyond the window, it shows the distance to the stop",
     )
 
 
@@ -115,15 +115,15 @@ def _measured_again(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "held until measured again",
         (was_held & model.in_mode("BRAKING")).implies(again),
-        statement="a held vehicle is braked for its stop again only if it was held for a lost position, and is measured to stand",
+        statement="the machine brakes a held vehicle for its stop again only if it held it for a lost position and measures a standstill",
     )
     yield for_all_inputs(
         "measured again, the stop goes on",
         (was_held & again & ~own.released).implies(model.in_mode("BRAKING")),
-        statement="a vehicle that was held for a lost position is braked for its stop again when it is measured to stand",
+        statement="the machine brakes a vehicle held for a lost position for its stop again when it measures a standstill",
     )
     yield for_all_inputs(
         "braked for the stop, it is ordered to brake",
         model.in_mode("BRAKING").implies(model.machine.output("order").eq(BRAKE)),
-        statement="from the brake order until the vehicle stands, the order to brake is given",
+        statement="in BRAKING the machine orders to brake",
     )

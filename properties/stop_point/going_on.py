@@ -1,4 +1,4 @@
-"""An order to move that was given is upheld just as long as nothing speaks against it."""
+"""Duration of an order to move: exactly as long as its conditions hold."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def going_on(model: StopPoint) -> Iterator[Property]:
-    """Creeping on, reversing on, and proceeding no farther than to the window."""
+    """Yield the properties of creeping on, reversing on, and proceeding no farther than to the window."""
     for maker in (_creeps_on, _reverses_on, _proceeds_to_the_window):
         yield from maker(model)
 
@@ -32,13 +32,13 @@ def _creeps_on(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "creeps on while it may",
         (ordered_before(model).eq(CREEP) & _may(model) & slow & before_it).implies(order.eq(CREEP)),
-        statement="the order to creep is upheld while the vehicle is permitted to move and measured, surely no faster than the "
-        "reduced speed, possibly before the window and surely not beyond it, and before the stop by the measurement",
+        statement="the order to creep stays while the vehicle is permitted to move and measured, surely no faster than the reduced "
+        "speed, possibly before the window and surely not beyond it, and before the stop by the measurement",
     )
     yield for_all_inputs(
         "creeping ends at the stop",
         (ordered_before(model).eq(CREEP) & order.eq(CREEP)).implies(own.position < own.stop),
-        statement="the order to creep is taken back when the vehicle is measured to have come to the stop",
+        statement="the order to creep ends when the measured position reaches the stop",
     )
 
 
@@ -49,8 +49,8 @@ def _reverses_on(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "reverses on while it may",
         (ordered_before(model).eq(REVERSE) & _may(model) & slow & past_it).implies(order.eq(REVERSE)),
-        statement="the order to reverse is upheld while the vehicle is permitted to move and measured, surely no faster "
-        "backwards than the reduced speed, possibly beyond the window and surely not before it",
+        statement="the order to reverse stays while the vehicle is permitted to move and measured, surely no faster backwards than "
+        "the reduced speed, possibly beyond the window and surely not before it",
     )
 
 
@@ -60,4 +60,4 @@ def _proceeds_to_the_window(model: StopPoint) -> Iterator[Property]:
         "proceeds no farther than to the window",
         (ordered_before(model).eq(PROCEED) & (rearmost(own) >= near_end(own)) & own.pending.eq(before(own.pending)))
         .implies(order.ne(PROCEED)),
-        statement="a vehicle that has surely reached the window of the pending stop is not told to proceed")  # fmt: skip
+        statement="the order to proceed ends when the vehicle has surely reached the window of the pending stop")  # fmt: skip

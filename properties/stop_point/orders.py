@@ -1,4 +1,4 @@
-"""Orders that follow from what is lost or shown, and what is shown beside them."""
+"""Orders without a position and after braking, and the outputs shown with orders."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def orders(model: StopPoint) -> Iterator[Property]:
-    """Holding, and what the driver is shown."""
+    """Yield the properties of holding, and of the driver's display."""
     for maker in (_without_a_position, _held, _after_braking, _limit, _distance, _coarse):
         yield from maker(model)
 
@@ -36,12 +36,12 @@ def _without_a_position(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "without a position nothing moves",
         (~own.valid).implies(order.one_of(NO_ORDER, HOLD)),
-        statement="in the step in which the position is lost, a pending stop holds the vehicle",
+        statement="without a valid position the machine orders to hold, or nothing if no stop is pending",
     )
     yield for_all_inputs(
         "a lost position does not end a stop",
         (~own.valid & earlier_num(order).ne(NO_ORDER) & ~own.released).implies(order.eq(HOLD)),
-        statement="a stop that was pending stays pending, and holds the vehicle, when the position is lost",
+        statement="when the position is lost, a pending stop stays pending and the machine orders to hold",
     )
 
 
@@ -50,13 +50,13 @@ def _held(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "held with a reason",
         model.in_mode("HELD").implies(own.reason.one_of(NO_POSITION, TOO_FAR) & order.eq(HOLD)),
-        statement="a stop that cannot be made holds the vehicle and says why",
+        statement="in HELD the machine orders to hold and gives the reason",
     )
     enters = model.in_mode("HELD") & ~earlier_bool(model.in_mode("HELD"))
     yield for_all_inputs(
         "the reason for holding is right",
         enters.implies(ite(own.valid, own.reason.eq(TOO_FAR), own.reason.eq(NO_POSITION))),
-        statement="the vehicle is held for a lost position just when it is lost, else for being too far beyond the window",
+        statement="when holding begins, the reason is a lost position if the position is invalid, else being too far beyond the window",
     )
 
 
@@ -65,7 +65,7 @@ def _after_braking(model: StopPoint) -> Iterator[Property]:
     yield never(
         "no movement out of the brake order",
         earlier_num(order).eq(BRAKE) & order.one_of(PROCEED, CREEP, REVERSE),
-        statement="after the brake order comes standstill, an overrun or a hold; never at once an order to move",
+        statement="an order to move never follows the brake order directly",
         requirements=REQUIREMENTS,
         unconditional=True,
     )
@@ -77,7 +77,7 @@ def _limit(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "the reduced speed is shown",
         machine.output("speed_limit_mm_s").eq(ite(slow, own.config.reduced_speed_mm_s, 0 * own.speed)),
-        statement="with the order to creep or to reverse the reduced speed is shown as the limit, else none",
+        statement="the shown speed limit is the reduced speed with the order to creep or to reverse, else there is none",
     )
 
 
@@ -87,14 +87,14 @@ def _distance(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "the distance to the stop is shown",
         (~model.in_mode("IDLE", "HELD")).implies((shown + own.position).eq(own.stop)),
-        statement="while a stop is pending, the distance from the reported position to it is shown",
+        statement="while a stop is pending and not held, the machine shows the distance from the reported position to it",
     )
     yield for_all_inputs(
         "no distance without a stop that can be made",
         (model.in_mode("IDLE") | earlier_bool(model.in_mode("HELD")) & model.in_mode("HELD") | ~own.valid).implies(
             shown.eq(0)
         ),
-        statement="without a pending stop or a position, and while the vehicle stays held, no distance is shown",
+        statement="without a pending stop or a position, and while the vehicle stays held, the machine shows no distance",
     )
 
 
@@ -106,5 +106,5 @@ def _coarse(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "too coarse a measurement is told",
         (moved & ~chosen).implies(own.reason.eq(ite(coarse, TOO_COARSE, NO_REASON))),
-        statement="while a stop is pending, it is told just when the interval reaches beyond both ends of the window",
+        statement="while a stop is pending, the machine reports TOO_COARSE exactly if the interval reaches beyond both ends of the window",
     )

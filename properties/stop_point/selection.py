@@ -1,4 +1,4 @@
-"""Which stop point of the platform is meant, and until when it may change."""
+"""Selection of a stop point, its refusal, and the end of a pending stop."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def selection(model: StopPoint) -> Iterator[Property]:
-    """Selection, refusal, and the end of a pending stop."""
-    for maker in (_as_the_map_has_it, _ahead, _kept, _left, _served, _accepted, _refused):
+    """Yield the properties of selection, refusal, and the end of a pending stop."""
+    for maker in (_as_the_map_has_it, _ahead, _kept, _left, _served, _anew, _accepted, _unknown, _behind, _unrefused):
         yield from maker(model)
 
 
 def _selects(model: StopPoint) -> Bool:
-    """Another stop is pending than before."""
+    """Return whether another stop is pending than before."""
     return model.own.pending.ne(before(model.own.pending)) & (model.own.pending > 0)
 
 
 def _mapped(model: StopPoint, number: int) -> Bool:
-    """The pending stop stands where the map has the stop point of that number."""
+    """Return whether the pending stop is the selected one, with the place and window of that number on the map."""
     own, stop = model.own, model.own.stops[number - 1]
     return (
         stop.position.present
@@ -47,12 +47,12 @@ def _as_the_map_has_it(model: StopPoint) -> Iterator[Property]:
             (_selects(model) & own.pending.eq(number)).implies(_mapped(model, number))
             for number in range(1, len(own.stops) + 1)
         ),
-        statement="a stop that becomes pending is the one that the mission names, where the map has it and with its window",
+        statement="a stop that becomes pending is the one that the mission selects, with its place and window on the map",
     )
     yield for_all_inputs(
         "an order belongs to a stop",
         ite(own.pending > 0, order.ne(NO_ORDER), order.eq(NO_ORDER)),
-        statement="the vehicle is given an order just while a stop is pending",
+        statement="the machine gives an order exactly while a stop is pending",
     )
 
 
@@ -75,14 +75,14 @@ def _kept(model: StopPoint) -> Iterator[Property]:
         (~ordered_before(model).one_of(NO_ORDER, PROCEED) & ~model.in_mode("IDLE")).implies(
             all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after, own.pending))
         ),
-        statement="after the brake order another selection no longer moves the stop",
+        statement="after the brake order another selection no longer changes the stop",
     )
     yield for_all_inputs(
         "the stop moves only with another selection",
         (own.pending.eq(before(own.pending))).implies(
             all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after))
         ),
-        statement="while the same stop is pending, its place and window stay as they were read from the map",
+        statement="while the same stop is pending, its place and window stay the same",
     )
 
 
@@ -95,15 +95,15 @@ def _left(model: StopPoint) -> Iterator[Property]:
             (own.departure & own.valid & earlier_bool(model.in_mode("STOPPED")))
             | (own.released & earlier_bool(model.in_mode("HELD", "SHORT", "OVERRUN")))
         ),
-        statement="from the brake order on a pending stop ends by departure from its place, or because whoever is in charge "
-        "releases a vehicle that is held elsewhere")  # fmt: skip
+        statement="from the brake order on a pending stop ends only by departure from its place, or if the person in charge releases a "
+        "vehicle that stands elsewhere")  # fmt: skip
     yield for_all_inputs(
         "served or released, a stop is left",
         (
             (own.valid & own.departure & earlier_bool(model.in_mode("STOPPED")))
             | (own.released & earlier_bool(model.in_mode("HELD", "SHORT", "OVERRUN")))
         ).implies(idle),
-        statement="the departure order of a stop in place, and the release of a stop that is held elsewhere, end it",
+        statement="a departure order in place ends the stop, and so does the release of a vehicle that stands elsewhere",
     )
 
 
@@ -112,19 +112,23 @@ def _served(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "a served stop is not selected at once again",
         (_selects(model) & earlier_bool(model.in_mode("IDLE"))).implies(own.pending.ne(before(own.served))),
-        statement="a stop that was just served is selected again only after another selection, or none",
+        statement="a stop that was just served becomes pending again only after another selection, or none",
     )
     left = earlier_bool(~model.in_mode("APPROACH", "IDLE")) & model.in_mode("IDLE")
     yield for_all_inputs(
         "a stop that was left counts as served",
         left.implies(own.served.eq(before(own.pending))),
-        statement="a stop that was left by departure or release is remembered",
+        statement="a stop that ended by departure or release counts as served",
     )
     yield for_all_inputs(
         "a stop that was left leaves no reason",
         left.implies(own.reason.eq(NO_REASON)),
-        statement="with the end of a stop the reason that was shown with it is taken back",
+        statement="when a stop ends, its reason is no longer shown",
     )
+
+
+def _anew(model: StopPoint) -> Iterator[Property]:
+    own = model.own
     yield for_all_inputs(
         "a stop begins anew",
         _selects(model).implies(own.served.eq(0) & own.reason.eq(NO_REASON)),
@@ -152,20 +156,33 @@ def _accepted(model: StopPoint) -> Iterator[Property]:
             (free & _selectable(model, number)).implies(own.pending.eq(number))
             for number in range(1, len(own.stops) + 1)
         ),
-        statement="a stop of the map that the mission names, that surely lies ahead and was not just served, becomes pending",
+        statement="a selected stop that is on the map, surely lies ahead and was not just served becomes pending",
     )
 
 
-def _refused(model: StopPoint) -> Iterator[Property]:
-    own, waits = model.own, model.in_mode("IDLE") & earlier_bool(model.in_mode("IDLE"))
-    unknown = own.selected.present & ~any_of(
+def _waits(model: StopPoint) -> Bool:
+    """Return whether no stop is pending, neither before nor after the step."""
+    return model.in_mode("IDLE") & earlier_bool(model.in_mode("IDLE"))
+
+
+def _not_on_the_map(model: StopPoint) -> Bool:
+    own = model.own
+    return own.selected.present & ~any_of(
         stop.position.present & own.selected.value.eq(number) for number, stop in enumerate(own.stops, 1)
     )
+
+
+def _unknown(model: StopPoint) -> Iterator[Property]:
+    own = model.own
     yield for_all_inputs(
         "a stop that is not on the map is refused",
-        (waits & unknown).implies(own.reason.eq(UNKNOWN_STOP)),
-        statement="a stop that the mission names and the map does not have is refused with that reason",
+        (_waits(model) & _not_on_the_map(model)).implies(own.reason.eq(UNKNOWN_STOP)),
+        statement="the machine refuses a selected stop that is not on the map, with that reason",
     )
+
+
+def _behind(model: StopPoint) -> Iterator[Property]:
+    own, waits, unknown = model.own, _waits(model), _not_on_the_map(model)
     yield for_all_inputs(
         "a stop that is not ahead is refused",
         all_of(
@@ -174,7 +191,7 @@ def _refused(model: StopPoint) -> Iterator[Property]:
             .implies(own.reason.eq(NOT_AHEAD) | ~own.selected.present)
             for number, stop in enumerate(own.stops, 1)
         ),
-        statement="a stop that possibly lies behind is refused with that reason")  # fmt: skip
+        statement="the machine refuses a selected stop that possibly lies behind, with that reason")  # fmt: skip
     yield for_all_inputs(
         "refused for lying behind only when it may",
         (own.reason.eq(NOT_AHEAD) & before(own.reason).ne(NOT_AHEAD)).implies(
@@ -184,11 +201,15 @@ def _refused(model: StopPoint) -> Iterator[Property]:
                 for number, stop in enumerate(own.stops, 1)
             )
         ),
-        statement="a stop is refused for lying behind only on a valid position, where the map has it, it was not just served, "
-        "and possibly lies behind")  # fmt: skip
+        statement="the machine refuses a stop for lying behind only with a valid position, and only if the stop is on the map, was "
+        "not just served, and possibly lies behind")  # fmt: skip
+
+
+def _unrefused(model: StopPoint) -> Iterator[Property]:
+    own = model.own
     yield for_all_inputs(
         "a pending stop is not refused",
         model.machine.output("order").eq(PROCEED).implies(~own.reason.one_of(UNKNOWN_STOP, NOT_AHEAD))
-        & (~own.selected.present & waits).implies(own.reason.eq(NO_REASON)),
-        statement="no reason for a refusal is shown while a stop is pending, or while none is selected",
+        & (~own.selected.present & _waits(model)).implies(own.reason.eq(NO_REASON)),
+        statement="the machine gives no reason for a refusal while the vehicle may proceed to a stop, or while none is selected",
     )

@@ -25,13 +25,13 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def standing(model: StopPoint) -> Iterator[Property]:
-    """What is said of a vehicle that stands."""
+    """Yield the properties of a standing vehicle."""
     for maker in (_in_position, _comes_to_stand, _said_when_it_stands, _found_short_or_beyond):
         yield from maker(model)
     yield reachable(
         "repositioned",
         model.machine.flag("in_position") & once(model.machine.fired("repositions")),
-        statement="a vehicle that ran too far comes to stand in position",
+        statement="a vehicle that ran too far can come to stand in position",
         requirements=REQUIREMENTS,
     )
 
@@ -42,14 +42,13 @@ def _in_position(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "in position within the window",
         (place & own.precise & fine).implies(between(near_end(own), own.truth, far_end(own))),
-        statement="a vehicle that is said to be in position stands within the stop window, whenever the measurement is no "
-        "coarser than the window",
+        statement="a vehicle reported in position is within the stop window, whenever the measurement is no coarser than the window",
     )
     slowest = own.config.standstill_mm_s + own.config.speed_error_mm_s
     yield under_assumption(
         "in position it stands",
         place.implies(between(-slowest, own.true_speed, slowest)),
-        statement="a vehicle that is said to be in position truly stands, up to the speed error",
+        statement="a vehicle reported in position truly stands, up to the speed error",
     )
 
 
@@ -59,12 +58,12 @@ def _comes_to_stand(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "in position only on a measurement",
         comes.implies(own.valid & own.precise & stands(own)),
-        statement="a vehicle is said to be in position only at standstill and on a measured distance",
+        statement="the machine first reports a vehicle in position only at standstill and with a measured distance",
     )
     yield under_assumption(
         "it comes to stand within the window",
         comes.implies(between(near_end(own), own.truth, far_end(own))),
-        statement="when a vehicle is first said to be in position, its front end truly stands within the stop window",
+        statement="when the machine first reports a vehicle in position, its front end truly is within the stop window",
     )
 
 
@@ -76,11 +75,11 @@ def _said_when_it_stands(model: StopPoint) -> Iterator[Property]:
         ((ordered_before(model).eq(BRAKE) | earlier_bool(model.in_mode("OVERRUN", "SHORT"))) & measured & fits(own)).implies(
             place
         ),
-        statement="a braked or stopped vehicle that is measured to stand within the window is said to be in position")  # fmt: skip
+        statement="the machine reports a braked or stopped vehicle in position if the vehicle, as measured, stands within the window")  # fmt: skip
     yield for_all_inputs(
         "it stays in position",
         (earlier_bool(place) & own.valid & stands(own) & ~own.departure & (fits(own) | ~own.precise)).implies(place),
-        statement="a vehicle in position stays so while it stands and no measurement says otherwise, until it departs",
+        statement="a vehicle stays in position while it stands and no measurement contradicts that, until it departs",
     )
 
 
@@ -91,9 +90,9 @@ def _found_short_or_beyond(model: StopPoint) -> Iterator[Property]:
         "out of the window it is not in position",
         (earlier_bool(place) & own.valid & own.precise & ~fits(own) & (width(own) <= far_end(own) - near_end(own))
          & ~own.departure).implies(~place),
-        statement="a vehicle in position that is measured to stand out of the window is no longer in position")  # fmt: skip
+        statement="a vehicle that, as measured, is not surely within the window is no longer in position")  # fmt: skip
     yield for_all_inputs(
         "out of the window it is held or braked",
         (earlier_bool(place) & ~place & ~own.departure).implies(order.one_of(BRAKE, HOLD)),
-        statement="a vehicle that is no longer in position, and did not depart, is held or braked",
+        statement="if a vehicle is no longer in position and did not depart, the machine orders to hold or to brake",
     )

@@ -7,7 +7,7 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, any_of, before, exact_to, ite, product, with_unit
 from safeloc.language.spec import Property, always, earlier_bool
-from safeloc.language.units import NM, UM
+from safeloc.language.units import NM, UM, UM_PER_MM
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import BRAKE, CREEP, PROCEED, REVERSE
 from safeloc.properties.stop_point.place import (
@@ -22,13 +22,13 @@ from safeloc.properties.stop_point.place import (
     width,
 )
 
-UM_PER_MM, ROUNDING_MM = 1_000, 1
+ROUNDING_MM = 1
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def towards(model: StopPoint) -> Iterator[Property]:
-    """Every order to move."""
+    """Yield the properties of every order to move."""
     for maker in (_on, _brakes_for_the_window, _brakes_for_the_stop, _no_early_brake, _creeping, _reversing, _may_move):
         yield from maker(model)
     for begins in (_begins_to_reverse, _keeps_reversing, _reverses_when_it_may, _creeps_when_it_may):
@@ -40,13 +40,13 @@ def _on(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "never on beyond the window",
         order.one_of(PROCEED, CREEP).implies(own.truth <= far_end(own)),
-        statement="while a stop is pending, no order to go on or to start towards the platform's end is given to a vehicle "
-        "that stands or runs beyond the stop window",
+        statement="while a stop is pending, the machine never orders a vehicle beyond the stop window to go on or to start towards the "
+        "platform's end",
     )
 
 
 def _proceeds(model: StopPoint) -> Bool:
-    """The vehicle may proceed to the stop that was pending before; in the cycle of its selection it may be too late."""
+    """Return whether the order is to proceed to a stop that was pending before: at its selection it may be too late to brake."""
     own = model.own
     return model.machine.output("order").eq(PROCEED) & own.pending.eq(before(own.pending))
 
@@ -56,8 +56,8 @@ def _brakes_for_the_window(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "brake order in time",
         _proceeds(model).implies(own.truth + own.run_out <= far_end(own)),
-        statement="the vehicle may proceed only while the guaranteed brake, ordered in the next cycle, still brings the true "
-        "front end to a stand within the stop window or before it",
+        statement="the vehicle may proceed only while the guaranteed brake, ordered in the next cycle, still stops the true front end "
+        "within the stop window or before it",
     )
 
 
@@ -66,19 +66,19 @@ def _brakes_for_the_stop(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "brakes to the stop by the measurement",
         (_proceeds(model) & own.precise).implies(own.run_out <= stop - exact_to(own.position, NM)),
-        statement="with a measured distance the vehicle may proceed only while the guaranteed brake brings it to a stand at "
-        "the stop, counted from the measured position, or before it",
+        statement="with a measured distance the vehicle may proceed only while the guaranteed brake stops it at or before the stop, "
+        "counted from the measured position",
     )
     yield under_assumption(
         "brakes to the stop by odometry",
         (_proceeds(model) & ~own.precise).implies(own.run_out <= stop - foremost(own)),
-        statement="without a measured distance the vehicle may proceed only while the guaranteed brake brings it to a stand at "
-        "the stop, counted from the foremost possible place, or before it",
+        statement="without a measured distance the vehicle may proceed only while the guaranteed brake stops it at or before the stop, "
+        "counted from the foremost possible place",
     )
 
 
 def _no_early_brake(model: StopPoint) -> Iterator[Property]:
-    """Twice the braking x the distance left for it, against the square of the highest possible speed."""
+    """Yield that the brake order is not early: twice deceleration x distance left, against the highest possible speed squared."""
     own, config = model.own, model.own.config
     fastest = own.speed + config.speed_error_mm_s
     squared = with_unit(product(fastest, fastest) * UM_PER_MM, UM)
@@ -95,14 +95,15 @@ def _no_early_brake(model: StopPoint) -> Iterator[Property]:
         (ordered_before(model).eq(PROCEED) & model.machine.output("order").eq(BRAKE)).implies(
             due | (rearmost(own) >= near_end(own))
         ),
-        statement="the brake order comes from the braking distance of the highest possible speed on, and a millimetre for "
-        "rounding: before the stop by the measured position (without one, by the foremost possible place), or before the "
-        "window's far end by the foremost possible place; or when the vehicle surely reached the window",
+        statement="the brake order comes only when the distance left is no longer than the braking distance of the highest possible "
+        "speed, plus a millimetre for rounding: left to the stop from the measured position (without one, from the foremost "
+        "possible place), or to the window's far end from the foremost possible place; or when the vehicle surely reached the "
+        "window",
     )
 
 
 def _reaction_um(model: StopPoint) -> Num:
-    """How far the vehicle runs at its highest possible speed before the brake acts."""
+    """Return the distance at the highest possible speed before the brake acts, um."""
     config = model.own.config
     return with_unit((model.own.speed + config.speed_error_mm_s) * config.reaction_ms, UM)
 
@@ -112,17 +113,17 @@ def _creeping(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "creeping is slow",
         order.eq(CREEP).implies(own.true_speed <= own.config.reduced_speed_mm_s),
-        statement="the order to creep into the window is taken back before the vehicle can be faster than the reduced speed",
+        statement="while the order is to creep, the vehicle truly runs no faster than the reduced speed",
     )
     yield for_all_inputs(
         "creeping begins at standstill",
         (order.eq(CREEP) & ordered_before(model).ne(CREEP)).implies(stands(own) & (foremost(own) <= far_end(own))),
-        statement="creeping begins only at standstill, and where the vehicle surely stands before the window's far end",
+        statement="creeping begins only at standstill, and only if the vehicle surely is before the window's far end",
     )
     yield under_assumption(
         "creeping ends in the window",
         order.eq(CREEP).implies(own.truth < near_end(own) + width(own)),
-        statement="the order to creep ends when the vehicle is no longer possibly before the window",
+        statement="the order to creep ends when the vehicle is surely no longer before the window",
     )
 
 
@@ -131,13 +132,12 @@ def _reversing(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "reversing is slow",
         order.eq(REVERSE).implies(-own.true_speed <= own.config.reduced_speed_mm_s),
-        statement="the order to reverse is never given, and never upheld, to a vehicle that may run backwards faster than the "
-        "reduced speed",
+        statement="while the order is to reverse, the vehicle truly runs no faster backwards than the reduced speed",
     )
     yield under_assumption(
         "never back before the window",
         order.eq(REVERSE).implies(own.truth >= near_end(own)),
-        statement="no order to reverse is given, or upheld, to a vehicle that stands or runs before the stop window",
+        statement="the machine never orders a vehicle before the stop window to reverse",
     )
 
 
@@ -158,14 +158,14 @@ def _begins_to_reverse(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "reversing begins at standstill",
         begins.implies(stands(own) & (foremost(own) > far_end(own)) & (foremost(own) <= limit)),
-        statement="reversing begins only at standstill, after an overrun, and no farther beyond the window than allowed",
+        statement="reversing begins only at standstill, possibly beyond the window, and no farther beyond it than allowed",
     )
     slowest = own.config.standstill_mm_s + own.config.speed_error_mm_s
     yield under_assumption(
         "reversing begins near the window",
         begins.implies((own.truth <= limit) & (own.true_speed <= slowest) & (own.true_speed >= -slowest)),
-        statement="a vehicle that is told to reverse truly stands, up to the speed error, and is no farther beyond the window "
-        "than allowed",
+        statement="when the order to reverse begins, the vehicle truly stands, up to the speed error, no farther beyond the window than "
+        "allowed",
     )
 
 
@@ -174,7 +174,7 @@ def _keeps_reversing(model: StopPoint) -> Iterator[Property]:
     yield under_assumption(
         "reversing ends in the window",
         order.eq(REVERSE).implies(own.truth + width(own) > far_end(own)),
-        statement="the order to reverse ends when the vehicle is no longer possibly beyond the window",
+        statement="the order to reverse ends when the vehicle is surely no longer beyond the window",
     )
 
 
@@ -186,8 +186,8 @@ def _reverses_when_it_may(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "repositions when it may",
         (earlier_bool(model.in_mode("OVERRUN")) & may & where).implies(model.machine.output("order").eq(REVERSE)),
-        statement="after an overrun a standing, measured vehicle that is permitted to reverse, surely not before the window and "
-        "possibly beyond it by no more than allowed, is ordered back",
+        statement="after an overrun the machine orders a standing, measured vehicle to reverse if that is permitted and the vehicle is "
+        "surely not before the window, and possibly beyond it by no more than allowed",
     )
 
 
@@ -198,5 +198,5 @@ def _creeps_when_it_may(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "creeps when it may",
         (earlier_bool(model.in_mode("SHORT")) & may & where).implies(model.machine.output("order").eq(CREEP)),
-        statement="stopped short, a standing, measured vehicle that is permitted to move creeps on",
+        statement="after a short stop the machine orders a standing, measured vehicle to creep if that is permitted",
     )

@@ -1,1 +1,1 @@
-"""Documents for an assessor besides the proofs, such as requirements traced in both directions."""
+"""Documents for an assessor besides the proofs: traceability, assumptions, independence of claims, mutation, broken clauses."""

@@ -1,9 +1,8 @@
-"""Independence of claims from the machine: the sub-terms that a claim or a clause shares with the machine's own terms.
+"""Independence of claims from the machine: the sub-terms that a claim or a clause shares with its machine.
 
-A claim that is made of the machine's own terms moves with a wrong edit of them, and so stays proved. Terms are compared by
-structure, not by name: a formula that was written twice counts as shared, since it says nothing that the machine does not
-say. What a machine puts out, and what it declares as state, are no such terms: claims are made of them. Nor are named
-values of one declared variable, such as two modes: they compute nothing.
+If a claim consists of terms of the machine, a wrong edit of such a term changes both, and the claim stays proved. Terms are
+compared by structure, not by name: a formula that was written twice counts as shared. Outputs and state variables do not
+count, since claims are about them. Neither do named values of one variable, such as two modes, since they compute nothing.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ from safeloc.language.terms import Sharing, Substitution, children, in_order, te
 from safeloc.language.units import Enumeration
 from safeloc.target import Target
 
-LEAST_NODES = 6
-"""Smaller terms, such as a comparison with a figure, say the same in every formula of the same rule."""
+_LEAST_NODES = 6
+"""Least number of nodes: smaller terms, such as a comparison with a figure, occur in every formula of the same rule."""
 
 
 @dataclass(frozen=True)
@@ -30,9 +29,9 @@ class Shared:
     of     the claim ("property containment") or the clause ("clause the vehicle stays on the line of odometry")
     nodes  distinct nodes of the sub-term
     term   the sub-term, written out
-    used   what the machine computes with it: "next value of x", "output y"
+    used   uses in the machine: "next value of x", "output y"
     src    file and line of the claim or of the machine
-    reason  why the clause says the same as the machine, as its law declares; "" where nobody has said so
+    reason  the declared reason why the clause has the same term as the machine; "" without one
     """
 
     of: str
@@ -44,8 +43,7 @@ class Shared:
 
 
 def shared_terms(target: Target) -> list[Shared]:
-    """Return every largest sub-term of six nodes or more that a claim or a clause of the target has in common with its
-    machines."""
+    """Return the largest sub-terms, of at least six nodes, that claims and clauses of the target share with its machines."""
     claims = _Comparison(target.system)
     found = [
         one for prop in target.properties for one in claims.shared(f"property {prop.name}", _terms(prop), prop.src)
@@ -59,12 +57,12 @@ def shared_terms(target: Target) -> list[Shared]:
 
 
 @dataclass(frozen=True)
-class Follows:
-    """A clause or a ghost's move that reads what its machine computes.
+class _Follows:
+    """A clause or a ghost's move that reads values computed by its machine.
 
     of      the clause or move ("clause 'the vehicle stays on the line' of odometry")
-    reads   names of what it reads
-    reason  why, as the world declares it
+    reads   names of the values
+    reason  the reason declared by the world
     """
 
     of: str
@@ -72,10 +70,10 @@ class Follows:
     reason: str
 
 
-def follows_machine(target: Target) -> list[Follows]:
-    """Return each clause and ghost's move that reads what its machine computes."""
+def follows_machine(target: Target) -> list[_Follows]:
+    """Return each clause and each ghost's move that reads values computed by its machine."""
     return [
-        Follows(f"{what} of {machine.name}", tuple(var.name for var in read), machine.world.reads_machine)
+        _Follows(f"{what} of {machine.name}", tuple(var.name for var in read), machine.world.reads_machine)
         for machine in target.machines
         for what, read in read_of_machine(machine).items()
     ]
@@ -97,7 +95,7 @@ class _Comparison:
                 self._used.setdefault(node, []).append(what)
 
     def shared(self, of: str, terms: Iterable[Expr], src: str) -> Iterator[Shared]:
-        """The largest shared sub-terms of these terms, each once."""
+        """Yield the largest shared sub-terms of these terms, each once."""
         seen: set[Expr] = set()
         waiting = [self._share(_at_one_time(term)) for term in terms]
         while waiting:
@@ -106,21 +104,21 @@ class _Comparison:
                 continue
             seen.add(node)
             nodes = len(in_order([node]))
-            if node in self._used and nodes >= LEAST_NODES:
+            if node in self._used and nodes >= _LEAST_NODES:
                 yield Shared(of, nodes, text(node), tuple(dict.fromkeys(self._used[node])), src)
             else:
                 waiting += children(node)
 
 
 def _computed(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
-    """List the terms that the machines compute, without ghosts."""
+    """Yield the terms that the machines compute, without those of ghosts."""
     yield from ((f"next value of {var.name}", term) for var, term in system.next.items() if var not in system.ghosts)
     yield from ((f"output {name}", term) for name, term in system.outputs.items())
     yield from (("transition that fires", term) for term in system.fired.values())
 
 
 def _put_out(term: Expr) -> Iterator[Expr]:
-    """List what an output may be: itself, and each alternative of its choices, which a wire passes on without the condition."""
+    """Yield an output and each alternative of its choices, since a wire may pass on an alternative without the condition."""
     yield term
     if isinstance(term, (Choose, ChooseBool)):
         yield from _put_out(term.then)
@@ -128,7 +126,7 @@ def _put_out(term: Expr) -> Iterator[Expr]:
 
 
 def _names_values(term: Expr) -> bool:
-    """Whether a term only names values of one variable of an enumeration, such as the modes in which something is reported."""
+    """Return whether a term only compares one enumeration variable with values, such as the modes with a report."""
     parts = in_order([term])
     read = [part for part in parts if isinstance(part, NumVar)]
     named = len(read) == 1 and isinstance(read[0].unit, Enumeration)
@@ -136,6 +134,6 @@ def _names_values(term: Expr) -> bool:
 
 
 def _at_one_time(term: Expr) -> Expr:
-    """The term with every value before the step as the variable itself: a formula is the same one a step later."""
+    """Return the term with each value before the step replaced by its variable: the formula is the same one step later."""
     earlier: dict[Var, Expr] = {var: var.before for var in variables([term]) if var.before is not None}
     return Substitution(earlier)(term)

@@ -1,4 +1,4 @@
-"""Work in several processes, of which each result is kept: what an earlier run kept of the same content is not done again."""
+"""Work in several processes with cached results: a result of an earlier run with the same content is used again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from safeloc.proof.provers.workers import Lost, Task, in_processes
 
 @dataclass(frozen=True)
 class Batch:
-    """Pieces of work that one process does: the task returns the plain data of each, in the order of the names."""
+    """Pieces of work for one process: the task returns the plain data of each, in the order of the names."""
 
     names: tuple[str, ...]
     task: Task
@@ -22,10 +22,10 @@ class Batch:
 
 @dataclass(frozen=True)
 class Keeping:
-    """A place for results: their kind, and the digest of everything they depend on beside their name.
+    """The cache for results: their kind, and the digest of everything besides their name that they depend on.
 
-    look_in  where an earlier run kept what it found; None looks at nothing
-    keep_in  where each result is kept as soon as it is there, so that an interrupted run goes on from there
+    look_in  store with results of earlier runs; None: none is used
+    keep_in  store for new results; each is stored at once, so that the next run continues after an interruption
     """
 
     kind: str
@@ -34,12 +34,12 @@ class Keeping:
     keep_in: Store | None = None
 
     def kept(self, name: str) -> Any:
-        """Return what was kept under this name, as plain data; None where nothing was."""
+        """Return the stored result of this name as plain data; None if there is none."""
         entry = None if self.look_in is None else self.look_in.get(self.kind, self._place(name))
         return None if entry is None else json.loads(entry.data)
 
     def keep(self, name: str, data: Any) -> None:
-        """Keep plain data, if the engine's files are still those that made it."""
+        """Store plain data, unless files of the engine have changed since it was loaded."""
         if self.keep_in is not None and undisturbed():
             self.keep_in.put(self.kind, self._place(name), json.dumps(data).encode())
 
@@ -50,10 +50,11 @@ class Keeping:
 def kept_or_done(
     names: Sequence[str], batches: Callable[[Sequence[str]], Sequence[Batch]], keeping: Keeping, jobs: int
 ) -> Iterator[tuple[str, Any | Lost]]:
-    """Return the result of each piece of work by name: those that are kept first, the others as they come.
+    """Yield the result of each piece of work with its name: stored ones first, then new ones as soon as they are complete.
 
-    batches  makes the work of those that are not kept; it is not called where all are
-    Data that is new and data that was kept are alike: both have come through JSON. What a process lost is not kept.
+    batches  returns the work for names without a stored result; not called if there are none
+
+    New data are converted to JSON and back, so they equal stored data. A lost result is not stored.
     """
     left = list[str]()
     for name in names:

@@ -1,7 +1,7 @@
-"""The register of assumptions: every law that a proof of a target rests on, numbered, with its figures and whose it is.
+"""The register of assumptions: every law that the proofs of a target assume, numbered, with figures, source and owner.
 
-An assessor reads it as the list of safety-related application conditions (EN 50129): what others have to see to, from which
-figure and document, and how it can be checked in operation. It is made from the clauses themselves, so it is complete.
+For an assessor it is the list of safety-related application conditions (EN 50129): what others have to ensure, with figures
+and documents, and how it can be checked in operation. It is made from the clauses themselves, so it is complete.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from safeloc.runtime.source_clocks import BORDER, LAW, ONE_CLOCK
 from safeloc.target import Target
 
 Observed = Literal["whole", "part", "no"]
-CLOCK_TERM = "(< lag_ms period_ms)"
+_CLOCK_TERM = "(< lag_ms period_ms)"
 FROM_MEMORY = "[M]"
-"""What the source of a figure begins with that nobody has read anywhere."""
+"""Beginning of the source of a figure that was not read in any document."""
 
 
 @dataclass(frozen=True)
-class Figure:
+class _Figure:
     """A configured figure that a law uses: its place in the configuration, value, unit and source."""
 
     name: str
@@ -37,7 +37,7 @@ class Figure:
 
     @property
     def to_confirm(self) -> bool:
-        """The operator has to confirm it: it is an engineering default."""
+        """Return whether the operator has to confirm it, because it is an engineering default."""
         return self.source.startswith(FROM_MEMORY)
 
 
@@ -46,9 +46,9 @@ class Assumption:
     """One law of a machine's world.
 
     id          machine and number in the order of declaration, such as "odometry/A3"
-    guaranteed  another machine of the target guarantees it, and that is proved: nobody else has to see to it
-    observable  whether inputs and state show a breach in operation: of all that it says, or of a part of it
-    against     laws of which they show that these and this one cannot both hold
+    guaranteed  it is proved that another machine of the target guarantees it, so nobody else has to ensure it
+    observable  whether inputs and state show a breach in operation: of the whole law, of a part of it, or not at all
+    against     laws for which inputs and state can show that they and this law do not both hold
     """
 
     id: str
@@ -56,7 +56,7 @@ class Assumption:
     name: str
     statement: str
     term: str
-    figures: tuple[Figure, ...]
+    figures: tuple[_Figure, ...]
     source: str
     owner: str
     check: str
@@ -66,18 +66,18 @@ class Assumption:
 
     @property
     def monitored(self) -> str:
-        """How far a breach shows in operation, in words."""
+        """Return in words how far a breach is visible in operation."""
         alone = {"whole": "as a whole", "part": "in part"}.get(self.observable, "")
         beside = f"against {', '.join(self.against)}" if self.against else ""
         return "; ".join(part for part in (alone, beside) if part) or "no: only with the truth"
 
     @property
     def lacks(self) -> tuple[str, ...]:
-        """The fields that an assessor needs and that are empty."""
+        """Return the names of fields that an assessor needs and that are empty."""
         asked = {"statement": self.statement, "source": self.source, "owner": self.owner, "check": self.check}
         if self.owner == "nobody":
             del asked["check"]
-        return tuple(name for name, said in asked.items() if not said)
+        return tuple(name for name, words in asked.items() if not words)
 
 
 def register(target: Target) -> list[Assumption]:
@@ -92,25 +92,25 @@ def register(target: Target) -> list[Assumption]:
 
 
 def of_border() -> Assumption:
-    """Return the law that every target rests on when it is run on records: they are of the cycle that their time says."""
-    said = BORDER, ONE_CLOCK, LAW.statement, CLOCK_TERM, (), LAW.source, LAW.owner, LAW.check
-    return Assumption(f"{BORDER}/B1", *said, guaranteed=False, observable="whole")
+    """Return the assumption of every target that runs on records: a record belongs to the cycle of its time stamp."""
+    fields = BORDER, ONE_CLOCK, LAW.statement, _CLOCK_TERM, (), LAW.source, LAW.owner, LAW.check
+    return Assumption(f"{BORDER}/B1", *fields, guaranteed=False, observable="whole")
 
 
 def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
-    """Machine and name of a law -> what is observable of it."""
+    """Return the observable part of each law, by machine and name."""
     around = seen(target.system)
-    told: dict[tuple[Machine, str], dict[str, Any]] = {}
+    observed: dict[tuple[Machine, str], dict[str, Any]] = {}
     for clause in around.stated:
         found = around.of(clause)
         alone = [one for one in found if len(one.clauses) == 1]
         against = tuple(str(other) for one in found for other in one.clauses if other is not clause)
         observable: Observed = "no" if not alone else "whole" if alone[0].is_whole else "part"
-        told[clause.machine, clause.name] = {"observable": observable, "against": against}
-    return told
+        observed[clause.machine, clause.name] = {"observable": observable, "against": against}
+    return observed
 
 
-def to_confirm(targets: Iterable[Target]) -> dict[str, Figure]:
+def to_confirm(targets: Iterable[Target]) -> dict[str, _Figure]:
     """Return every configured figure of the targets that is from memory, by machine and name."""
     return {
         f"{target.name}.{one.name}": one
@@ -137,14 +137,14 @@ def _of_machine(machine: Machine, config: BaseModel | None, guaranteed: tuple[st
         )
 
 
-def _figures(config: BaseModel) -> list[Figure]:
-    return [Figure(**one) for one in figures(config)]
+def _figures(config: BaseModel) -> list[_Figure]:
+    return [_Figure(**one) for one in figures(config)]
 
 
-def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[Figure]:
-    """The figures that the law names; where several parts of a configuration have one of that name, the machine's own."""
+def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[_Figure]:
+    """Yield the figures that the law names; if several parts of a configuration have one of that name, that of the machine."""
     every = [] if config is None else _figures(config)
     for name in law.figures:
         found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
         own = [one for one in found if machine in one.name.split(".")]
-        yield from own or found or [Figure(name, "", "", "not found in the configuration")]
+        yield from own or found or [_Figure(name, "", "", "not found in the configuration")]

@@ -1,7 +1,7 @@
-"""The project's requirements: one entry a claim, or a statement that a claim leans on, with its source.
+"""The project's requirements with their sources, and their traceability.
 
-`requirements.toml` beside this file holds them; transitions and properties carry their ids in `requirements`. `traceability`
-links them both ways: from a requirement to what carries and what shows it, and from a transition or property back.
+They are in `requirements.toml` beside this file; transitions and properties name their ids in `requirements`. `traceability`
+links both ways: from a requirement to the transitions that implement it and the properties that verify it, and back.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 
 FILE = Path(__file__).with_name("requirements.toml")
-STATUSES = ("done", "planned")
+_STATUSES = ("done", "planned")
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """One requirement. `carried_by` says what answers for it beside transitions and properties (a named test)."""
+    """One requirement. `carried_by` names a test that verifies it, if transitions and properties do not."""
 
     id: str
     kind: str
@@ -36,13 +36,13 @@ class Requirement:
 
 @cache
 def requirements() -> tuple[Requirement, ...]:
-    """Return all requirements in order; ModelError where the file is wrong."""
+    """Return all requirements in order; ModelError if the file is wrong."""
     content = tomllib.loads(FILE.read_text(encoding="utf-8"))
     sources = {key: value["publication"] for key, value in content["sources"].items()}
     found = []
     for row in content["requirement"]:
         family = row["id"].partition("-")[0]
-        if family not in sources or row["status"] not in STATUSES or not row["text"].strip():
+        if family not in sources or row["status"] not in _STATUSES or not row["text"].strip():
             raise ModelError(f"{FILE.name}: requirement {row['id']} has no source, an unknown status or no text.")
         found.append(Requirement(source=sources[family], **row))
     names = [one.id for one in found]
@@ -59,7 +59,7 @@ def requirement(name: str) -> Requirement:
     raise KeyError(f"no requirement {name!r} in {FILE.name}")
 
 
-class Traced(Protocol):
+class _Traced(Protocol):
     """A traced item: a target of the catalogue, or anything with a name, machines and properties."""
 
     @property
@@ -80,7 +80,7 @@ class Traced(Protocol):
 
 @dataclass(frozen=True)
 class Item:
-    """A transition or a property, and the requirements it names."""
+    """A transition or a property, and the requirements that it names."""
 
     kind: Literal["transition", "property"]
     machine: str
@@ -89,13 +89,13 @@ class Item:
 
     @property
     def label(self) -> str:
-        """For a reader."""
+        """The name for a reader: machine and name."""
         return f"{self.machine}: {self.name}"
 
 
 @dataclass(frozen=True)
 class Link:
-    """A requirement with the transitions that carry it and the properties that show it."""
+    """A requirement with the transitions that implement it and the properties that verify it."""
 
     requirement: Requirement
     transitions: tuple[str, ...]
@@ -106,20 +106,20 @@ class Link:
         """The missing links of a requirement with status done; a named test replaces transitions and properties."""
         if self.requirement.status != "done" or self.requirement.carried_by:
             return ()
-        wanted = {"no transition carries it": self.transitions, "no property shows it": self.properties}
+        wanted = {"no transition implements it": self.transitions, "no property verifies it": self.properties}
         return tuple(f"{self.requirement.id}: {gap}" for gap, there in wanted.items() if not there)
 
 
 @dataclass(frozen=True)
-class Traceability:
-    """Both ways: `links` from every requirement, `items` back from every transition and property."""
+class _Traceability:
+    """Traceability in both directions: `links` from every requirement, `items` from every transition and property."""
 
     links: tuple[Link, ...]
     items: tuple[Item, ...]
 
     @property
     def gaps(self) -> tuple[str, ...]:
-        """Done requirements that nothing carries or shows; items that name none, an unknown one or a planned one."""
+        """Return gaps: done requirements without implementation or verification; items with no, an unknown or a planned one."""
         status = {link.requirement.id: link.requirement.status for link in self.links}
         wrong = [gap for link in self.links for gap in link.gaps]
         for item in self.items:
@@ -133,8 +133,8 @@ class Traceability:
         return tuple(wrong)
 
 
-def traceability(traced: Iterable[Traced]) -> Traceability:
-    """Link requirements with these machines and properties; a machine that stands in two targets counts once."""
+def traceability(traced: Iterable[_Traced]) -> _Traceability:
+    """Link requirements with these machines and properties; a machine of two targets counts once."""
     targets = list(traced)
     items = dict.fromkeys(
         [
@@ -148,7 +148,7 @@ def traceability(traced: Iterable[Traced]) -> Traceability:
     links = [
         Link(one, _naming(items, "transition", one.id), _naming(items, "property", one.id)) for one in requirements()
     ]
-    return Traceability(tuple(links), tuple(items))
+    return _Traceability(tuple(links), tuple(items))
 
 
 def _naming(items: Iterable[Item], kind: str, name: str) -> tuple[str, ...]:

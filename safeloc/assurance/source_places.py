@@ -1,4 +1,4 @@
-"""Where an expression of a declaration is written: file, lines and columns, found from the instruction that is being run."""
+"""The places of expressions in source files: file, lines and columns, derived from the running instruction."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import CodeType
 
 import safeloc
 
-PACKAGE = Path(safeloc.__file__).parent.resolve()
+_PACKAGE = Path(safeloc.__file__).parent.resolve()
 DECLARING = ("models", "properties")
 
 
@@ -29,7 +29,7 @@ class Place:
 
     @property
     def text(self) -> str:
-        """The expression as it is written, on one line; "" where its file cannot be read."""
+        """Return the source text of the expression on one line; "" if its file cannot be read."""
         lines = linecache.getlines(self.file)[self.line - 1 : self.end_line]
         if not lines:
             return ""
@@ -41,17 +41,17 @@ class Place:
 
 @cache
 def shown(file: str) -> str:
-    """Return a file of the package or of its checkout from the root on, any other as it is."""
+    """Return the path of a file of the package or its checkout relative to the root, any other path unchanged."""
     path = Path(file)
-    for root in (*(PACKAGE.parent / room for room in DECLARING), PACKAGE):
+    for root in (*(_PACKAGE.parent / room for room in DECLARING), _PACKAGE):
         if path.is_relative_to(root):
-            return path.relative_to(PACKAGE if root == PACKAGE else PACKAGE.parent).as_posix()
+            return path.relative_to(_PACKAGE if root == _PACKAGE else _PACKAGE.parent).as_posix()
     return file
 
 
 @cache
 def place_of(code: CodeType, offset: int) -> Place:
-    """Return the expression that an instruction belongs to."""
+    """Return the place of the expression to which an instruction belongs."""
     line, end_line, column, end_column = _positions(code)[offset // 2]
     first = line or code.co_firstlineno
     return Place(code.co_filename, first, end_line or first, column or 0, end_column or 0)

@@ -7,16 +7,16 @@ from typing import Any
 
 CONFIRMED, WRONG, OPEN, NO_PROOF = "confirmed", "not confirmed", "cannot be checked", "no proof"
 Row = Mapping[str, Any]
-"""A result as it stands in report.json."""
+"""A result, as report.json contains it."""
 Answer = tuple[str, str]
 Check = Callable[[Row], Answer]
 
 
 def proven(shown: bool) -> Answer:
-    """Confirmed, or not by its certificates."""
+    """Return the answer about a result that certificates have to prove."""
     return (CONFIRMED, "") if shown else (WRONG, "its certificates do not prove it")
 
 
 def seen(shown: bool) -> Answer:
-    """Confirmed, or not by its run."""
+    """Return the answer about a result that a run has to show."""
     return (CONFIRMED, "") if shown else (WRONG, "its run does not show it")

@@ -1,7 +1,7 @@
 """The claim of each result in a report, and the check that the certificates establish exactly this claim.
 
-Everything is computed again from the declaration: the rows that must exclude each other, the terms that interval arithmetic
-leaves open, the readings of absent inputs, the admissible inputs. Runs are replayed in the interpreter.
+The checker computes everything again from the declaration: the rows that must exclude each other, the terms that interval
+arithmetic leaves open, the possible values of absent inputs, the admissible inputs. It computes the runs again, too.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from safeloc.target import Target
 
 
 class Goals:
-    """Goals by the machine that speaks ("" for the whole) and name: of properties, and of what is asked on the way to an
-    obligation; of inherited properties those of the machine itself as well."""
+    """Goals by machine ("" for the whole system) and name: those of properties, those of the machine's own properties for
+    inherited ones, and goals about a single step on the way to an obligation."""
 
     def __init__(self, target: Target) -> None:
         self._system = target.system
@@ -40,19 +40,19 @@ class Goals:
         for prop in target.properties:
             self._known.setdefault(("", prop.name), []).append(observe(target.system, prop))
             if prop.kept_by is not None:
-                part, own = _keeper(target.system, prop), prop.kept_by[1]
-                self._known.setdefault((part.name, own.name), []).append(observe(part.alone, own))
+                part, original = _keeper(target.system, prop), prop.kept_by[1]
+                self._known.setdefault((part.name, original.name), []).append(observe(part.alone, original))
 
     def __call__(self, part: str, name: str) -> Sequence[Goal]:
-        """All goals that are called so; none where nobody declared such a thing."""
+        """Return all goals with this name; none if there is no such property or goal."""
         return [*self._known.get((part, name), ()), *self.of_a_step(part, name)]
 
     def of_a_step(self, part: str, name: str) -> Sequence[Goal]:
-        """Those among them that nobody declared."""
+        """Return those of these goals that are about a single step, on the way to an obligation."""
         if (part, name) not in self._steps:
             try:
                 term = self._asked(part, name)
-            except IndexError:  # there are not so many rows, or terms
+            except IndexError:  # there are fewer rows, or terms
                 term = None
             self._steps[part, name] = [] if term is None else [self._never(part, name, term)]
         return self._steps[part, name]
@@ -85,10 +85,11 @@ def _keeper(system: TransitionSystem, prop: Property) -> Part:
 
 @dataclass(frozen=True, eq=False)
 class Claims:
-    """The claims about one target, of which `theory` has taken all certificates.
+    """The claims about one target.
 
-    runs    what runs show
-    claimed  ids of all results of the target: what has one of its own need not be shown by another
+    theory   the conclusions of all its certificates
+    runs     the evidence from its runs
+    claimed  ids of all results of the target: a part with a result of its own is checked there
     """
 
     target: Target
@@ -98,7 +99,7 @@ class Claims:
     claimed: frozenset[str]
 
     def answer(self, row: Row) -> Answer:
-        """Check a result: confirmed, or the reason why not."""
+        """Check a result; return the answer, with the reason if it is not confirmed."""
         claimed = ("proved",) if row["kind"] in ("lemma", "obligation") else ("proved", "violated")
         if row["verdict"] not in claimed or row["kind"] in ("test", "replay"):
             return NO_PROOF, f"{row['kind']}, {row['verdict']}: no proof is claimed"
@@ -117,9 +118,10 @@ class Claims:
     def _checks(self) -> dict[str, dict[str, list[Check]]]:
         """The check of each result, by kind and name; two checks if two results have the same name."""
         found: dict[str, dict[str, list[Check]]] = {"property": {}, "lemma": {}, "obligation": {}}
-        for own, pairs in zip(found.values(), (self._properties(), self._lemmas(), self._obligations()), strict=True):
+        kinds = (self._properties(), self._lemmas(), self._obligations())
+        for by_name, pairs in zip(found.values(), kinds, strict=True):
             for name, check in pairs:
-                own.setdefault(name, []).append(check)
+                by_name.setdefault(name, []).append(check)
         return found
 
     # -------------------------------------------------------------- properties and lemmas
@@ -148,22 +150,24 @@ class Claims:
     def _inherited(self, row: Row, prop: Property, goal: Goal) -> Answer:
         part, system = _keeper(self.target.system, prop), self.target.system
         assert prop.kept_by is not None
-        machine, own = prop.kept_by
-        again = Composition(system, {machine: part.into}, {}).inherited(machine, own)
+        machine, original = prop.kept_by
+        again = Composition(system, {machine: part.into}, {}).inherited(machine, original)
         if self._nodes(goal) != self._nodes(observe(system, replace(again, name=prop.name))):
             return WRONG, "it is not the machine's own property in the terms of the composition"
-        free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
+        free = original.unconditional and part.alone.ghosts.isdisjoint(variables([original.term]))
         if part.name not in self.theory.heard or not (free or part.name in self.theory.owed):
             return (
                 WRONG,
                 f"it is not shown that the inputs of {part.name} are in range and its assumption is discharged",
             )
-        alone = next(one for one in self.goals(part.name, own.name) if one.prop is own)
+        alone = next(one for one in self.goals(part.name, original.name) if one.prop is original)
         at_first = self.theory.at_first.get(goal)
         if alone.observers and not goal.observers and not (at_first and at_first <= {*row["certificates"]}):
-            return WRONG, "it is not shown of the first state"
+            return WRONG, "it is not shown for the first state"
         speaker = self.theory.parts[part.name][1]
-        lasts = own.further_assumption is TRUE or self._goes_on(speaker, alone.plain, lawful=not own.unconditional)
+        lasts = original.further_assumption is TRUE or self._goes_on(
+            speaker, alone.plain, lawful=not original.unconditional
+        )
         return proven(self._proved(row, alone) and lasts)
 
     def _nodes(self, goal: Goal) -> list[object]:
@@ -202,7 +206,7 @@ class Claims:
         yield from self.runs.checks()
 
     def _settled_by_itself(self, name: str) -> Iterator[Check]:
-        """List the checks of step goals that a single query did not decide and a separate proof did."""
+        """Yield the checks of goals about a step that were proved separately, since one query for all did not decide them."""
         asked = [("", name)]
         for machine in self.target.machines:
             if name.startswith(f"overlap {machine.name}: "):
@@ -212,15 +216,15 @@ class Claims:
             yield lambda row, goal=goal: proven(self._proved(row, goal))  # type: ignore[misc]
 
     def _in_range(self, var: Var) -> bool:
-        """Of the machine's own for all inputs, of ghosts under the assumption."""
+        """Return whether the range of a variable is proved: of on-board state for all inputs, of ghosts under the assumption."""
         known = self.theory.whole.known(lawful=var in self.target.system.ghosts)
         return self.theory.write.conjuncts([in_range([var])]) <= known
 
     def _ranges(self, row: Row) -> Answer:
-        said = re.match(r"(\d+) of (\d+) ", row["statement"])
+        counts = re.match(r"(\d+) of (\d+) ", row["statement"])
         numeric = [var for var in self.target.system.state if isinstance(var, NumVar)]
         known = sum(map(self._in_range, numeric))
-        return proven(said is not None and int(said[1]) <= known and int(said[2]) == len(numeric))
+        return proven(counts is not None and int(counts[1]) <= known and int(counts[2]) == len(numeric))
 
     def _has_its_own(self, obligation: str) -> bool:
         return f"{self.target.name}/obligation/{obligation}" in self.claimed
@@ -231,7 +235,7 @@ class Claims:
         return self.theory.write.conjuncts(between(INT64_MIN, term, INT64_MAX) for term in left)
 
     def _fits(self, name: str, terms: Sequence[Expr], *, lawful: bool) -> Answer:
-        """Intervals are those of declared ranges: these have to be proved, and what they do not settle by certificate."""
+        """Check that terms fit 64 bits: the declared ranges are proved, and certificates prove what they leave open."""
         read = [var for var in self.target.system.state if lawful or var not in self.target.system.ghosts]
         if not all(map(self._in_range, read)):
             return WRONG, "it rests on ranges that are not proved"
@@ -270,7 +274,8 @@ class Claims:
         )
 
     def _lasts(self, row: Row) -> Answer:
-        """By what is proved of every state, or by a run that comes to a state once more."""
+        """Check that the assumption can be satisfied for ever: by the facts about every state, or by a run that returns to a
+        state."""
         shown = self._goes_on(self.theory.whole, self.target.system, lawful=True)
         return proven(True) if shown else self.runs.comes_round(row)
 
@@ -286,7 +291,7 @@ def _computed(system: TransitionSystem) -> list[Expr]:
 
 
 def _hidden(system: TransitionSystem) -> list[Expr]:
-    """List the terms that only simulation and proofs compute: moves of ghosts and the assumption."""
+    """Return the terms that only simulation and proofs compute: moves of ghosts, and the assumption."""
     return [*(system.next[var] for var in system.state if var in system.ghosts), system.assume]
 
 
@@ -295,28 +300,29 @@ def _on_board(system: TransitionSystem) -> list[Expr]:
 
 
 def _through_wires(system: TransitionSystem) -> Iterator[Expr]:
-    """List the term of each wire; a wire to an optional input counts while that input is present."""
+    """Yield the term of each wire; a wire to an optional input counts while that input is present."""
     for part in system.parts:
         present: dict[Var, Bool] = {option.value: part.into.bool(option.present) for option in part.alone.optionals}
         for var in part.alone.inputs:
-            told = part.into(var)
-            if not isinstance(told, Var):
-                yield _while(present[var], told) if var in present else told
+            wire = part.into(var)
+            if not isinstance(wire, Var):
+                yield _while(present[var], wire) if var in present else wire
 
 
 def _alike(dag: Dag, one: int, other: int) -> int:
-    """Make the node that says that two terms have the same value."""
+    """Return the node for the equality of two terms."""
     if dag.sort(one) == INT:
         return dag.make("=", [one, other])
     neither = [dag.make("not", [one]), dag.make("not", [other])]
     return dag.make("or", [dag.make("and", [one, other]), dag.make("and", neither)])
 
 
-def _while(present: Bool, told: Expr) -> Expr:
-    if isinstance(told, Num):
-        return ite(present, told, as_num(0, told.unit))
-    assert isinstance(told, Bool)
-    return present & told
+def _while(present: Bool, term: Expr) -> Expr:
+    """Return the term while the input is present, else 0 or false."""
+    if isinstance(term, Num):
+        return ite(present, term, as_num(0, term.unit))
+    assert isinstance(term, Bool)
+    return present & term
 
 
 def _enabled(machine: Machine, transition: Transition) -> Bool:

@@ -1,7 +1,7 @@
-"""Terms as shared nodes: equal terms are one number, so that comparing two is comparing numbers.
+"""Terms as shared nodes: equal terms have the same number, so that two terms are compared by their numbers.
 
-A node is an operator with its parts, a variable (name, sort) or a constant. The one normal form: a conjunction in a
-conjunction is a part of it (and so for `or`), truth constants are folded, and a double negation is none.
+A node is an operator with its operands, a variable (name, sort) or a constant. In the normal form nested conjunctions are
+one (nested disjunctions too), truth constants are folded, and a double negation is removed.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ class Dag:
         return number
 
     def variable(self, name: str, sort: str) -> int:
-        """Return a free variable; sort is Int or Bool."""
+        """Return the term of a free variable; sort is Int or Bool."""
         return self._kept(("var", name, sort))
 
     def number(self, value: int) -> int:
-        """Return a whole number."""
+        """Return the term of a whole number."""
         return self._kept(("lit", value))
 
     def make(self, operator: str, parts: Iterable[int]) -> int:
-        """Return the operator applied to its parts, in normal form."""
+        """Return the operator applied to its operands, in normal form."""
         if operator in _UNIT:
             return self._joined(operator, parts)
         found = tuple(parts)
@@ -84,7 +84,7 @@ class Dag:
         return () if operator in ("var", "lit", "truth") else tuple(int(part) for part in rest)
 
     def conjuncts(self, terms: Iterable[int]) -> frozenset[int]:
-        """Return the parts of the conjunction of all these terms, without what is true anyway."""
+        """Return the conjuncts of all these terms, without the constant true."""
         found = set[int]()
         for term in terms:
             found.update(self.parts(term) if self.nodes[term][0] == "and" else (term,))
@@ -98,14 +98,14 @@ class Dag:
         return self._variables[term]
 
     def sort(self, term: int) -> str:
-        """Int or Bool."""
+        """Return the sort of a term, Int or Bool."""
         operator, *rest = self.nodes[term]
         if operator in ("var", "ite"):
             return str(rest[1]) if operator == "var" else self.sort(int(rest[1]))
         return INT if operator in ("lit", "+", "-", "*", "div") else BOOL
 
     def below(self, term: int, done: Mapping[int, object]) -> list[int]:
-        """Return the nodes below a term and itself, parts before wholes, without what is done and all below that."""
+        """Return a term and the nodes below it, operands first, without those in `done` and the nodes below these."""
         order, stack, seen = list[int](), [(term, False)], set[int]()
         while stack:
             node, complete = stack.pop()
@@ -119,13 +119,13 @@ class Dag:
 
 
 class Rewriting:
-    """Puts terms in the place of variables."""
+    """Replaces variables by terms."""
 
     def __init__(self, dag: Dag, replaced: Mapping[int, int]) -> None:
         self._dag, self._done = dag, dict(replaced)
 
     def __call__(self, term: int) -> int:
-        """The term after replacement."""
+        """Return the term after replacement."""
         for node in self._dag.below(term, self._done):
             parts = self._dag.parts(node)
             after = [self._done[part] for part in parts]
@@ -134,5 +134,5 @@ class Rewriting:
         return self._done[term]
 
     def all(self, terms: Iterable[int]) -> frozenset[int]:
-        """Return the parts of the conjunction of these terms, after replacement."""
+        """Return the conjuncts of these terms, after replacement."""
         return self._dag.conjuncts(map(self, terms))

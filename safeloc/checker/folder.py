@@ -1,4 +1,4 @@
-"""A report folder, checked: every certificate by both solvers, every claim against its declaration."""
+"""Check of a report folder: every certificate by both solvers, every claim against its declaration."""
 
 from __future__ import annotations
 
@@ -22,19 +22,20 @@ from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
 from safeloc.errors import InputError, SafelocError
 from safeloc.language.digest import full_digest
-from safeloc.report import certificates, kept
+from safeloc.report import certificates, stored
 from safeloc.runtime.streams.columns import Runs as KeptRuns
 from safeloc.runtime.streams.columns import read_runs
 from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target
 
-BATCH = 1_000_000  # letters of certificates that one process reads before it takes others
-Told = Callable[[int, int], None]
+_BATCH = 1_000_000  # characters of certificates in one batch of a process
+Progress = Callable[[int, int], None]
+"""Called with the number of certificates that are checked, and of all."""
 
 
 @dataclass(frozen=True)
 class Checked:
-    """A result of the report, and whether it is confirmed."""
+    """A result of the report, with the checker's answer and its reason."""
 
     id: str
     verdict: str
@@ -46,13 +47,15 @@ class Checked:
 class Checking:
     """The results of checking a folder.
 
+    rows       the checked results
+    assigned   certificates of the report's machines; any other certificate is wrong
     wrong      invalid certificates with reasons: unreadable, contradicted by a solver, hypotheses not allowed
     undecided  certificates with goals that a solver did not decide in time
     opinions   answers of the solvers, by file
     """
 
     rows: list[Checked] = field(default_factory=list)
-    judged: set[str] = field(default_factory=set)
+    assigned: set[str] = field(default_factory=set)
     wrong: dict[str, str] = field(default_factory=dict)
     undecided: dict[str, str] = field(default_factory=dict)
     opinions: dict[str, Opinion] = field(default_factory=dict)
@@ -60,7 +63,7 @@ class Checking:
     def include(self, other: Checking) -> None:
         """Add the results of another machine."""
         self.rows += other.rows
-        self.judged |= other.judged
+        self.assigned |= other.assigned
         self.wrong |= other.wrong
         self.undecided |= other.undecided
 
@@ -72,34 +75,36 @@ class Checking:
         return 3 if self.undecided or any(row.answer == OPEN for row in self.rows) else 0
 
 
-def check_folder(folder: Path, *, jobs: int = 2, seconds: float = 60.0, told: Told = lambda _, __: None) -> Checking:
-    """Checks all that a report claims to have proved; each goal may take a solver so many seconds.
+def check_folder(
+    folder: Path, *, jobs: int = 2, seconds: float = 60.0, progress: Progress = lambda _, __: None
+) -> Checking:
+    """Check all proofs that a report claims; `seconds` is the limit of a solver for each goal.
 
-    InputError where the folder is no report of this version.
+    InputError if the folder is no report of this version.
     """
-    data = kept.read_report(folder)
+    data = stored.read_report(folder)
     archives = certificates.read_archives(folder / certificates.FOLDER, data["certificates"])
     texts = archives.texts
     found = Checking(wrong=dict(archives.damaged))
     found.wrong |= {name: why for name, text in texts.items() if (why := _misnamed(name, text))}
     for name, answered in _opinions(texts, jobs, seconds):
         found.opinions[name] = answered
-        told(len(found.opinions), len(texts))
+        progress(len(found.opinions), len(texts))
     with multiprocessing.get_context("fork").Pool(jobs, _INHERITED.append, [(folder, data, texts, found)]) as pool:
         for part in pool.map(_check_machine, range(len(data["machines"])), chunksize=1):
             found.include(part)
-    found.wrong |= dict.fromkeys({*texts} - found.judged - {*found.wrong}, "it belongs to no machine of the report")
+    found.wrong |= dict.fromkeys({*texts} - found.assigned - {*found.wrong}, "it belongs to no machine of the report")
     return found
 
 
 def _misnamed(name: str, text: str) -> str:
-    """A file's name ends in the digest of what is in it."""
+    """Return the error of a file whose name does not end in the digest of its text; "" if it does."""
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     return "" if name.endswith(f"-{digest}.smt2") else f"its text has digest {digest}: it was changed"
 
 
 def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[tuple[str, Opinion]]:
-    """Of each text what the solvers say of it, in so many processes; what says the same is asked once."""
+    """Yield the solvers' answers about each text, from `jobs` processes; texts that differ in comments only are asked once."""
     same: dict[str, list[str]] = {}
     for name, text in texts.items():
         commands = "\n".join(line for line in text.split("\n") if not line.startswith(";"))
@@ -108,17 +113,17 @@ def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[t
     also = {names[0]: names for names in same.values()}
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
         for found in pool.imap_unordered(partial(asked, seconds), batches):
-            yield from ((name, said) for one, said in found for name in also[one])
+            yield from ((name, opinion) for one, opinion in found for name in also[one])
 
 
 def _batches(texts: Mapping[str, str]) -> list[list[tuple[str, str]]]:
-    """Texts of one machine together, since these share most of their terms; the longest batches first."""
+    """Return batches of texts, with those of one machine together, since they share most terms; the longest batches first."""
     found: list[list[tuple[str, str]]] = []
     filled: dict[str, tuple[list[tuple[str, str]], int]] = {}
     for name, text in sorted(texts.items()):
         machine = next((line for line in text.split("\n", 8) if line.startswith("; system: ")), "")
-        batch, letters = filled.get(machine, ([], BATCH))
-        if letters >= BATCH:
+        batch, letters = filled.get(machine, ([], _BATCH))
+        if letters >= _BATCH:
             batch, letters = [], 0
             found.append(batch)
         batch.append((name, text))
@@ -143,40 +148,40 @@ def asked(seconds: float, batch: Sequence[tuple[str, str]]) -> list[tuple[str, O
 
 
 _INHERITED: list[tuple[Path, dict[str, Any], dict[str, str], Checking]] = []
-"""What a forked process has of the one that started it: folder, report, texts, and what was found so far."""
+"""Data that a forked process inherits from its parent: folder, report, texts, and the results so far."""
 
 
 def _check_machine(number: int) -> Checking:
-    """Check the results of one machine of the report, after its texts were checked."""
+    """Check the results of one machine of the report, after the solvers' answers about its texts."""
     folder, data, texts, before = _INHERITED[-1]
     machine, found = data["machines"][number], Checking(wrong=dict(before.wrong), opinions=before.opinions)
     rows = [row for row in data["results"] if row["machine"] == machine["name"]]
     try:
-        file = folder / kept.TRACES / kept.machine_files(data)[machine["name"]]
-        judge(_declared(machine), rows, texts, _Kept(file), found)
+        file = folder / stored.TRACES / stored.machine_files(data)[machine["name"]]
+        check_target(_declared(machine), rows, texts, _StoredRuns(file), found)
     except SafelocError as error:
         why = f"its declaration cannot be loaded: {error}"
-        found.judged.update(_of(machine["name"], texts))
+        found.assigned.update(_of(machine["name"], texts))
         found.rows += [Checked(row["id"], row["verdict"], OPEN, why) for row in rows]
     return replace(found, opinions={})
 
 
-class _Kept:
-    """The runs that a report keeps of one machine, by result; its file, if there is one, is read when the first is asked for."""
+class _StoredRuns:
+    """The runs that a report stores for one machine, by result; the file, if there is one, is read at the first request."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._runs: KeptRuns | None = None
 
     def __call__(self, result: str) -> StepStream | None:
-        """Return the run's stream; None where no run is kept. StreamError for a file that is damaged."""
+        """Return the stream of a result's run; None if no run is stored. StreamError if the file is damaged."""
         if self._runs is None and self._path.exists():
             self._runs = read_runs(self._path)
         return None if self._runs is None or result not in self._runs else self._runs.stream(result)
 
 
 def _declared(machine: Mapping[str, Any]) -> Target:
-    """The target as the report says that it was asked for; InputError if it is another one now."""
+    """Load the target of the report, with the report's configuration; InputError if its declaration has changed."""
     configuration = machine.get("configuration")
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, "configuration.json") if configuration is not None else None
@@ -184,23 +189,26 @@ def _declared(machine: Mapping[str, Any]) -> Target:
             path.write_text(json.dumps(configuration), encoding="utf-8")
         target = load_target(machine["spec"], path)
     if full_digest(target.system) != machine["declaration"]:
-        raise InputError(f"{machine['spec']}: the declaration is not the one of the report (another digest).")
+        raise InputError(
+            f"{machine['spec']}: the declaration has another digest than in the report; verify it again, or check with the "
+            "version of safeloc that made the report."
+        )
     return target
 
 
-def judge(
+def check_target(
     target: Target,
     rows: Sequence[Mapping[str, Any]],
     texts: Mapping[str, str],
     run: Callable[[str], StepStream | None],
     found: Checking,
 ) -> None:
-    """Judges the results of one target from texts on which solvers have given their opinions."""
+    """Check the results of one target, and add the answers to `found`, which has the solvers' answers about all texts."""
     goals = Goals(target)
     theory = Theory(target.system, goals)
-    own = _of(target.name, texts)
-    taken = [one for name in own if (one := _usable(name, texts, theory, found)) is not None]
-    found.judged.update(own)
+    names = _of(target.name, texts)
+    taken = [one for name in names if (one := _usable(name, texts, theory, found)) is not None]
+    found.assigned.update(names)
     found.wrong |= theory.take(taken)
     claimed = frozenset(str(row["id"]) for row in rows)
     claims = Claims(target, goals, theory, Occurrences(target, theory.write, run, claimed), claimed)
@@ -208,25 +216,25 @@ def judge(
 
 
 def _of(system: str, texts: Mapping[str, str]) -> list[str]:
-    """The certificates that say that they are of this system."""
+    """Return the names of the certificates whose header names this system."""
     return [name for name, text in texts.items() if f"\n; system: {system}\n" in text]
 
 
 def _usable(name: str, texts: Mapping[str, str], theory: Theory, found: Checking) -> Certificate | None:
-    """The certificate with the goals that both solvers confirm; None if it is wrong."""
+    """Return the certificate with the goals that both solvers confirm; None if it is wrong."""
     if name in found.wrong:
         return None
-    said = found.opinions[name]
+    opinion = found.opinions[name]
     try:
         one = read(name, texts[name], theory.dag)
         if any(other not in texts for other in one.relies_on):
             raise InputError("it relies on a certificate that is missing")
-        if said.contradicted() or said.goals != len(one.goals):
-            raise InputError(f"{' and '.join(said.contradicted())} do not confirm it")
+        if opinion.contradicted() or opinion.goals != len(one.goals):
+            raise InputError(f"{' and '.join(opinion.contradicted())} do not confirm it")
     except InputError as error:
         found.wrong[name] = str(error)
         return None
-    sure = tuple(goal for number, goal in enumerate(one.goals) if said.confirmed(number))
+    sure = tuple(goal for number, goal in enumerate(one.goals) if opinion.confirmed(number))
     if len(sure) < len(one.goals):
         found.undecided[name] = f"{len(one.goals) - len(sure)} of {len(one.goals)} goals undecided"
     return replace(one, goals=sure)

@@ -1,11 +1,11 @@
 """Rules for certificates: facts are collected one by one, each only from facts established before it.
 
 A certificate establishes the conclusion of its rule, if the rule allows all its hypotheses. So no circular proof is
-possible, whatever certificates declare as their basis. Omitting hypotheses is sound.
+possible, whatever basis the certificates name. A certificate may omit allowed hypotheses.
 
-    layer, induction, invariant      terms over state that hold at first and after every step: facts, and properties
+    layer, induction, invariant      terms over state that hold in the first state and after every step: facts, properties
     heard, owed, overlap, overflow   terms over a step, from facts about the states before and after it
-    implied, first state             properties that follow from facts; that hold in the first state
+    implied, first state             properties that follow from facts; properties in the first state
     absence, lasts, overflow of first values    obligations with hypotheses of their own
 """
 
@@ -24,22 +24,25 @@ from safeloc.language.system import TransitionSystem, environment, in_range
 
 Terms = frozenset[int]
 Files = frozenset[str]
-LAWFUL = ("facts", "owed", "overflow of ghosts")  # layers and rules that rest on the assumption
-STEPS = ("heard", "owed", "overlap", "overflow", "overflow of ghosts")
-ROLES = {"layer": ("start", "step"), "induction": ("start", "step"), "invariant": ("start", "step", "implies")}
-FACTS_FIRST = ("layer", *STEPS)
+_LAWFUL = ("facts", "owed", "overflow of ghosts")  # layers and rules that rest on the assumption
+_STEPS = ("heard", "owed", "overlap", "overflow", "overflow of ghosts")
+_ROLES = {"layer": ("start", "step"), "induction": ("start", "step"), "invariant": ("start", "step", "implies")}
+_FACTS_FIRST = ("layer", *_STEPS)
 
 
 class RefusedError(Exception):
-    """A certificate does not show what its rule asks for; the reason in words."""
+    """A certificate does not establish the conclusion of its rule; the message gives the reason."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """The allowed hypotheses: on the first state, on every state, and additionally on every step; and the moves of states.
+    """The hypotheses that a certificate of an induction may use, and the moves of the system.
 
-    over  the variables that a conclusion may read: state, since an input differs from step to step
-          (what is shown for all inputs, and passed on: not of the environment either)
+    first   hypotheses on the first state
+    known   hypotheses on every state
+    step    further hypotheses on every step
+    over    the variables that a conclusion may read: state only, since an input differs from step to step; in a conclusion
+            for all inputs no ghosts
     """
 
     first: Terms
@@ -50,10 +53,10 @@ class Frame:
     over: Terms
 
     def inductive(self, write: Translation, starts: Sequence[Certificate], step: Certificate) -> Terms:
-        """Return the terms that hold in the first k states, and in each that comes after k states in which they hold.
+        """Return the terms that hold in the first k states, and in every state after k states in which they hold.
 
-        The very term that is a hypothesis, with the values after the steps in the place of variables, is the goal. Of
-        each of the first states by itself, since a run may end there. RefusedError where more is presumed.
+        The goal is the same term as the hypothesis, with the values after the steps substituted for variables. Each of the
+        first states has a goal of its own, since a run may end there. RefusedError if a certificate uses other hypotheses.
         """
         k, conjuncts, (states, allowed) = len(starts), write.dag.conjuncts, self.unrolled(write, len(starts))
         early, late = [conjuncts(start.goals) for start in starts], conjuncts(step.goals)
@@ -65,12 +68,12 @@ class Frame:
         )
         known = [self.known, *(state.all(self.known) for state in states[1:k])]
         for number, start in enumerate(starts):
-            only(start, self.first.union(*known[: number + 1], *allowed[:number]))
-        only(step, frozenset().union(*known, *allowed, *(state.all(kept) for state in states[:k])))
+            _only(start, self.first.union(*known[: number + 1], *allowed[:number]))
+        _only(step, frozenset().union(*known, *allowed, *(state.all(kept) for state in states[:k])))
         return kept
 
     def unrolled(self, write: Translation, k: int) -> tuple[list[Rewriting], list[Terms]]:
-        """Return the state 0 as it is and k states after it, and what each step is allowed; inputs of step j are called x@j."""
+        """Return the rewritings to state 0 and the k states after it, and the hypotheses of each step; its inputs are x@j."""
         moves, states, allowed = self.moves, [Rewriting(write.dag, {}), Rewriting(write.dag, self.moves)], [self.step]
         for number in range(1, k):
             inputs = {node: write.named(var, f"{var.name}@{number}") for node, var in self.inputs.items()}
@@ -84,10 +87,12 @@ class Frame:
 
 
 class Speaker:
-    """A system as nodes, and what is established of it so far.
+    """A system as nodes, and the facts about it that are established so far.
 
-    always  state terms that hold for all inputs in range; facts: under the assumption, those of `always` included
-    free    terms over a step, for all inputs in range; lawful: under the assumption, those of `free` included
+    always  state terms that hold for all inputs in range
+    facts   state terms that hold under the assumption, those of `always` included
+    free    terms over a step that hold for all inputs in range
+    lawful  terms over a step that hold under the assumption, those of `free` included
     """
 
     def __init__(self, system: TransitionSystem, write: Translation) -> None:
@@ -100,7 +105,7 @@ class Speaker:
         self.always, self.facts, self.free, self.lawful = Terms(), Terms(), Terms(), Terms()
 
     def first(self, system: TransitionSystem, *, lawful: bool) -> Terms:
-        """Return the facts about the first state; for all inputs, without conditions that tie the machine to ghosts."""
+        """Return the facts about the first state; unless `lawful`, without conditions that relate on-board state to ghosts."""
         begins = self.write.conjuncts([system.init, in_range(system.state)])
         return begins if lawful else frozenset(one for one in begins if not self._ties(one))
 
@@ -127,7 +132,7 @@ class Speaker:
         return self.inputs[lawful] | self.known(lawful=lawful) | (self.lawful if lawful else self.free)
 
     def frame(self, system: TransitionSystem, given: Terms, *, lawful: bool) -> Frame:
-        """For this system, or for the same one with observers; `given` is known of every step besides."""
+        """Return the frame for this system, or for the same system with observers; `given` are further hypotheses on a step."""
         write = self.write
         return Frame(
             self.first(system, lawful=lawful),
@@ -142,13 +147,13 @@ class Speaker:
         )
 
     def facts_frame(self, *, lawful: bool) -> Frame:
-        """For facts of this system itself; what holds for all inputs does not speak of ghosts."""
+        """Return the frame for facts about this system itself; facts for all inputs must not read ghosts."""
         frame = self.frame(self.system, Terms(), lawful=lawful)
         return frame if lawful else replace(frame, over=frame.over - self.ghosts)
 
 
-def only(certificate: Certificate, allowed: Terms) -> None:
-    """RefusedError where something else is a hypothesis."""
+def _only(certificate: Certificate, allowed: Terms) -> None:
+    """Raise RefusedError if the certificate has a hypothesis that is not allowed."""
     strange = certificate.hypotheses - allowed
     if strange:
         raise RefusedError(f"{len(strange)} of its hypotheses are not allowed by its rule")
@@ -157,9 +162,13 @@ def only(certificate: Certificate, allowed: Terms) -> None:
 class Theory:
     """Everything that the certificates of one target establish.
 
-    goals   gives those of a machine ("" for the whole) and name
-    proved  goals that hold in every run, with the files that show it; at_first: in the first state
-    further facts that were shown on the way to an obligation; witnesses: terms proposed for inputs, believed nowhere
+    goals      returns the goals by machine ("" for the whole system) and name
+    heard      machines whose wired inputs are proved to be in range
+    owed       machines whose assumption is discharged as well
+    proved     goals that hold in every run, with the files that prove it
+    at_first   goals that hold in the first state, with the files that prove it
+    further    facts that were proved on the way to an obligation
+    witnesses  terms proposed for inputs; nothing relies on them without a check
     """
 
     def __init__(self, system: TransitionSystem, goals: Callable[[str, str], Sequence[Goal]]) -> None:
@@ -181,17 +190,17 @@ class Theory:
         self._pass_on()
 
     def take(self, certificates: Sequence[Certificate]) -> dict[str, str]:
-        """Establishes all that follows; returns the files that were of no use, each with the reason."""
+        """Establish all conclusions of the certificates; return the files without a conclusion, each with the reason."""
         useless = {one.file: "no rule of this name, or the other half is missing" for one in certificates}
         attempts = list(_attempts(certificates))
-        pending = [one for one in attempts if one[0] in FACTS_FIRST]
+        pending = [one for one in attempts if one[0] in _FACTS_FIRST]
         while pending:
             left = [one for one in pending if not self._applied(*one, useless)]
             if len(left) == len(pending):
                 break
             pending = left
         for attempt in attempts:
-            if attempt[0] not in FACTS_FIRST:
+            if attempt[0] not in _FACTS_FIRST:
                 self._applied(*attempt, useless)
         return useless
 
@@ -211,11 +220,11 @@ class Theory:
         return True
 
     def speaker(self, part: str) -> Speaker | None:
-        """Return the machine of this name, the whole for "", None for a machine that is not there."""
+        """Return the machine of this name, the whole system for "", None for an unknown machine."""
         return self.whole if not part else self.parts[part][1] if part in self.parts else None
 
     def _pass_on(self) -> None:
-        """Give the facts of a machine to the composition, once its wired inputs are in range and its assumption is
+        """Add the facts about each machine to the composition, once its wired inputs are in range and its assumption is
         discharged."""
         for name, (part, alone) in self.parts.items():
             if self.write.conjuncts([part.heard]) <= self.whole.free:
@@ -228,20 +237,20 @@ class Theory:
     # -------------------------------------------------------------- facts
 
     def _layer(self, speaker: Speaker, start: Certificate, step: Certificate) -> None:
-        lawful = start.header.get("layer") in LAWFUL
+        lawful = start.header.get("layer") in _LAWFUL
         frame = speaker.facts_frame(lawful=lawful)
         speaker.add(frame.inductive(self.write, [start], step), lawful=lawful)
 
     def _step(self, speaker: Speaker, one: Certificate) -> None:
-        lawful = one.header["rule"] in LAWFUL
+        lawful = one.header["rule"] in _LAWFUL
         if not one.hypotheses <= speaker.step(lawful=lawful):
-            only(one, speaker.step(lawful=lawful) | speaker.after.all(speaker.known(lawful=lawful)))
+            _only(one, speaker.step(lawful=lawful) | speaker.after.all(speaker.known(lawful=lawful)))
         speaker.add_step(self.dag.conjuncts(one.goals), lawful=lawful)
 
     # -------------------------------------------------------------- properties
 
     def _property(self, speaker: Speaker, *together: Certificate) -> None:
-        """Each declared property of this name that follows; where there is none, facts on the way to an obligation."""
+        """Establish each declared property of this name; without such a property, facts on the way to an obligation."""
         header, files = together[0].header, frozenset(one.file for one in together)
         goals = self.goals(header.get("part", ""), header.get("property", ""))
         errors = list[RefusedError]()
@@ -267,11 +276,11 @@ class Theory:
         if rule == "induction start":
             return frame.inductive(self.write, together[:-1], last)
         kept = frame.inductive(self.write, together[:1], together[1]) if rule == "invariant start" else Terms()
-        only(last, frame.known | kept | (frame.first if rule == "first state" else Terms()))
+        _only(last, frame.known | kept | (frame.first if rule == "first state" else Terms()))
         return kept | self.dag.conjuncts(last.goals) | frozenset(last.goals)
 
     def _on_the_way(self, speaker: Speaker, *together: Certificate) -> None:
-        """Nobody declared it: what holds in every state all the same, for all inputs or else under the assumption."""
+        """Establish facts about every state that belong to no property: for all inputs, or else under the assumption."""
         if together[0].header["rule"] == "first state":
             raise RefusedError("there is no property of this name")
         for lawful in (False, True):
@@ -290,7 +299,7 @@ class Theory:
     # -------------------------------------------------------------- obligations with hypotheses of their own
 
     def _absence(self, speaker: Speaker, one: Certificate) -> None:
-        """Of two copies of a step that differ in the value of an absent input."""
+        """Establish that two copies of a step agree that differ in the value of an absent input only."""
         option = next((each for each in speaker.system.optionals if each.value.name == one.header.get("of")), None)
         if option is None:
             raise RefusedError("there is no such optional input")
@@ -299,18 +308,18 @@ class Theory:
             raise RefusedError("a variable has the name of the second copy")
         ranges = self.write.conjuncts([in_range(speaker.system.inputs)])
         ranges |= Rewriting(self.dag, {self.write(option.value): other}).all(ranges)
-        only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
+        _only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
         key = f"{one.header.get('part', '')}/{option.value.name}"
         self.absent[key] = self.absent.get(key, Terms()) | frozenset(one.goals) | self.dag.conjuncts(one.goals)
 
     def _first_values(self, speaker: Speaker, one: Certificate) -> None:
-        only(one, speaker.ranges)
+        _only(one, speaker.ranges)
         self.first_values |= self.dag.conjuncts(one.goals)
 
 
 _RULES: Mapping[str, Callable[..., None]] = {
     "layer": Theory._layer,
-    **dict.fromkeys(STEPS, Theory._step),
+    **dict.fromkeys(_STEPS, Theory._step),
     **dict.fromkeys(("induction", "implied", "invariant", "first state"), Theory._property),
     "absence": Theory._absence,
     "overflow of first values": Theory._first_values,
@@ -320,24 +329,24 @@ _RULES: Mapping[str, Callable[..., None]] = {
 
 
 def _attempts(certificates: Iterable[Certificate]) -> Iterator[tuple[str, tuple[Certificate, ...]]]:
-    """Certificates that may belong together: of one rule, one machine, one property or layer."""
+    """Yield certificates that may belong together: of one rule, one machine, one property or layer."""
     groups: dict[tuple[str, ...], dict[str, list[Certificate]]] = {}
     for one in certificates:
         family, _, role = one.header.get("rule", "").rpartition(" ")
-        if role not in ROLES.get(family, ()):
+        if role not in _ROLES.get(family, ()):
             family, role = one.header.get("rule", ""), ""
-        told = (one.header.get(key, "") for key in ("system", "part", "layer", "property"))
+        about = (one.header.get(key, "") for key in ("system", "part", "layer", "property"))
         k, unique = one.header.get("k", "1"), () if role else (one.file,)
-        groups.setdefault((family, *told, *unique), {}).setdefault(f"{role} {k}" if role else "", []).append(one)
+        groups.setdefault((family, *about, *unique), {}).setdefault(f"{role} {k}" if role else "", []).append(one)
     for (family, *_), by_role in groups.items():
         for roles in _needed(family, by_role) if family in _RULES else ():
             yield from ((family, found) for found in product(*(by_role.get(role, []) for role in roles)))
 
 
 def _needed(family: str, by_role: Mapping[str, object]) -> Iterator[list[str]]:
-    """The roles that go together; of an induction over k steps k starts, of one state more each."""
+    """Yield the roles that belong together; an induction over k steps has k starts, each about one more state."""
     if family != "induction":
-        yield [f"{role} 1" for role in ROLES[family]] if family in ROLES else [""]
+        yield [f"{role} 1" for role in _ROLES[family]] if family in _ROLES else [""]
         return
     for last in (role for role in by_role if role.startswith("step ")):
         k = last.removeprefix("step ")

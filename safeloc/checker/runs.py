@@ -1,6 +1,6 @@
-"""Check of the runs in a report: modes, rows and cases that occur, an assumption that is satisfied.
+"""Check of the runs in a report: modes, rows and cases that occur, and an assumption that is satisfied.
 
-A result that says `by itself` is of one machine of a composition, and its run is one of that machine.
+A result with `by itself` is about one machine of a composition, and its run is a run of that machine.
 """
 
 from __future__ import annotations
@@ -23,16 +23,18 @@ from safeloc.language.system import TransitionSystem
 from safeloc.runtime.streams.steps import StepStream, read_steps
 from safeloc.target import Target
 
-BY_ITSELF = ", by itself"
-DEFENCE = "a defence: "
+_BY_ITSELF = ", by itself"
+_DEFENCE = "a defence: "
 Key = tuple[int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class _Sought:
-    """An event that must occur, under its assumptions and for all inputs: in the composition, or in one machine alone.
+    """An event that must occur; each goal is given under the assumption, and for all inputs in range.
 
-    prop  of a case, the property
+    whole  the goals in the whole system
+    alone  the goals in one machine of a composition by itself; None if there is no such machine
+    prop   the property, if the event is one of its cases
     """
 
     name: str
@@ -44,7 +46,7 @@ class _Sought:
 class Occurrences:
     """The evidence from the runs of a target.
 
-    kept     finds the run that a report stores for a result
+    kept     returns the run that the report stores for a result
     claimed  ids of all results of the target
     """
 
@@ -56,13 +58,13 @@ class Occurrences:
         self._single: dict[Goal, Walk] = {}
 
     def checks(self) -> Iterator[tuple[str, Check]]:
-        """List the checks of all results about occurring events, by name."""
+        """Yield the checks of all results about events that occur, by name."""
         for one in self._sought:
             yield one.name, lambda row, one=one: self._occurs(row, one)  # type: ignore[misc]
         yield "antecedents", self._every_case
 
     def happens(self, row: Row, goal: Goal) -> Answer:
-        """Check that the run breaks `good`, and satisfies the assumption up to there."""
+        """Check that the run violates `good`, and satisfies the assumption up to that state."""
         if goal not in self._single:
             self._single[goal] = Walk([goal], self._write)
         run = self._run(row)
@@ -70,8 +72,8 @@ class Occurrences:
 
     def kept_for_a_while(self, row: Row) -> Answer:
         """Check that the run satisfies the assumption for the stated number of steps."""
-        said = re.search(r"for (\d+) (more )?steps", row["statement"])
-        return seen(said is not None and len(self._states(row)) > int(said[1]))
+        count = re.search(r"for (\d+) (more )?steps", row["statement"])
+        return seen(count is not None and len(self._states(row)) > int(count[1]))
 
     def comes_round(self, row: Row) -> Answer:
         """Check that the run returns to an earlier state."""
@@ -85,28 +87,28 @@ class Occurrences:
     def _run(self, row: Row) -> StepStream:
         stream = self._kept(str(row["id"]))
         if stream is None:
-            raise InputError("no run is kept that shows it")
+            raise InputError("the report stores no run for it")
         return stream
 
-    # -------------------------------------------------------------- what occurs
+    # -------------------------------------------------------------- events
 
     def _occurs(self, row: Row, one: _Sought) -> Answer:
-        sought = one.alone if str(row["statement"]).endswith(BY_ITSELF) else one.whole
+        sought = one.alone if str(row["statement"]).endswith(_BY_ITSELF) else one.whole
         if sought is None:
-            return WRONG, "no machine of it has this by itself"
-        run, goal = self._run(row), sought[DEFENCE in row["method"]]
+            return WRONG, "no machine of the composition has this event by itself"
+        run, goal = self._run(row), sought[_DEFENCE in row["method"]]
         key, place = self._places[goal]
         return seen(place in self._walk(key).met(run.first, run.steps))
 
     def _every_case(self, row: Row) -> Answer:
-        """Each case occurs in a recording that ships with the target, or has a result with a run of its own."""
-        found, said = self._recorded(), re.match(r"(\d+) of (\d+) ", row["method"])
+        """Check that each case occurs in a recording of the target, or has a result with a run of its own."""
+        found, counts = self._recorded(), re.match(r"(\d+) of (\d+) ", row["method"])
         every = [one for one in self._sought if one.prop is not None]
         missing = [one.name for one in every if one.whole[0] not in found and not self._has_its_own(one.name)]
-        if missing or said is None or not int(said[1]) == int(said[2]) == len(every):
+        if missing or counts is None or not int(counts[1]) == int(counts[2]) == len(every):
             return (
                 WRONG,
-                f"{len(missing)} of {len(every)} cases occur in no recording, and no run is kept that shows them",
+                f"{len(missing)} of {len(every)} cases occur in no recording, and the report stores no run for them",
             )
         return CONFIRMED, ""
 
@@ -114,7 +116,8 @@ class Occurrences:
         return f"{self._target.name}/obligation/{obligation}" in self._claimed
 
     def _recorded(self) -> set[Goal]:
-        """The cases that recordings come to, as far as the system can take them; what they tell of others is left out."""
+        """Return the cases that occur in recordings, as far as the system accepts these; first values of other variables are
+        ignored."""
         system, found = self._target.system, set[Goal]()
         known = {var.name for var in system.state}
         keys = {self._places[one.whole[0]][0] for one in self._sought if one.prop is not None}
@@ -126,7 +129,7 @@ class Occurrences:
                         found |= {self._together[key][place] for place in met}
         return found
 
-    # -------------------------------------------------------------- what is watched together
+    # -------------------------------------------------------------- goals that are checked in one walk
 
     @cached_property
     def _sought(self) -> list[_Sought]:
@@ -142,7 +145,7 @@ class Occurrences:
 
     @cached_property
     def _together(self) -> dict[Key, list[Goal]]:
-        """Goals that are of one system and rely on the same."""
+        """The goals of one system under one assumption, by a key of both."""
         found: dict[Key, list[Goal]] = {}
         for goal in dict.fromkeys(goal for one in self._sought for goal in (*one.whole, *(one.alone or ()))):
             found.setdefault(self._key(goal), []).append(goal)
@@ -162,12 +165,12 @@ class Occurrences:
 
 
 def _targets(system: TransitionSystem, number: int) -> Iterator[_Sought]:
-    """Modes and rows of a machine, in the whole and of a composition in the machine by itself."""
+    """Yield the modes and rows of a machine as events in the whole system, and in a machine of a composition by itself."""
     machine, part = system.machines[number], system.parts[number] if system.parts else None
     for name, term in _reached(machine):
-        told = f"machine {number}, {name}"
-        whole = _both(system, told, term if part is None else part.into.bool(term))
-        yield _Sought(name, whole, None if part is None else _both(part.alone, told, term))
+        goal_name = f"machine {number}, {name}"
+        whole = _both(system, goal_name, term if part is None else part.into.bool(term))
+        yield _Sought(name, whole, None if part is None else _both(part.alone, goal_name, term))
 
 
 def _reached(machine: Machine) -> Iterable[tuple[str, Bool]]:
@@ -179,7 +182,7 @@ def _reached(machine: Machine) -> Iterable[tuple[str, Bool]]:
 
 
 def _both(system: TransitionSystem, name: str, term: Bool) -> tuple[Goal, Goal]:
-    """Under the assumption, and for all inputs in range."""
+    """Return the goals that an event occurs under the assumption, and that it occurs for all inputs in range."""
     free = reachable(f"{name}, for all inputs", term, unconditional=True)
     return observe(system, reachable(name, term)), observe(system, free)
 

@@ -1,8 +1,8 @@
 """Answers of solvers about a certificate: for each goal unsat (it follows from the hypotheses), sat or unknown.
 
-z3 and cvc5 are asked for the very nodes that the rest of the checker judges, each through a translation of its own: so no
-text can mean one thing to a solver and another to the rules. What certificates of a machine share is translated once.
-yices, if installed, is asked about the text too; its answer is reported, but not required.
+z3 and cvc5 get exactly the nodes that the rest of the checker uses, each through its own translation, so that no text can
+have one meaning for a solver and another for the rules. Terms that certificates of a machine share are translated once.
+yices, if installed, gets the text; its answer is reported, but not required.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -27,10 +27,15 @@ from safeloc.checker.text import Certificate
 
 SOLVERS = ("z3", "cvc5", "yices")
 NEEDED = SOLVERS[:2]
-GROUP = "\n(push 1)\n"
-FIRST_SECONDS = {"z3": 2.0, "cvc5": 10.0}  # for a goal among the others: what takes longer is often quick alone
-TOGETHER = {"incremental": "true", "ext-rew-prep": "use"}  # measured: three times faster on our terms
-ALONE = {"decision": "justification"}  # for what is left: equalities of two copies take 0.5 s so, over 15 s together
+_GROUP = "\n(push 1)\n"
+_FIRST_SECONDS = {
+    "z3": 2.0,
+    "cvc5": 10.0,
+}  # limit for a goal among others: a goal that takes longer is often quick alone
+_TOGETHER = {"incremental": "true", "ext-rew-prep": "use"}  # measured: three times faster on our terms
+_ALONE = {
+    "decision": "justification"
+}  # for goals alone: equalities of two copies take 0.5 s with it, over 15 s among others
 Answers = list[str]
 
 
@@ -50,16 +55,16 @@ class Opinion:
         return all(self.answers[name][goal] == "unsat" for name in NEEDED)
 
     def contradicted(self) -> list[str]:
-        """Return the solvers that say of some goal that it does not follow, or do not take the text."""
-        return [name for name, said in self.answers.items() if any(one not in ("unsat", "unknown") for one in said)]
+        """Return the solvers that answer for some goal that it does not follow, or that refuse the text."""
+        return [name for name, found in self.answers.items() if any(one not in ("unsat", "unknown") for one in found)]
 
 
 NONE = Opinion({name: [] for name in NEEDED})
-"""Of a text that cannot be read."""
+"""The opinion on a text that cannot be read."""
 
 
 class _Solver(Protocol):
-    """Asks for goals, all from the same hypotheses: together, or the one goal alone."""
+    """A solver that answers goals from the same hypotheses: several together, or a single goal alone."""
 
     def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers: ...
 
@@ -73,23 +78,23 @@ class Opinions:
         self._asked: dict[tuple[frozenset[int], tuple[int, ...]], dict[str, Answers]] = {}
 
     def __call__(self, one: Certificate, text: str) -> Opinion:
-        """All solvers' answers; what says the same is asked once."""
+        """Return the answers of all solvers; certificates with equal hypotheses and goals are asked once."""
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
-        more = {} if yices() is None else {"yices": _of_text(text, self._seconds)}
+        more = {} if _yices_program() is None else {"yices": _of_text(text, self._seconds)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:
-        """The answers; of what a solver does not take, such as a number where a truth value belongs, why."""
+        """Return a solver's answers; if it refuses the terms (for example a number as a truth value), its error for each goal."""
         try:
             return self._answers(name, one)
         except (z3.Z3Exception, RuntimeError, TypeError, ValueError, AttributeError) as error:
             return [f"error: {error}"] * len(one.goals)
 
     def _answers(self, name: str, one: Certificate) -> Answers:
-        """All goals in one go, each for a short while; then what is left: alone, and alone in the first way."""
-        solver, first = self._solvers[name], min(self._seconds, FIRST_SECONDS[name])
+        """Ask for all goals together with a short limit each; then for each undecided goal alone, by both sets of options."""
+        solver, first = self._solvers[name], min(self._seconds, _FIRST_SECONDS[name])
         answers = solver.ask(one, first, together=True)
         for together in (False, True):
             for goal in [number for number, answer in enumerate(answers) if answer == "unknown"]:
@@ -99,7 +104,7 @@ class Opinions:
 
 
 class _Translation:
-    """Nodes as a solver's terms; what was made once is not made again."""
+    """Translates nodes to a solver's terms; each node once."""
 
     def __init__(self, dag: Dag) -> None:
         self.dag = dag
@@ -113,7 +118,7 @@ class _Translation:
         return self._done[term]
 
     def all(self, terms: Iterable[int]) -> list[Any]:
-        """The terms, in the order in which they came up."""
+        """Return the solver's terms, in the order in which the nodes were made."""
         return [self(term) for term in sorted(terms)]
 
     def made(self, operator: str, rest: Sequence[str | int], parts: Sequence[Any]) -> Any:
@@ -145,7 +150,7 @@ class _Z3(_Translation):
                 return _Z3_OPERATORS[operator](*parts)
 
     def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers:
-        """Alone without push: then z3 rewrites the whole first, which takes 0.1 s or far too long."""
+        """Return the answers. A goal alone is asked without push: z3 then preprocesses all terms, in 0.1 s or much longer."""
         logic = "QF_LIA" if _linear(self.dag, one) else "QF_NIA"
         solver = z3.SimpleSolver(self._in) if together else z3.SolverFor(logic, self._in)
         solver.set("timeout", max(1, int(seconds * 1000)))
@@ -193,7 +198,7 @@ class _Cvc5(_Translation):
     def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers:
         solver = cvc5.Solver(self._terms)
         solver.setLogic("QF_LIA" if _linear(self.dag, one) else "QF_NIA")
-        for name, value in (TOGETHER if together else ALONE).items():
+        for name, value in (_TOGETHER if together else _ALONE).items():
             solver.setOption(name, value)
         solver.setOption("tlimit-per", str(max(1, int(seconds * 1000))))
         for term in self.all(one.hypotheses):
@@ -203,8 +208,8 @@ class _Cvc5(_Translation):
             if together:
                 solver.push()
             solver.assertFormula(self._terms.mkTerm(cvc5.Kind.NOT, self(goal)))
-            said = str(solver.checkSat())
-            answers.append("unknown" if said.startswith("unknown") else said)
+            answer = str(solver.checkSat())
+            answers.append("unknown" if answer.startswith("unknown") else answer)
             if together:
                 solver.pop()
         return answers
@@ -238,31 +243,31 @@ def _linear(dag: Dag, one: Certificate) -> bool:
     return True
 
 
-def yices() -> str | None:
-    """Return the path of yices' program for this language, where there is one: beside Python, or on the path."""
+def _yices_program() -> str | None:
+    """Return the path of yices' program for SMT-LIB, beside Python or on the search path; None if it is not installed."""
     return shutil.which(
         "yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
     )
 
 
 def _of_text(text: str, seconds: float) -> Answers:
-    """yices' answers: all goals in one go; then each that is left by itself, from the same text without the other goals."""
-    start, *groups = text.split(GROUP)
+    """Return yices' answers: for all goals together, then for each undecided goal from the text without the other goals."""
+    start, *groups = text.split(_GROUP)
     answers = _fitting(_yices(text, seconds, together=True), len(groups))
     for goal, answer in enumerate(answers):
         if answer == "unknown":
-            one = f"{start}{GROUP}{groups[goal]}".replace(GROUP, "\n").replace("\n(pop 1)\n", "\n")
+            one = f"{start}{_GROUP}{groups[goal]}".replace(_GROUP, "\n").replace("\n(pop 1)\n", "\n")
             [answers[goal]] = _fitting(_yices(one, seconds, together=False), 1)
     return answers
 
 
 def _fitting(answers: Sequence[str], goals: int) -> Answers:
-    """One answer a goal; a solver that says anything else does not take the text."""
+    """Return one answer for each goal; an error for each if the solver gave another number of answers."""
     return list(answers) if len(answers) == goals else [f"{len(answers)} answers to {goals} goals"] * goals
 
 
 def _yices(text: str, seconds: float, *, together: bool) -> Sequence[str]:
-    program = yices()
+    program = _yices_program()
     assert program is not None
     asked = [program, f"--timeout={max(1, int(seconds))}", *(["--incremental"] if together else [])]
     done = subprocess.run(asked, input=text, capture_output=True, text=True)

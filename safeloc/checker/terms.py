@@ -1,4 +1,4 @@
-"""A declaration's terms as nodes: what a certificate of it has to say, worked out without the text's writer."""
+"""A declaration's terms as nodes, to compare certificates with, translated independently of the writer of certificates."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ from safeloc.language.terms import children, in_order
 
 
 class Translation:
-    """Writes terms into a Dag; what was written once is not written again."""
+    """Writes terms into a Dag; each term once."""
 
     def __init__(self, dag: Dag) -> None:
         self.dag = dag
         self._done: dict[Expr, int] = {}
 
     def __call__(self, term: Expr) -> int:
-        """The term's node; TypeError for a past operator, which has none."""
+        """Return the term's node; TypeError for a past operator, which has none."""
         for node in in_order([term], self._done):
             self._done[node] = self._made(node, [self._done[child] for child in children(node)])
         return self._done[term]
 
     def conjuncts(self, terms: Iterable[Expr]) -> frozenset[int]:
-        """Return the parts of the conjunction of these terms."""
+        """Return the conjuncts of these terms."""
         return self.dag.conjuncts(map(self, terms))
 
     def named(self, var: Var, name: str) -> int:
-        """Return a variable of the same sort by another name."""
+        """Return the node of a variable with this name and the sort of `var`."""
         return self.dag.variable(name, INT if isinstance(var, NumVar) else BOOL)
 
     def _made(self, node: Node, of: list[int]) -> int:

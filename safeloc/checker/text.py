@@ -1,9 +1,9 @@
-"""A certificate's text, read into nodes. Whatever is not exactly of the form that is expected is refused.
+"""Reader of a certificate's text into nodes. It refuses every text that has not exactly this form:
 
 ; key: value                                     the header
 (set-logic ...) (set-info :status unsat)
 (declare-const |x| Int)  (define-fun t7 () Bool TERM)  (assert TERM)
-(define-fun |witness 1.2 of x| () Int TERM)          what may stand in the place of x: a proposal, of which nothing is said
+(define-fun |witness 1.2 of x| () Int TERM)          a proposed term for x, without any claim
 (push 1) (assert (not GOAL)) (check-sat) (pop 1)     once for each goal
 """
 
@@ -17,8 +17,8 @@ from itertools import takewhile
 from safeloc.checker.dag import BOOL, INT, Dag
 from safeloc.errors import InputError
 
-FORMAT = "safeloc-certificate/1"
-ARITY = {"+": 2, "-": 2, "*": 2, "div": 2, "<": 2, "<=": 2, ">=": 2, "=": 2, "not": 1, "ite": 3}
+_FORMAT = "safeloc-certificate/1"
+_ARITY = {"+": 2, "-": 2, "*": 2, "div": 2, "<": 2, "<=": 2, ">=": 2, "=": 2, "not": 1, "ite": 3}
 _TOKEN = re.compile(r"[ \n]+|(;[^\n]*|[()]|\|[^|\\\n]*\||:?[A-Za-z0-9_+*<>=-]+)|(.)", re.DOTALL)
 _TAKEN = re.compile(
     r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"
@@ -33,10 +33,10 @@ Command = list["str | Command"]
 
 @dataclass(frozen=True)
 class Certificate:
-    """The content of a certificate: each goal follows from the hypotheses. Terms are numbers of a Dag, conjunctions are
-    split.
+    """The content of a certificate: each goal follows from the hypotheses. Terms are numbers of a Dag.
 
-    witnesses  proposed terms for groups of variables; the user of a witness must show that it is valid
+    hypotheses  split into conjuncts
+    witnesses   proposed terms for groups of variables; whoever uses a witness must check that it is valid
     """
 
     file: str
@@ -50,7 +50,7 @@ class Certificate:
 def read(file: str, text: str, dag: Dag) -> Certificate:
     """Read a certificate; InputError with the reason for any other text."""
     if not all(line.isprintable() for line in text.split("\n")):
-        raise InputError(f"{file}: a letter that cannot be printed.")
+        raise InputError(f"{file}: it has a character that cannot be printed.")
     reader = _Reader(dag)
     try:
         reader.take(list(_commands(text)))
@@ -62,19 +62,19 @@ def read(file: str, text: str, dag: Dag) -> Certificate:
 
 
 def _header(file: str, text: str) -> tuple[dict[str, str], tuple[str, ...]]:
-    """The comments before the first command."""
+    """Return the header, key -> value, and the files on which the certificate relies, from the comments at the beginning."""
     comments = [line[1:].strip() for line in takewhile(lambda line: line.startswith(";"), text.split("\n"))]
     first, *lines = comments or [""]
-    said = [(key.strip(), value.strip()) for key, sign, value in (line.partition(": ") for line in lines) if sign]
-    relies_on = tuple(value for key, value in said if key == "relies on")
-    others = [(key, value) for key, value in said if key != "relies on"]
-    if first != FORMAT or len(dict(others)) != len(others):
-        raise InputError(f"{file}: no header of {FORMAT}, or something in it twice.")
+    pairs = [(key.strip(), value.strip()) for key, sign, value in (line.partition(": ") for line in lines) if sign]
+    relies_on = tuple(value for key, value in pairs if key == "relies on")
+    others = [(key, value) for key, value in pairs if key != "relies on"]
+    if first != _FORMAT or len(dict(others)) != len(others):
+        raise InputError(f"{file}: it has no header of {_FORMAT}, or a key of the header twice.")
     return dict(others), relies_on
 
 
 def _commands(text: str) -> Iterator[Command]:
-    """The commands as nested lists, comments left out."""
+    """Yield the commands as nested lists, without comments."""
     open_: list[Command] = [[]]
     for found in _TOKEN.finditer(text):
         token, strange = found.groups()
@@ -103,7 +103,7 @@ class _Reader:
         self.witnesses: dict[str, dict[int, int]] = {}
 
     def take(self, commands: Sequence[Command]) -> None:
-        """All commands, in the one order that is allowed."""
+        """Read all commands; ValueError unless they come in the prescribed order."""
         if commands[0] not in _LOGICS or commands[1] != _STATUS:
             raise ValueError(f"begins with {commands[:2]}")
         end = next((place for place, one in enumerate(commands) if one[0] == "push"), len(commands))
@@ -144,7 +144,7 @@ class _Reader:
         operator, *parts = body
         if operator == "-" and len(parts) == 1:
             return self._dag.number(-int(str(parts[0])))
-        if operator not in ("and", "or") and ARITY[str(operator)] != len(parts):
+        if operator not in ("and", "or") and _ARITY[str(operator)] != len(parts):
             raise ValueError(f"{operator} of {len(parts)} parts")
         terms = [self._term(part) for part in parts]
         sorts = [self._dag.sort(term) for term in terms]
@@ -161,9 +161,10 @@ class _Reader:
 
 
 def _plain(symbol: str) -> str:
-    """The variable's name: one that SMT-LIB keeps for itself is written with one more apostrophe at its end.
+    """Return the variable's name: the text writes names that SMT-LIB reserves with one more apostrophe at the end.
 
-    Whichever variable this gives, what was proved of a free variable holds of that one; but none of those names.
+    A mistake here could not make a proof unsound: a result about a free variable holds for any variable, if its name is not
+    reserved.
     """
     name = symbol[1:-1]
     if not _TAKEN.fullmatch(name.rstrip("'")):

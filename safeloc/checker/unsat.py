@@ -1,4 +1,4 @@
-"""Unsat without trusting a solver: of every certificate in a folder, what its proofs leave to be trusted."""
+"""Check of `unsat` without trust in a solver: for every certificate in a folder, the proof steps that remain to be trusted."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from safeloc.checker.proofs.goals import check_unsat_proofs
 from safeloc.checker.proofs.steps import Checked
 from safeloc.errors import InputError
 from safeloc.report.certificates import FOLDER, read_archives
-from safeloc.report.kept import read_report
+from safeloc.report.stored import read_report
 
 
 @dataclass
 class Survey:
     """The results of checking the proofs of all certificates.
 
-    sure      certificates whose proofs were checked in every step: no trust in a solver is needed
-    trusted   rules whose steps were not checked, with their number, by certificate
-    unproved  certificates with a goal for which no proof was made in time, or whose proof is wrong, and where
+    sure      certificates of which every proof step was checked: they need no trust in a solver
+    trusted   certificate -> rules with unchecked steps, each with the number of these steps
+    unproved  certificate -> the goal without a proof in time, or the place of a wrong step
     """
 
     sure: list[str] = field(default_factory=list)
@@ -31,14 +31,16 @@ class Survey:
 
     @property
     def rules(self) -> Counter[str]:
-        """Steps that were not checked, by rule."""
+        """The number of steps that were not checked, by rule."""
         return sum((Counter(counts) for counts in self.trusted.values()), Counter[str]())
 
 
-def survey(folder: Path, *, jobs: int, seconds: float, told: Callable[[int, int], None]) -> Survey:
-    """Makes and checks a proof of every goal of every certificate; `seconds` for the solver's answer to each goal.
+def survey(folder: Path, *, jobs: int, seconds: float, progress: Callable[[int, int], None]) -> Survey:
+    """Make and check a proof of every goal of every certificate; `seconds` is the solver's limit for each goal.
 
-    InputError where the folder holds no certificates.
+    progress  called with the number of certificates that are done, and of all
+
+    InputError if the folder has no certificates.
     """
     read = read_archives(folder / FOLDER, read_report(folder)["certificates"])
     if not read.texts and not read.damaged:
@@ -53,12 +55,12 @@ def survey(folder: Path, *, jobs: int, seconds: float, told: Callable[[int, int]
                 found.trusted[name] = trusted
             else:
                 found.sure.append(name)
-            told(done, len(read.texts))
+            progress(done, len(read.texts))
     return found
 
 
 def _looked_at(seconds: float, certificate: tuple[str, str]) -> tuple[str, dict[str, int], str]:
-    """The certificate's name, its steps that were not checked by rule, and what went wrong ("" for nothing)."""
+    """Return the certificate's name, its unchecked steps by rule, and the error ("" for none)."""
     name, text = certificate
     trusted: Counter[str] = Counter()
     try:

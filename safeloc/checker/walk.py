@@ -1,7 +1,7 @@
-"""Runs of a system, computed from the checker's own nodes; what runs have in common from their beginning on is taken once.
+"""Runs of a system, computed from the checker's own nodes; a common beginning of several runs is computed once.
 
-Many results of a report are shown by beginnings of the same recordings: all goals of one system are watched together, and
-a step is plain Python that is made once from the nodes.
+Many results of a report are shown by beginnings of the same recordings. Therefore all goals of one system are observed
+together, and a step is plain Python code that is generated once from the nodes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _OPERATORS = {"+": "+", "-": "-", "*": "*", "div": "//", "<": "<", "<=": "<=", "
 
 
 def computed(dag: Dag, variables: Sequence[int], terms: Sequence[int]) -> Computed:
-    """Return a function from values of variables to the values of terms; whole numbers without bounds, div rounds down."""
+    """Return a function from values of variables to values of terms, over unbounded whole numbers; div rounds down."""
     names = {variable: f"v{place}" for place, variable in enumerate(variables)}
     lines = [f"{''.join(f'{name}, ' for name in names.values()) or '()'} = given"]
     for term in terms:
@@ -32,7 +32,9 @@ def computed(dag: Dag, variables: Sequence[int], terms: Sequence[int]) -> Comput
             lines.append(f"t{number} = {_written(dag, number, names)}")
     lines.append(f"return ({''.join(f'{names[term]}, ' for term in terms)})")
     made: dict[str, Computed] = {}
-    exec("def function(given):\n" + "".join(f"    {line}\n" for line in lines), made)  # of our own nodes only
+    exec(
+        "def function(given):\n" + "".join(f"    {line}\n" for line in lines), made
+    )  # generated from our own nodes only
     return made["function"]
 
 
@@ -57,9 +59,9 @@ def _written(dag: Dag, number: int, names: Mapping[int, str]) -> str:
 
 
 class Walk:
-    """All states that were come to, each by number, and which one follows which by which inputs.
+    """The states that runs reach, by number, with the successor of each for given inputs.
 
-    The goals are of one system and rely on the same: on what `goals[0].plain` assumes.
+    All goals belong to one system and have the same assumption, that of `goals[0].plain`.
     """
 
     def __init__(self, goals: Sequence[Goal], write: Translation) -> None:
@@ -75,20 +77,20 @@ class Walk:
         self._after: dict[Hashable, int | None] = {}
 
     def met(self, first: Mapping[str, Value], stream: Iterable[Mapping[str, Cell]]) -> frozenset[int]:
-        """Return the goals, by place, that a run comes to as long as it keeps the assumption."""
+        """Return the places of the goals that a run reaches before it violates the assumption."""
         return frozenset().union(*self.met_in_turn(first, stream))
 
     def met_in_turn(self, first: Mapping[str, Value], stream: Iterable[Mapping[str, Cell]]) -> Iterator[frozenset[int]]:
-        """The same, state by state."""
+        """Yield, for each state of a run before it violates the assumption, the places of the goals that the state reaches."""
         return (self._met[number] for number in self._numbers(first, stream))
 
     def states(self, first: Mapping[str, Value], stream: Iterable[Mapping[str, Cell]]) -> Iterator[State]:
-        """Return the values of the system's own variables, as long as the run keeps the assumption."""
-        own = len(self._plain.state)
-        return (self._states[number][:own] for number in self._numbers(first, stream))
+        """Yield the states of a run before it violates the assumption, without the observers' variables."""
+        count = len(self._plain.state)
+        return (self._states[number][:count] for number in self._numbers(first, stream))
 
     def _numbers(self, first: Mapping[str, Value], stream: Iterable[Mapping[str, Cell]]) -> Iterator[int]:
-        """The states of a run; InputError for no first state, and for no inputs of the system."""
+        """Yield the numbers of a run's states; InputError for a first state or inputs that the system does not have."""
         names = {var.name for var in self._plain.inputs}
         now = self._begun(first)
         yield now

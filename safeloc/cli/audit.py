@@ -1,4 +1,4 @@
-"""`safeloc audit`: whether a line's layout meets what the proofs assume."""
+"""`safeloc audit`: check the layout of a line against the assumptions of the proofs."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from safeloc.railway.audit.findings import AuditReport
 from safeloc.railway.audit.vehicle import find_layout
 from safeloc.railway.map.toml_files import find_line
 
-VIOLATED = 1
-PAIRS_SHOWN = 30
+_VIOLATED = 1
 
 
 def audit_line(
@@ -23,7 +22,8 @@ def audit_line(
     vehicles: Annotated[
         list[str] | None,
         typer.Option(
-            "--vehicle", help="file with \\[localization], or a shipped vehicle (repeatable); else the defaults"
+            "--vehicle",
+            help="file with \\[localization], or a shipped vehicle (repeatable); by default, default figures",
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only: a list of safeloc-audit/1")] = False,
@@ -34,9 +34,9 @@ def audit_line(
     if as_json:
         print_json([report.as_data() for report in reports])
     else:
-        for told in (told for report in reports for told in _lines(report)):
-            out.print(told, markup=False)
-    raise typer.Exit(VIOLATED if any(report.violated for report in reports) else 0)
+        for text in (text for report in reports for text in _lines(report)):
+            out.print(text, markup=False)
+    raise typer.Exit(_VIOLATED if any(report.violated for report in reports) else 0)
 
 
 def _lines(report: AuditReport) -> list[str]:
@@ -57,21 +57,3 @@ def _lines(report: AuditReport) -> list[str]:
         *(f"{count:7} x {rule}" for rule, count in report.cases.items()),
         f"{sum(report.cases.values())} cases, {len(report.violated)} violated, {advice} advice",
     ]
-
-
-def _pairs(report: AuditReport) -> list[str]:
-    if not report.route_pairs:
-        return []
-    closest = sorted(report.route_pairs, key=lambda pair: _or_never(pair.by_models.least))
-    shown = report.route_pairs if len(closest) <= PAIRS_SHOWN else closest[:PAIRS_SHOWN]
-    left = len(report.route_pairs) - len(shown)
-    return [
-        "",
-        "routes by their models, and after how many missed or misread reflectors one looks like another:",
-        *(f"  {pair.as_text()}" for pair in shown),
-        *([f"  and {left} pairs more (--json has them)"] if left else []),
-    ]
-
-
-def _or_never(count: int | None) -> float:
-    return float("inf") if count is None else count

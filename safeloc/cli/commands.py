@@ -33,7 +33,7 @@ COMMANDS: Mapping[str, Known] = {
     "import": Known(
         "line_import",
         "import_line",
-        "Import a map; report everything that was not understood, was dropped or was assumed.",
+        "Import a map; report everything that was not understood, dropped or assumed.",
     ),
     "audit": Known(
         "audit",
@@ -43,12 +43,12 @@ COMMANDS: Mapping[str, Known] = {
     "drive": Known(
         "line_drive",
         "drive",
-        "Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth.",
+        "Drive a recorded train over a network: write records of odometers, balise readers, satellites and the true position.",
     ),
     "guard": Known(
         "guard",
         "guard",
-        "Filter a receiver's positions: pass on each with its interval along the track, or with the reason why it is withheld.",
+        "Filter a receiver's positions: pass each on with its interval along the track, or withhold it with a reason.",
     ),
     "export": Known("export", "export", "Export a machine as code, diagram, table or solver text."),
     "simulate": Known(
@@ -64,12 +64,12 @@ COMMANDS: Mapping[str, Known] = {
     "recheck": Known(
         "recheck",
         "recheck",
-        "Check every proof of a report again, from its files and the declaration alone.",
+        "Check every proof of a report again, from the report's files and the declaration alone.",
     ),
     "migrate": Known(
         "migrate",
         "migrate",
-        "Convert files of version 0.1.0 to the names of 0.2.0; nothing is written where one of them is refused.",
+        "Convert files of version 0.1.0 to the names of 0.2.0. If one of them is refused, no file is written.",
     ),
     "cache": Known("keeping", "cache", "Show the size of the cache of earlier results, or clear it."),
     "prove": Known(
@@ -81,7 +81,7 @@ COMMANDS: Mapping[str, Known] = {
     "replay": Known(
         "replay",
         "replay",
-        "Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world.",
+        "Run a recorded stream through a machine; check every property on it, or the proofs' assumptions about the world.",
     ),
     "report": Known(
         "report", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
@@ -89,7 +89,7 @@ COMMANDS: Mapping[str, Known] = {
     "mutate": Known(
         "mutate",
         "mutate",
-        "Make a machine wrong on purpose, term by term, and say which proof notices, and which wrong machines nothing notices.",
+        "Make a machine wrong on purpose, term by term; report which proof notices, and which wrong machines nothing notices.",
     ),
     "cores": Known(
         "cores",
@@ -99,7 +99,7 @@ COMMANDS: Mapping[str, Known] = {
     "faults": Known(
         "faults",
         "faults",
-        "Break every clause of the world, and say what becomes of each claim and of the reported interval.",
+        "Break every clause of the world, and report the effect on each claim and on the reported interval.",
     ),
     "verify": Known(
         "verify", "verify", "Prove, test, replay the shipped recordings, and write the report: the main command."
@@ -108,7 +108,7 @@ COMMANDS: Mapping[str, Known] = {
 
 
 def loaded(name: str) -> Any:
-    """Return the command itself, as Typer makes it of its function."""
+    """Return the command, made by Typer from its function."""
     known = COMMANDS[name]
     alone = typer.Typer(add_completion=False)
     alone.command(name)(getattr(import_module(f"safeloc.cli.{known.module}"), known.function))

@@ -8,10 +8,10 @@ from rich.console import Console
 
 
 class _Console(Console):
-    """Leaves a closed pipe to the caller, who knows the exit code for it."""
+    """A console that raises BrokenPipeError for a closed pipe; the caller turns it into an exit code."""
 
     def on_broken_pipe(self) -> None:
-        """Called where rich meets it."""
+        """Raise BrokenPipeError; rich itself would end the process."""
         raise BrokenPipeError
 
 
@@ -20,5 +20,5 @@ err = _Console(stderr=True, highlight=False, soft_wrap=True)
 
 
 def print_json(data: object) -> None:
-    """JSON and nothing else on standard output."""
+    """Print data as JSON on standard output."""
     print(json.dumps(data, indent=2))

@@ -1,4 +1,4 @@
-"""`safeloc cores`: the clauses, lemmas and rows that each proof rests on."""
+"""`safeloc cores`: the clauses, lemmas and rows that each proof needs."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 
 KINDS = {"clause": "clauses", "contract": "contracts", "lemma": "lemmas", "range": "ranges of ghosts", "row": "rows"}
-MANY_ROWS = 4
-"""More rows than that are told by their number; --json has their names."""
+_MANY_ROWS = 4
+"""More rows than that are given by their number only; --json has their names."""
 
 
 def cores(
@@ -33,7 +33,7 @@ def cores(
 ) -> None:
     """Find a smallest set of clauses, lemmas and rows for each proved claim, and say which of them no claim needs.
 
-    Exit code 0: a clause that no proof needs is no error, but a question to whoever wrote it.
+    Exit code 0: a clause that no proof needs is no error, but its author should know why it is there.
     """
     loaded = load_target(target, config)
     known = {prop.name: prop for prop in loaded.properties}
@@ -42,7 +42,7 @@ def cores(
     chosen = [known[name] for name in dict.fromkeys(names or known)]
     store = store_in(cache)
     with Progressing(len(chosen), quiet=as_json) as progress:
-        progress.say(f"what the proofs of {loaded.name} rest on", len(chosen))
+        progress.say(f"proof cores of {loaded.name}", len(chosen))
         found = cores_of(
             loaded,
             chosen,
@@ -73,7 +73,7 @@ def _lines(target: Target, found: Sequence[Core], *, whole: bool) -> Iterator[st
 
 
 def _row_count(target: Target, one: Core) -> int:
-    """How many rows the machine has on which the claim was proved."""
+    """Return the number of rows of the machine on which the claim was proved."""
     return sum(len(made.transitions) for made in target.machines if one.kept_by in ("", made.name))
 
 
@@ -86,8 +86,8 @@ def _of_claim(one: Core, rows: int) -> Iterator[str]:
     for kind, words in KINDS.items():
         names = [element.name for element in one.rests_on if element.kind == kind]
         if names:
-            many = kind == "row" and len(names) > MANY_ROWS
-            told = f"{len(names)} of {rows}" if many else "; ".join(names)
-            yield f"    {words}: {told}"
+            many = kind == "row" and len(names) > _MANY_ROWS
+            shown = f"{len(names)} of {rows}" if many else "; ".join(names)
+            yield f"    {words}: {shown}"
     if one.open_:
-        yield f"    not decided within the limits whether it can do without: {'; '.join(x.name for x in one.open_)}"
+        yield f"    perhaps not needed, undecided within the limits: {'; '.join(x.name for x in one.open_)}"

@@ -22,13 +22,13 @@ from safeloc.cli.commands import COMMANDS, loaded
 from safeloc.cli.console import err
 from safeloc.errors import SafelocError
 
-NO_RESULT, INTERRUPTED, CLOSED_PIPE = 2, 130, 141
+_NO_RESULT, INTERRUPTED, CLOSED_PIPE = 2, 130, 141
 
 
-class Commands(TyperGroup):
-    """The commands, by name and summary until one is called.
+class _Commands(TyperGroup):
+    """The commands. Only names and summaries are known until one is called.
 
-    An error is never taken for a verdict: Python's own exit code for one would be that of `violated`.
+    An exception gives exit code 2: Python's own code for it, 1, means `violated` here.
     """
 
     def __init__(self, **settings: Any) -> None:
@@ -46,51 +46,51 @@ class Commands(TyperGroup):
             try:
                 return super().invoke(ctx)
             finally:
-                sys.stdout.flush()  # here, where a closed pipe can still be told from anything else
+                sys.stdout.flush()  # here, where a closed pipe can still be distinguished from other errors
         except SafelocError as error:
             err.print(f"safeloc: {error}", markup=False)
-            raise typer.Exit(NO_RESULT) from error
+            raise typer.Exit(_NO_RESULT) from error
         except BrokenPipeError as error:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at its end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python prints an error at exit
             raise typer.Exit(CLOSED_PIPE) from error
         except KeyboardInterrupt as error:
             err.print("safeloc: interrupted; no result.", markup=False)
             raise typer.Exit(INTERRUPTED) from error
         except Exception as error:
             if type(error).__module__.split(".")[0] in ("typer", "click"):
-                raise  # how they end a command, and how they tell of wrong usage
+                raise  # these end a command, or report wrong usage
             traceback.print_exception(error)
             err.print("safeloc: failed, as printed above; no result. Please report it.", markup=False)
-            raise typer.Exit(NO_RESULT) from error
+            raise typer.Exit(_NO_RESULT) from error
 
 
-app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(cls=_Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
-def _tell_version(wanted: bool) -> None:
+def _print_version(wanted: bool) -> None:
     if wanted:
         print(f"safeloc {_version()}")
         raise typer.Exit
 
 
 def _version() -> str:
-    from importlib import metadata  # slow to load, and every command would wait for it
+    from importlib import metadata  # slow to load; no other command needs it
 
     try:
         return metadata.version("safeloc")
     except metadata.PackageNotFoundError:
-        return "of a checkout that is not installed, and has no version"
+        return "(no version: this checkout is not installed)"
 
 
 @app.callback()
 def safeloc(
     version: Annotated[
-        bool, typer.Option("--version", help="Show the version and exit.", callback=_tell_version, is_eager=True)
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_print_version, is_eager=True)
     ] = False,
 ) -> None:
     """Prove, test, replay and report how a train is located."""
 
 
 def main() -> None:
-    """Entry point."""
+    """Run the command line."""
     app(prog_name="safeloc")

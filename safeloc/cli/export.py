@@ -1,4 +1,4 @@
-"""`safeloc export`: a machine in another form, as one text or as a folder."""
+"""`safeloc export`: a machine as code, diagram, table or solver text, in one file or a folder."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import sampled_runs
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
 
-TEXTS: Mapping[str, Callable[[Target], str]] = {
+_TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),
     "mermaid": lambda target: "".join(map(to_mermaid, target.machines)),
     "dot": lambda target: "".join(map(to_dot, target.machines)),
@@ -33,18 +33,18 @@ TEXTS: Mapping[str, Callable[[Target], str]] = {
     "table": lambda target: _table(target),
     "smtlib": lambda target: "\n".join(base(target.system).certificates.values()),
 }
-FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
+_FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
     "c": lambda target: to_c(
         without_ghosts(target.system), sampled_runs(target), doc=target.doc, kept=_lasting(target)
     ),
 }
-FILES: Mapping[str, Callable[[Target], bytes]] = {"fmu": lambda target: _unit(target)}
-FORMS = (*TEXTS, *FOLDERS, *FILES)
+_FILES: Mapping[str, Callable[[Target], bytes]] = {"fmu": lambda target: _unit(target)}
+_FORMS = (*_TEXTS, *_FOLDERS, *_FILES)
 
 
 def export(
     target: Annotated[str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")],
-    to: Annotated[str, typer.Option("--to", help=", ".join(FORMS))],
+    to: Annotated[str, typer.Option("--to", help=", ".join(_FORMS))],
     config: Annotated[
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
     ] = None,
@@ -53,18 +53,18 @@ def export(
     ] = None,
 ) -> None:
     """Export a machine as code, diagram, table or solver text."""
-    if to not in FORMS:
-        raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join(FORMS)}.")
-    if to not in TEXTS and where is None:
-        what = "several files; name a folder" if to in FOLDERS else "a binary file; name it"
+    if to not in _FORMS:
+        raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join(_FORMS)}.")
+    if to not in _TEXTS and where is None:
+        what = "several files; name a folder" if to in _FOLDERS else "a binary file; name it"
         raise typer.BadParameter(f"--to {to} writes {what} with --out.")
     loaded = load_target(target, config)
     if where is None:
-        sys.stdout.write(TEXTS[to](loaded))
-    elif to in FOLDERS:
-        _write_folder(FOLDERS[to](loaded), where)
+        sys.stdout.write(_TEXTS[to](loaded))
+    elif to in _FOLDERS:
+        _write_folder(_FOLDERS[to](loaded), where)
     else:
-        _write_file(FILES[to](loaded) if to in FILES else TEXTS[to](loaded).encode(), where)
+        _write_file(_FILES[to](loaded) if to in _FILES else _TEXTS[to](loaded).encode(), where)
 
 
 def _write_file(content: bytes, where: Path) -> None:
@@ -75,7 +75,7 @@ def _write_file(content: bytes, where: Path) -> None:
 
 
 def _write_folder(files: Mapping[str, str], folder: Path) -> None:
-    """The files into the folder; others in it stay."""
+    """Write the files into the folder; other files there stay."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
@@ -86,7 +86,7 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
 
 
 def _unit(target: Target) -> bytes:
-    """Make a co-simulation unit; its period comes from the configuration, or from its machines."""
+    """Return an FMI co-simulation unit; its period comes from the configuration, or from the machines."""
     on_board = without_ghosts(target.system)
     period_ms = configured_period_ms(target.name, target.config)
     first = first_state(on_board, random.Random(0))
@@ -94,7 +94,7 @@ def _unit(target: Target) -> bytes:
 
 
 def _lasting(target: Target) -> Mapping[str, Bool] | None:
-    """Return the invariants that a restored state must satisfy; warn if not all are proved, since that changes the code."""
+    """Return the invariants that a restored state must satisfy; None, and a warning, if not all ranges are proved."""
     err.print(f"{target.name}: proving the invariants for check_state", markup=False)
     found = lasting(target.system)
     if found is None:

@@ -1,4 +1,4 @@
-"""`safeloc faults`: every clause of the world broken, alone and in pairs, and what becomes of claims and interval."""
+"""`safeloc faults`: break every clause of the world, alone and in pairs, and report the effect on claims and interval."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ def faults(
     target: TargetArgument,
     config: ConfigOption = None,
     order: Annotated[
-        int, typer.Option(help="1: every clause alone; 2: also every two that alone do no harm", min=1, max=2)
+        int,
+        typer.Option(help="1: every clause alone; 2: also every pair of clauses that alone do no harm", min=1, max=2),
     ] = 1,
     seconds: Annotated[float, typer.Option(help="limit for each claim, as solvers count", min=0.1)] = SECONDS_A_CLAIM,
     jobs: JobsOption = 2,
@@ -41,9 +42,9 @@ def faults(
     fresh: FreshOption = False,
     as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
 ) -> None:
-    """Break every clause of the world, and say what becomes of each claim and of the reported interval.
+    """Break every clause of the world, and report the effect on each claim and on the reported interval.
 
-    Exit code 0 where everything was decided, 3 where the limits left something open.
+    Exit code 0: everything was decided; 3: something is undecided within the limits.
     """
     loaded = load_target(target, config)
     if order > 1 and holds_truth(loaded) is None:
@@ -93,11 +94,11 @@ def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator
     pairs = [one for one in effects if len(one.broken) > 1]
     if pairs:
         kept = sum(one.end == "contained" for one in pairs)
-        yield f"{kept} of {len(pairs)} pairs of clauses that alone do no harm do none together either"
-    yield from _told(target, sets)
+        yield f"{kept} of {len(pairs)} pairs of harmless clauses do no harm together either"
+    yield from _cut_set_lines(target, sets)
 
 
-def _told(target: Target, sets: CutSets) -> Iterator[str]:
+def _cut_set_lines(target: Target, sets: CutSets) -> Iterator[str]:
     if holds_truth(target) is None:
         return
     numbers = numbered(target.system)

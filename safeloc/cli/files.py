@@ -8,7 +8,7 @@ from safeloc.errors import InputError
 
 
 def same_file(one: Path, other: Path) -> bool:
-    """Return whether both names mean the same file, also if it does not exist yet."""
+    """Return whether both names mean the same file, even if it does not exist yet."""
     try:
         return one.samefile(other)
     except OSError:
@@ -16,6 +16,6 @@ def same_file(one: Path, other: Path) -> bool:
 
 
 def require_not_read(out: Path, *read: str | Path | None) -> None:
-    """InputError where the file to be written is one of those that are read."""
+    """Raise InputError if the file to write is one of those to read."""
     if any(same_file(out, Path(one)) for one in read if one is not None):
-        raise InputError(f"{out}: this file is the input, and would be overwritten; give --out another file.")
+        raise InputError(f"{out}: this file is the input and would be overwritten; give --out another file.")

@@ -1,4 +1,4 @@
-"""`safeloc guard`: of a receiver's positions, only those that map and motion allow."""
+"""`safeloc guard`: filter a receiver's positions by map and motion."""
 
 from __future__ import annotations
 
@@ -12,19 +12,23 @@ from typing import IO, Annotated
 
 import typer
 
+from safeloc.catalogue import read_config
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.files import require_not_read
-from safeloc.cli.guard_input import Way, config_of, deliveries, direction, form_of, line_of, opened, route_of
+from safeloc.cli.options import direction
 from safeloc.errors import InputError
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.fields import columns_of
+from safeloc.railway.guard.figures import find_vehicle, guard_config
 from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.guard.inputs import Way, deliveries, form_of, line_of, opened, route_of
 from safeloc.railway.guard.told import SCHEMA, as_data
 from safeloc.railway.guard.tracks import Tracks
 from safeloc.railway.map.projection import WGS84
 from safeloc.report.folder import usable
 from safeloc.report.guard_folder import write_guard_folder
 
-NOTHING_PASSED = 3
+_NOTHING_PASSED = 3
 
 
 def guard(
@@ -41,7 +45,9 @@ def guard(
     ] = None,
     both: Annotated[
         bool,
-        typer.Option("--both-directions", help="the vehicle may also run back on the route (set back, change cabs)"),
+        typer.Option(
+            "--both-directions", help="the vehicle may also run back on the route (setting back, change of cab)"
+        ),
     ] = False,
     form: Annotated[str | None, typer.Option("--format", help="csv, jsonl or nmea; by default from the suffix")] = None,
     column: Annotated[
@@ -54,12 +60,14 @@ def guard(
     crs: Annotated[str, typer.Option(help="coordinate system of the positions")] = WGS84,
     sentence: Annotated[str, typer.Option(help="NMEA sentence to take: RMC, GGA, GNS or GLL")] = "RMC",
     where: Annotated[Path | None, typer.Option("--out", help="JSONL to write; else standard output")] = None,
-    report: Annotated[Path | None, typer.Option("--report", help="folder for a page with map and intervals")] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", help="write a page with map and intervals into this folder")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print counts as JSON only; needs --out")] = False,
 ) -> None:
-    """Filter a receiver's positions: pass on each with its interval along the track, or with the reason why it is withheld.
+    """Filter a receiver's positions: pass each on with its interval along the track, or withhold it with a reason.
 
-    Exit code 0: positions were passed on; 3: not one was; 2: wrong input.
+    Exit code 0: at least one position was passed on; 3: none was; 2: wrong input.
     """
     if as_json and where is None:
         raise typer.BadParameter("--json prints the counts; give the positions a file with --out.")
@@ -69,7 +77,7 @@ def guard(
         usable(report)
     if where is not None:
         require_not_read(where, line, stream, path, config, vehicle)
-    figures, network = config_of(vehicle, config), line_of(line)
+    figures, network = _config(vehicle, config), line_of(line)
     route = route_of(network, Way(path, edges, direction(first)))
     clear, reach = figures.track_clearance_mm, figures.tolerance_mm
     tracks = Tracks(network, clear_mm=clear, reach_mm=reach, route=route, crs=crs, both_directions=both)
@@ -81,11 +89,17 @@ def guard(
     if report is not None:
         err.print(f"report: {write_guard_folder(report, kept, made.tracks, figures, stream)}", markup=False)
     _summary(counts, as_json=as_json, to_stderr=where is None)
-    raise typer.Exit(0 if counts["PASSED"] else NOTHING_PASSED)
+    raise typer.Exit(0 if counts["PASSED"] else _NOTHING_PASSED)
+
+
+def _config(vehicle: str | None, file: Path | None) -> GuardConfig:
+    """Return the guard's configuration; figures of the file override those of the vehicle."""
+    chosen = {} if file is None else read_config(GuardConfig, file).model_dump(exclude_unset=True)
+    return guard_config(None if vehicle is None else find_vehicle(vehicle), chosen)
 
 
 def _written(judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None) -> Counter[str]:
-    """Write each report at once, and count the reasons; `kept` collects all reports."""
+    """Write each judgement at once and count the reasons; all judgements are appended to `kept`, if it is given."""
     counts: Counter[str] = Counter()
     for judgement in judgements:
         target.write(json.dumps(as_data(judgement)) + "\n")
@@ -113,5 +127,5 @@ def _summary(counts: Counter[str], *, as_json: bool, to_stderr: bool) -> None:
     if as_json:
         print_json({"schema": SCHEMA, "deliveries": counts.total(), "reasons": dict(counts.most_common())})
         return
-    told = ", ".join(f"{reason} {number}" for reason, number in counts.most_common())
-    (err if to_stderr else out).print(f"{counts.total()} deliveries: {told or 'none'}", markup=False)
+    reasons = ", ".join(f"{reason} {number}" for reason, number in counts.most_common())
+    (err if to_stderr else out).print(f"{counts.total()} deliveries: {reasons or 'none'}", markup=False)

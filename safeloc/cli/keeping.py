@@ -1,4 +1,4 @@
-"""The cache of earlier results: the options that choose its folder, and `safeloc cache`."""
+"""The command `safeloc cache`, and the options of other commands that choose the cache's folder."""
 
 from __future__ import annotations
 
@@ -28,18 +28,19 @@ def store_in(folder: Path | None) -> Store:
     return Store(usual_folder() if folder is None else folder)
 
 
-def told(findings: Sequence[Finding]) -> str:
-    """Return in words how many findings come from the cache, and their oldest date; "" if all were computed now."""
+def _cached_in_words(findings: Sequence[Finding]) -> str:
+    """Return the number of findings from the cache and their oldest date, in words; "" if all were computed now."""
     since = [finding.kept_since for finding in findings if finding.kept_since]
     if not since:
         return ""
     return f"{len(findings) - len(since)} results computed now, {len(since)} from the cache, the oldest of {min(since)}"
 
 
-def tell_kept(findings: Sequence[Finding], *, quiet: bool) -> None:
-    """Print how many findings come from the cache, where some do."""
-    if not quiet and told(findings):
-        err.print(told(findings), markup=False)
+def print_cached(findings: Sequence[Finding], *, quiet: bool) -> None:
+    """Print how many findings come from the cache, if any does."""
+    text = _cached_in_words(findings)
+    if text and not quiet:
+        err.print(text, markup=False)
 
 
 def cache(

@@ -1,41 +1,25 @@
-"""`safeloc drive`: a recorded train over a network, as records that `replay` takes."""
+"""`safeloc drive`: turn the log of a recorded train into records for `replay`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from safeloc.cli.console import err
+from safeloc.cli.options import direction
 from safeloc.errors import InputError
-from safeloc.railway.guard.believed import believed_times
+from safeloc.railway.guard.recorded_train import equipped, recorded_train
 from safeloc.railway.map.imports.geojson import read_geojson
 from safeloc.railway.map.imports.geojson_path import read_path, route_over
 from safeloc.railway.map.model import Line
-from safeloc.railway.map.placing import with_balise_groups
-from safeloc.railway.map.recorded_run import (
-    Reading,
-    Trust,
-    balise_records,
-    in_order,
-    odometer_records,
-    on_route,
-    read_fixes,
-    satellite_records,
-    trusted_times,
-    truth_records,
-)
+from safeloc.railway.map.recorded_run import Reading, Trust
 from safeloc.railway.map.routes import Route
 from safeloc.railway.map.toml_files import load_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.record_files import write_records
-
-FIRST_FIX_IDENTITY = 500_000
-"""Fixes as virtual markers are numbered from here on, beyond every NID_BG."""
-
-Direction = Literal["increasing", "decreasing"]
 
 
 def drive(
@@ -55,37 +39,26 @@ def drive(
     at_mm: Annotated[list[int] | None, typer.Option("--balise-at-mm", help="place a group there (repeatable)")] = None,
     satellites: Annotated[
         list[str] | None,
-        typer.Option("--satellite", help="FLAG=MM: fixes of this quality are markers of this accuracy"),
+        typer.Option("--satellite", help="FLAG=MM: fixes with this quality flag become markers of this accuracy"),
     ] = None,
     length_mm: Annotated[int, typer.Option("--vehicle-length-mm", min=0)] = 100_000,
     accuracy_mm: Annotated[int, typer.Option("--balise-accuracy-mm", min=0)] = 1_000,
     offset_limit_mm: Annotated[int, typer.Option(help="a fix farther off the track is not trusted", min=0)] = 15_000,
     max_speed_mm_s: Annotated[int, typer.Option(help="a fix that needs more is not trusted", min=1)] = 44_445,
 ) -> None:
-    """Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth.
+    """Drive a recorded train over a network: write records of odometers, balise readers, satellites and the true position.
 
-    No fix that the guard of a receiver withholds on this route (`safeloc guard`) is truth, marker or balise reading.
+    Only fixes that the guard (`safeloc guard`) passes on this route become truth, markers or balise readings.
     """
-    route = _equipped(_route(_line(line), path, edges, first), spacing_mm, at_mm or [], accuracy_mm)
-    said = read_fixes(log)
-    fixes = on_route(said, route)
-    believed = believed_times(said, route, max_speed_mm_s=max_speed_mm_s)
-    passed = [fix for fix in fixes if fix.time_ms in believed]
-    trusted = trusted_times(passed, Trust(offset_limit_mm, max_speed_mm_s))
-    balises = list(balise_records(fixes, route, Reading(length_mm, accuracy_mm), trusted))
-    records = in_order(
-        balises,
-        satellite_records(fixes, _claims(satellites or []), FIRST_FIX_IDENTITY, trusted),
-        odometer_records(fixes, along="radar", straight="wheel"),
-        truth_records(fixes, trusted),
+    route = equipped(_route(_line(line), path, edges, first), spacing_mm, at_mm or [], accuracy_mm)
+    trust, reading = Trust(offset_limit_mm, max_speed_mm_s), Reading(length_mm, accuracy_mm)
+    train = recorded_train(log, route, trust, reading, _accuracies(satellites or []))
+    write_records(where, train.records)
+    err.print(
+        f"{train.fixes} fixes, {train.near} near the track, {train.trusted} of them trusted by the guard, "
+        f"{train.balises} balise readings: {where}",
+        markup=False,
     )
-    write_records(where, records)
-    near = sum(abs(fix.offset_mm) <= offset_limit_mm for fix in fixes)
-    told = (
-        f"{len(fixes)} fixes, {near} near the track, {len(trusted)} of them trusted by the guard, "
-        f"{len(balises)} balise readings: {where}"
-    )
-    err.print(told, markup=False)
 
 
 def _line(file: Path) -> Line:
@@ -93,11 +66,7 @@ def _line(file: Path) -> Line:
 
 
 def _route(line: Line, path: Path | None, edges: str | None, first: str | None) -> Route:
-    way: Direction | None = None
-    if first is not None:
-        if first not in ("increasing", "decreasing"):
-            raise InputError(f"--first {first!r}: choose increasing or decreasing.")
-        way = "increasing" if first == "increasing" else "decreasing"
+    way = direction(first)
     if (path is None) == (edges is None):
         raise InputError("give the train's route: either --path or --edges.")
     topology = Topology(line)
@@ -106,21 +75,12 @@ def _route(line: Line, path: Path | None, edges: str | None, first: str | None) 
     return route_over([edge.strip() for edge in (edges or "").split(",")], topology, first=way)
 
 
-def _equipped(route: Route, spacing_mm: int | None, at_mm: Iterable[int], accuracy_mm: int) -> Route:
-    """The route with the groups placed on it, numbered after those that are there."""
-    spaced = [] if spacing_mm is None else range(spacing_mm, route.length_mm, spacing_mm)
-    places = sorted({*spaced, *at_mm})
-    there = max((group.identity for group in route.topology.line.balise_groups), default=0)
-    line = with_balise_groups(route, places, first_identity=there + 1, accuracy_mm=accuracy_mm)
-    return Route(Topology(line), route.runs, route.start_mm, route.end_mm)
-
-
-def _claims(told: Iterable[str]) -> dict[str, int]:
-    """Quality flag -> accuracy in mm."""
-    claims = {}
-    for one in told:
+def _accuracies(given: Iterable[str]) -> dict[str, int]:
+    """Return the accuracy in mm of each quality flag in --satellite."""
+    accuracies = {}
+    for one in given:
         flag, _, accuracy = one.partition("=")
         if not flag or not (accuracy.isascii() and accuracy.isdecimal()):
             raise InputError(f"--satellite {one!r}: expected FLAG=MM, for instance NARROW_INT3=1000.")
-        claims[flag] = int(accuracy)
-    return claims
+        accuracies[flag] = int(accuracy)
+    return accuracies

@@ -1,4 +1,4 @@
-"""`safeloc import`: converts a map in another format to our line format, with notes on everything that was lost."""
+"""`safeloc import`: convert a map to our line format, with notes on everything that was lost."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def import_line(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="print the notes as JSON only")] = False,
 ) -> None:
-    """Import a map; report everything that was not understood, was dropped or was assumed."""
+    """Import a map; report everything that was not understood, dropped or assumed."""
     imported = importer(file, form)(file, name=name, version=version)
     _write(where, to_toml(sealed(imported.line)))
     if as_json:
         print_json([{"kind": note.kind, "place": note.place, "text": note.text} for note in imported.notes])
         return
-    for told in imported.notes if every_note else similar(imported.notes):
-        out.print(str(told), markup=False)
+    for note in imported.notes if every_note else similar(imported.notes):
+        out.print(str(note), markup=False)
     err.print(f"{_summary(imported)}: {where}", markup=False)
 
 

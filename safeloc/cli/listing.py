@@ -1,4 +1,4 @@
-"""`safeloc list`: machines, properties, what these share with their machines, lines, and requirements, traced both ways."""
+"""`safeloc list`: machines, properties, assumptions, shared terms, folded cases, lines, and requirements traced both ways."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from safeloc.errors import InputError
 from safeloc.language.spec import Property
 from safeloc.proof.cache.store import Store
 
-SHOWN = 3
-TERM_CHARACTERS = 200
-NO_REASON = "no reason is declared"
-HIDDEN = "live in no configuration"
-Listed = tuple[Any, Sequence[str]]
-"""Data for JSON, and the same as lines."""
+_SHOWN = 3
+_TERM_CHARACTERS = 200
+_NO_REASON = "no reason is declared"
+_HIDDEN = "live in no configuration"
+_Listed = tuple[Any, Sequence[str]]
+"""Data for JSON, and the same as lines of text."""
 
 
 @dataclass(frozen=True)
 class _Chosen:
-    """The filter for properties: by machine (all if none is named), by requirement and by text."""
+    """A filter for properties: by machine (all if none is named), by requirement and by text."""
 
     machines: Sequence[str]
     requirement: str | None
@@ -46,18 +46,18 @@ class _Chosen:
 
     @property
     def by_text(self) -> bool:
-        """True if properties are chosen by requirement or text."""
+        """Return whether properties are chosen by requirement or text."""
         return self.requirement is not None or self.text is not None
 
     def lists(self, prop: Property) -> bool:
-        """Return whether the filter accepts a property; upper and lower case are equal."""
-        answers = {one.casefold() for one in prop.requirements}
-        said = f"{prop.name}\n{prop.statement}".casefold()
-        return (self.requirement is None or self.requirement.casefold() in answers) and (
+        """Return whether the filter accepts a property; case is ignored."""
+        requirements = {one.casefold() for one in prop.requirements}
+        words = f"{prop.name}\n{prop.statement}".casefold()
+        return (self.requirement is None or self.requirement.casefold() in requirements) and (
             self.text or ""
-        ).casefold() in said
+        ).casefold() in words
 
-    def told(self) -> str:
+    def in_words(self) -> str:
         """Return the filter in words, for a message."""
         machines = f" of {', '.join(self.machines)}" if self.machines else ""
         requirement = f" verifies requirement {self.requirement!r}" if self.requirement is not None else ""
@@ -71,7 +71,7 @@ def list_(
     ] = "machines",
     machines: Annotated[
         list[str] | None,
-        typer.Option("--machine", help="only of this machine, also of your own (repeatable)"),
+        typer.Option("--machine", help="only this machine, shipped or your own (repeatable)"),
     ] = None,
     requirement: Annotated[
         str | None, typer.Option("--id", help="only properties that verify this requirement, such as MRK-D1")
@@ -85,11 +85,11 @@ def list_(
     """List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.
 
     `assumptions` is the register of all assumptions of the proofs. `shared` lists the sub-terms that claims and clauses
-    have in common with what their machine computes: a wrong edit of
-    such a term moves both. `splits` lists the cases that the defaults fold away, and the configurations that prove them.
+    have in common with their machine: a wrong edit of such a term changes both. `splits` lists the cases that the default
+    configuration folds away, and the configurations in which they are live.
     """
     chosen = _Chosen(machines or (), requirement, text)
-    kinds: Mapping[str, Callable[[], Listed]] = {
+    kinds: Mapping[str, Callable[[], _Listed]] = {
         "machines": _machines,
         "properties": lambda: _properties(chosen),
         "assumptions": lambda: _assumptions(chosen),
@@ -112,13 +112,13 @@ def list_(
         out.print(line, markup=False)
 
 
-def _machines() -> Listed:
+def _machines() -> _Listed:
     rows = [{"name": entry.name, "summary": entry.summary} for entry in ENTRIES.values()]
     return rows, _lines(rows)
 
 
-def _properties(chosen: _Chosen) -> Listed:
-    """Those chosen; only the machines that are asked for are made. InputError where there is none."""
+def _properties(chosen: _Chosen) -> _Listed:
+    """Return the chosen properties. InputError if there is none."""
     rows = [
         {
             "machine": target.name,
@@ -131,12 +131,12 @@ def _properties(chosen: _Chosen) -> Listed:
         if chosen.lists(prop)
     ]
     if not rows:
-        raise InputError(f"no property{chosen.told()}; `safeloc list properties` lists all.")
+        raise InputError(f"no property{chosen.in_words()}; `safeloc list properties` lists all.")
     return rows, _lines(rows)
 
 
-def _assumptions(chosen: _Chosen) -> Listed:
-    """Return the register: every law with its figures, its owner and its missing fields."""
+def _assumptions(chosen: _Chosen) -> _Listed:
+    """Return the register: every law with its figures, owner and missing fields."""
     targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
     found = [(target.name, one) for target in targets for one in register(target)]
     found += [("every target on records", of_border())]
@@ -144,8 +144,8 @@ def _assumptions(chosen: _Chosen) -> Listed:
     lines = [line for target, one in found for line in _assumption_lines(target, one)]
     seen = sum(one.observable != "no" or bool(one.against) for _, one in found)
     lines += [
-        f"{len(found)} assumptions, {seen} of them observable in operation; {len(figures)} figures are from memory, for the "
-        "operator to confirm."
+        f"{len(found)} assumptions, {seen} of them observable in operation; {len(figures)} figures are from memory: the "
+        "operator has to confirm them."
     ]
     data = {
         "assumptions": [{"target": target, **asdict(one), "lacks": list(one.lacks)} for target, one in found],
@@ -158,15 +158,15 @@ def _assumption_lines(target: str, one: Assumption) -> Iterator[str]:
     yield f"{target}  {one.id}  {one.name}{'  (guaranteed by another machine)' if one.guaranteed else ''}"
     for figure in one.figures:
         yield f"    {figure.name} = {figure.value} {figure.unit}  {figure.source}"
-    said = {"statement": one.statement, "source": one.source, "owner": one.owner, "check": one.check}
-    said["observable"] = one.monitored
-    yield from (f"    {what}: {words}" for what, words in said.items() if words)
+    fields = {"statement": one.statement, "source": one.source, "owner": one.owner, "check": one.check}
+    fields["observable"] = one.monitored
+    yield from (f"    {field}: {words}" for field, words in fields.items() if words)
     if one.lacks:
         yield f"    missing: {', '.join(one.lacks)}"
 
 
-def _shared(chosen: _Chosen) -> Listed:
-    """Sub-terms that claims and clauses share with rows, and clauses that read what their machine computes."""
+def _shared(chosen: _Chosen) -> _Listed:
+    """Return the sub-terms that claims and clauses share with rows, and the clauses that read computed values of their machine."""
     targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
     shared = [{"machine": target.name, **asdict(one)} for target in targets for one in shared_terms(target)]
     follows = [{"machine": target.name, **asdict(one)} for target in targets for one in follows_machine(target)]
@@ -180,32 +180,32 @@ def _shared(chosen: _Chosen) -> Listed:
 
 
 def _shared_lines(target: Target) -> Iterator[str]:
-    """One shared term after another, with what the machine computes with it and who speaks of it."""
+    """Return lines for each shared term: rows and outputs that the machine computes with it, claims and clauses that have it."""
     by_term: dict[str, list[Shared]] = {}
     for one in shared_terms(target):
         by_term.setdefault(one.term, []).append(one)
     for term, speakers in sorted(by_term.items(), key=lambda item: -item[1][0].nodes):
-        yield f"{target.name}  {speakers[0].nodes} nodes  {shorten(term, TERM_CHARACTERS, placeholder=' ...')}"
+        yield f"{target.name}  {speakers[0].nodes} nodes  {shorten(term, _TERM_CHARACTERS, placeholder=' ...')}"
         yield f"    computed for  {_first_few(speakers[0].used)}"
         yield f"    shared by     {_first_few(list(dict.fromkeys(one.of for one in speakers)))}"
-        yield from (f"    because       {one}" for one in dict.fromkeys(one.reason or NO_REASON for one in speakers))
+        yield from (f"    because       {one}" for one in dict.fromkeys(one.reason or _NO_REASON for one in speakers))
 
 
 def _first_few(names: Sequence[str]) -> str:
-    """The first three names, and how many there are besides; all of them stand in the JSON."""
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return ", ".join(names[:SHOWN]) + more
+    """Return the first three names, and the number of further ones; the JSON has all of them."""
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return ", ".join(names[:_SHOWN]) + more
 
 
-def _splits(chosen: _Chosen) -> Listed:
-    """Cases that the defaults of a machine fold away, each with the configurations in which it is live."""
+def _splits(chosen: _Chosen) -> _Listed:
+    """Return the cases that the defaults of a machine fold away, each with the configurations in which it is live."""
     unknown = [name for name in chosen.machines if name not in ENTRIES]
     if unknown:
         raise InputError(f"no shipped machine {unknown[0]!r}; cases are looked for in {', '.join(ENTRIES)}.")
     folders = dict.fromkeys(map(folder_of, chosen.machines or ENTRIES))
     rows = [row for folder in folders for row in _split_rows(covered(folder))]
     lines = [f"{row['split']}  {row['at']}  {row['source']}\n    {row['folded']}; {row['live']}" for row in rows]
-    hidden = sum(row["live"] == HIDDEN for row in rows)
+    hidden = sum(row["live"] == _HIDDEN for row in rows)
     return rows, [
         *lines,
         f"{len(rows)} cases are folded away by defaults; {hidden} of them are live in no configuration.",
@@ -213,7 +213,7 @@ def _splits(chosen: _Chosen) -> Listed:
 
 
 def _split_rows(found: Covered) -> Iterator[dict[str, str]]:
-    """Each case once, however often its expression is used; of a hidden one, which figure would make it live."""
+    """Return each case once, even if its expression is used often; for a hidden case, a figure that would make it live."""
     rows: dict[tuple[str, Place, str], dict[str, str]] = {}
     figures = found.figures()
     for split, why in sorted(found.folded().items(), key=lambda pair: pair[0].place):
@@ -234,14 +234,16 @@ def _not_live(found: Covered, split: Split, figures: Mapping[Split, Change]) -> 
     if split in found.never:
         return f"never live: {found.never[split]}"
     if split in found.shared:
-        return "of a room that several machines use"
+        return "in a folder that several machines use"
     return (
-        f"{HIDDEN}; {figures[split]} makes it live" if split in figures else f"{HIDDEN}; no figure alone makes it live"
+        f"{_HIDDEN}; {figures[split]} makes it live"
+        if split in figures
+        else f"{_HIDDEN}; no figure alone makes it live"
     )
 
 
-def _shipped_lines() -> Listed:
-    from safeloc.railway.map.toml_files import load_line, shipped_lines  # maps are read only where they are listed
+def _shipped_lines() -> _Listed:
+    from safeloc.railway.map.toml_files import load_line, shipped_lines  # loaded only if lines are listed
 
     lines = [load_line(path) for path in shipped_lines().values()]
     rows = [{"name": line.name, "version": line.version, "source": line.source} for line in lines]
@@ -252,8 +254,8 @@ def _lines(rows: Sequence[dict[str, str]]) -> list[str]:
     return ["  ".join(value for value in row.values() if value) for row in rows]
 
 
-def _requirements(store: Store) -> Listed:
-    """From every requirement to its transitions and properties, how strongly these show it, and from each of these back."""
+def _requirements(store: Store) -> _Listed:
+    """Return every requirement with its transitions, properties and their strength, and the links back."""
     targets = [load_target(name) for name in ENTRIES]
     traced, found = traceability(targets), strengths_of(store, targets)
     data = {

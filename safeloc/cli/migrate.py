@@ -1,4 +1,4 @@
-"""`safeloc migrate`: files of an earlier version with the names of today."""
+"""`safeloc migrate`: convert files of an earlier version to the current names."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ def migrate(
         list[Path], typer.Argument(help="streams, records, configurations, snapshots", show_default=False)
     ],
     in_place: Annotated[
-        bool, typer.Option("--in-place", help="write to the file itself, and keep the old one as FILE.bak")
+        bool, typer.Option("--in-place", help="overwrite the file, and keep the old one as FILE.bak")
     ] = False,
 ) -> None:
-    """Convert files of version 0.1.0 to the names of 0.2.0; nothing is written where one of them is refused."""
+    """Convert files of version 0.1.0 to the names of 0.2.0. If one of them is refused, no file is written."""
     from safeloc.catalogue import ENTRIES
 
     made = [migrated(path, ships=ENTRIES, fingerprint=_fingerprint) for path in paths]
     for one in made:
         one.require_room(in_place=in_place)
     for one in made:
-        _tell(one, in_place)
+        _write(one, in_place)
 
 
-def _tell(one: Migrated, in_place: bool) -> None:
+def _write(one: Migrated, in_place: bool) -> None:
     if not one.changes:
-        out.print(f"{one.path}: has the names of today; left alone", markup=False)
+        out.print(f"{one.path}: has the current names; unchanged", markup=False)
         return
     out.print(f"{one.path} -> {one.write(in_place=in_place)}", markup=False)
     for change in one.changes:
@@ -41,7 +41,7 @@ def _tell(one: Migrated, in_place: bool) -> None:
 
 
 def _fingerprint(machine: str, config: Mapping[str, Any]) -> str | None:
-    """The digest of a shipped machine as it is today."""
+    """Return the digest of a shipped machine as it is now; None for any other machine."""
     from safeloc.catalogue import ENTRIES, checked_config
     from safeloc.runtime.embedding import Program
 

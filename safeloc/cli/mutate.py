@@ -1,4 +1,4 @@
-"""`safeloc mutate`: wrong machines, made on purpose, and what notices them."""
+"""`safeloc mutate`: make a machine wrong on purpose, in many ways, and report what notices each."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 
 
-class Part(Enum):
-    """What is made wrong."""
+class _Part(Enum):
+    """The part of a declaration that is made wrong."""
 
     MACHINE = "machine"
     WORLD = "world"
@@ -44,11 +44,11 @@ def mutate(
     target: TargetArgument,
     config: ConfigOption = None,
     of: Annotated[
-        list[Part] | None,
+        list[_Part] | None,
         typer.Option("--of", help="what is made wrong: machine (the default), world or claims (repeatable)"),
     ] = None,
     most: Annotated[
-        int | None, typer.Option("--sample", help="judge so many, of each kind in its share", min=1)
+        int | None, typer.Option("--sample", help="judge only N mutants, each kind in its share", min=1)
     ] = None,
     seed: Annotated[int, typer.Option(help="seed of the sample and of drawn runs")] = 0,
     seconds: Annotated[
@@ -57,29 +57,32 @@ def mutate(
     jobs: JobsOption = 2,
     only: Annotated[list[str] | None, typer.Option("--mutant", help="only this mutant (repeatable)")] = None,
     machine_only: Annotated[
-        bool, typer.Option("--machine-only", help="tell of the machine alone wrong, not of the term wrong everywhere")
+        bool,
+        typer.Option(
+            "--machine-only", help="show results for the term wrong in the machine only, not wherever it is written"
+        ),
     ] = False,
     reasons: Annotated[
         Path | None,
         typer.Option(
             "--reasons",
-            help="TOML with written reasons why no proof needs to notice; by default what ships with the machine",
+            help="TOML with reasons why no proof needs to notice a mutant; by default the file that ships with the machine",
         ),
     ] = None,
     cache: CacheOption = None,
     fresh: FreshOption = False,
     as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
 ) -> None:
-    """Make a machine wrong on purpose, term by term, and say which proof notices, and which wrong machines nothing notices.
+    """Make a machine wrong on purpose, term by term; report which proof notices, and which wrong machines nothing notices.
 
-    With --of also the clauses of its world, and its claims. Exit code 0, whatever is noticed: a mutant that survives is a
-    question to whoever wrote the claims.
+    With --of also the clauses of its world, and its claims. Exit code 0 in any case: a mutant that survives is no error, but
+    the author of the claims should look at it.
     """
     began = time.monotonic()
     with noted() as places:
         loaded = load_target(target, config)
     store, plan = store_in(cache), Plan(Limits(seconds=seconds, seed=seed), seed, jobs)
-    parts: list[Of] = [one.value for one in of or [Part.MACHINE]]
+    parts: list[Of] = [one.value for one in of or [_Part.MACHINE]]
     with Progressing(1, quiet=as_json) as progress:
         known = _reasons(loaded, reasons, changed=config is not None)
         job = _Job(loaded, places, plan, most, tuple(only or ()), known, progress, None if fresh else store, store)
@@ -95,7 +98,7 @@ def mutate(
 
 
 def _reasons(target: Target, given: Path | None, *, changed: bool) -> Reasons:
-    """What is handed over; else what ships, which speaks of the configuration that ships."""
+    """Return the reasons of the given file; else those that ship, which apply to the shipped configuration only."""
     if given is not None:
         return read_reasons(given)
     return Reasons() if changed or target.spec not in ENTRIES else shipped_reasons(target.name)
@@ -129,7 +132,7 @@ class _Job:
 
     def of_composition(self, asked: Sequence[Of]) -> tuple[list[Judged], int, dict[str, str]]:
         whole = composed(self.target, self.places)
-        if [*asked] != [Part.MACHINE.value]:
+        if [*asked] != [_Part.MACHINE.value]:
             raise InputError(
                 f"{self.target.name} is a composition: only its machines and wires are made wrong. For worlds and claims "
                 f"give one of its machines: {', '.join(whole.members)}."

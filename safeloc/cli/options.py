@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
+
+from safeloc.errors import InputError
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
@@ -25,13 +27,23 @@ def _finite(seconds: float) -> float:
 SecondsOption = Annotated[
     float,
     typer.Option(
-        help="limit for each property: seconds of an idle machine, as solvers count them; the clock ends it after six times that",
+        help="limit of effort for each property, in seconds of an idle computer; the clock ends it after six times that",
         min=0.1,
         callback=_finite,
     ),
 ]
 JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
-SeedOption = Annotated[int, typer.Option(help="seed of the solvers and of random runs")]
+SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
 SingleOption = Annotated[bool, typer.Option("--single-file", help="write one self-contained page")]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]
+_Direction = Literal["increasing", "decreasing"]
+
+
+def direction(given: str | None) -> _Direction | None:
+    """Return the value of --first: increasing, decreasing or None. InputError for anything else."""
+    match given:
+        case None | "increasing" | "decreasing":
+            return given
+        case _:
+            raise InputError(f"--first {given!r}: choose increasing or decreasing.")

@@ -16,8 +16,8 @@ from safeloc.cli.options import (
 )
 from safeloc.cli.show import Progressing, result
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.verification.one import Plan, Work, obligation_count
-from safeloc.proof.verification.unasked import nothing_tested
+from safeloc.proof.verification.calls import expected_of_tests, run_property_tests
+from safeloc.proof.verification.one import Plan
 
 
 def test(
@@ -32,8 +32,6 @@ def test(
     """Run property tests along plausible and faulty streams."""
     loaded = load_target(target, config)
     plan = Plan(Limits(), examples, steps, seed)
-    with Progressing(obligation_count(loaded) + len(loaded.properties), quiet=as_json) as progress:
-        work = Work(loaded, jobs, progress.say, progress.add)
-        obliged = work.obliged(plan.limits)
-        findings = [*nothing_tested(loaded), *work.tested(plan, obliged)]
+    with Progressing(expected_of_tests(loaded), quiet=as_json) as progress:
+        findings = run_property_tests(loaded, plan, jobs=jobs, on_phase=progress.say, on_finding=progress.add)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from safeloc.catalogue import Target, configured, load_target
 from safeloc.cli.console import out, print_json
-from safeloc.cli.keeping import CacheOption, FreshOption, store_in, tell_kept
+from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import (
     ConfigOption,
     DepthOption,
@@ -24,14 +24,11 @@ from safeloc.cli.options import (
 )
 from safeloc.cli.show import Progressing, code, print_summary, result, summed_up
 from safeloc.cli.watching import WatchOption, beside, watch
-from safeloc.language.spec import Property
-from safeloc.proof.cache.answers import kept_in
+from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
-from safeloc.proof.cache.targets import asked, found_before, keep
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
-from safeloc.proof.verification.one import Work, claims, obligation_count
-from safeloc.proof.verification.unasked import nothing_asked
+from safeloc.proof.verification.calls import chosen_properties, expected_of_proof, prove_target
 from safeloc.report.data import report_data
 
 
@@ -43,7 +40,7 @@ def prove(
         list[str] | None,
         typer.Option(
             "--configurations",
-            help="instead of the defaults: `all` declared configurations of a shipped machine, or one by name (repeatable)",
+            help="instead of the defaults: `all` declared configurations of a shipped machine, or the name of one (repeatable)",
         ),
     ] = None,
     depth: DepthOption = 25,
@@ -64,14 +61,14 @@ def prove(
         raise typer.Exit(result(proving.findings(loaded), [loaded], as_json=as_json))
     if config is not None:
         raise typer.BadParameter(
-            "--config and --configurations exclude each other; name the declared ones, or give a file."
+            "--config and --configurations exclude each other: give a file, or names of declared configurations."
         )
     raise typer.Exit(proving.in_each(configured(target, configurations)))
 
 
 @dataclass(frozen=True)
 class _Proving:
-    """How a machine is proved: which properties, within which limits."""
+    """The options of a proof: properties, limits, processes and cache."""
 
     only: list[str] | None
     limits: Limits
@@ -82,28 +79,27 @@ class _Proving:
 
     def findings(self, loaded: Target) -> list[Finding]:
         """Prove one target, or return what an earlier run found."""
-        chosen = _chosen(loaded, self.only)
-        question = asked(loaded, "proved", self.limits, self.only)
-        found = None if self.fresh else found_before(self.store, question)
-        if found is None:
-            found = self._proved(loaded, chosen)
-            keep(self.store, question, found)
-        tell_kept(found, quiet=self.quiet)
+        _require_known(loaded, self.only)
+        with Progressing(expected_of_proof(loaded, self.only), quiet=self.quiet) as progress:
+            found = prove_target(
+                loaded,
+                only=self.only,
+                limits=self.limits,
+                jobs=self.jobs,
+                store=self.store,
+                fresh=self.fresh,
+                on_phase=progress.say,
+                on_finding=progress.add,
+            )
+        print_cached(found, quiet=self.quiet)
         return found
-
-    def _proved(self, loaded: Target, chosen: Sequence[Property]) -> list[Finding]:
-        expected = claims(loaded, chosen) + (obligation_count(loaded) if self.only is None else 0)
-        with kept_in(self.store, fresh=self.fresh), Progressing(expected, quiet=self.quiet) as progress:
-            work = Work(loaded, self.jobs, progress.say, progress.add)
-            found = [*nothing_asked(loaded), *work.proved(chosen, self.limits)]
-            return found if self.only is not None else [*found, *work.obliged(self.limits)]
 
     def in_each(self, configured: Iterable[tuple[str, Target]]) -> int:
         """Prove a machine in each of its configurations; return the exit code of the worst finding."""
         every: dict[str, list[Finding]] = {}
         reports: dict[str, Any] = {}
         for name, loaded in configured:
-            self._head(name, loaded)
+            self._print_head(name, loaded)
             every[name] = self.findings(loaded)
             if self.quiet:
                 reports[name] = report_data(every[name], [loaded])
@@ -112,30 +108,28 @@ class _Proving:
         if self.quiet:
             print_json({"configurations": reports})
         else:
-            self._table(every)
+            self._print_table(every)
         return code([finding for findings in every.values() for finding in findings])
 
-    def _head(self, name: str, loaded: Target) -> None:
+    def _print_head(self, name: str, loaded: Target) -> None:
         if not self.quiet:
-            out.print(f"\n{loaded.name}, {name}: {_own_figures(loaded.config)}", markup=False)
+            out.print(f"\n{loaded.name}, {name}: {_changed_figures(loaded.config)}", markup=False)
 
-    def _table(self, every: Mapping[str, Sequence[Finding]]) -> None:
+    def _print_table(self, every: Mapping[str, Sequence[Finding]]) -> None:
         out.print("")
         for name, findings in every.items():
             out.print(f"{name:30}  {summed_up(findings)}", markup=False)
 
 
-def _own_figures(config: BaseModel | None) -> str:
-    """The figures of a configuration that are not the defaults."""
-    own = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
-    return ", ".join(f"{name} = {value}" for name, value in own.items()) or "no figure is changed"
+def _changed_figures(config: BaseModel | None) -> str:
+    """Return the figures of a configuration that differ from the defaults, in words."""
+    changed = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
+    return ", ".join(f"{name} = {value}" for name, value in changed.items()) or "all figures are defaults"
 
 
-def _chosen(target: Target, names: list[str] | None) -> list[Property]:
-    if names is None:
-        return list(target.properties)
-    known = {prop.name: prop for prop in target.properties}
-    missing = [name for name in names if name not in known]
-    if missing:
-        raise typer.BadParameter(f"{target.name} has no property {missing[0]!r}; it has {', '.join(known)}.")
-    return [known[name] for name in names]
+def _require_known(target: Target, names: Sequence[str] | None) -> None:
+    """Refuse a name in --property that the target has not."""
+    try:
+        chosen_properties(target, names)
+    except InputError as error:
+        raise typer.BadParameter(str(error)) from error

@@ -1,4 +1,4 @@
-"""`safeloc recheck`: every proof of a report folder once more, by what did not find it."""
+"""`safeloc recheck`: check every proof of a report folder again, by a program that did not find it."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from safeloc.checker.unsat import Survey, survey
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.show import Progressing
 
-SCHEMA = "safeloc-recheck/1"
-EVERY = 100  # certificates to a line of progress in a pipe
+_SCHEMA = "safeloc-recheck/1"
+_EVERY = 100  # certificates to a line of progress in a pipe
 
 
 def recheck(
@@ -30,16 +30,22 @@ def recheck(
             "--proofs", help="also produce and check cvc5's proof of every goal, step by step (8 times slower)"
         ),
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {_SCHEMA})")] = False,
 ) -> None:
-    """Check every proof of a report again, from its files and the declaration alone.
+    """Check every proof of a report again, from the report's files and the declaration alone.
 
     Exit code 0: all proofs are confirmed; 1: a certificate or a claim is wrong; 3: something could not be confirmed.
     """
     with Progressing(1, quiet=as_json) as progress:
         progress.say(f"checking {folder}", 1)
-        found = check_folder(folder, jobs=jobs, seconds=seconds, told=lambda *count: _tell(*count, quiet=as_json))
-    steps = survey(folder, jobs=jobs, seconds=seconds, told=lambda *n: _tell(*n, quiet=as_json)) if proofs else None
+        found = check_folder(
+            folder, jobs=jobs, seconds=seconds, progress=lambda *count: _print_progress(*count, quiet=as_json)
+        )
+    steps = (
+        survey(folder, jobs=jobs, seconds=seconds, progress=lambda *n: _print_progress(*n, quiet=as_json))
+        if proofs
+        else None
+    )
     if as_json:
         print_json(_data(found) | ({} if steps is None else {"proofs": _step_data(steps)}))
     else:
@@ -48,19 +54,19 @@ def recheck(
     raise typer.Exit(found.exit_code)
 
 
-def _tell(done: int, total: int, *, quiet: bool) -> None:
-    if not quiet and (done == total or done % EVERY == 0 or sys.stderr.isatty()):
+def _print_progress(done: int, total: int, *, quiet: bool) -> None:
+    if not quiet and (done == total or done % _EVERY == 0 or sys.stderr.isatty()):
         err.print(f"{done} of {total} certificates", markup=False, end="\r" if sys.stderr.isatty() else "\n")
 
 
 def _lines(found: Checking) -> list[str]:
     """Return a line for each unconfirmed result with its reason, then the counts."""
-    told = [f"{row.answer:17} {row.id}: {row.why}" for row in found.rows if row.answer not in (CONFIRMED, NO_PROOF)]
-    told += [f"{'wrong':17} {name}: {why}" for name, why in sorted(found.wrong.items())]
-    told += [f"{'undecided':17} {name}: {why}" for name, why in sorted(found.undecided.items())]
+    lines = [f"{row.answer:17} {row.id}: {row.why}" for row in found.rows if row.answer not in (CONFIRMED, NO_PROOF)]
+    lines += [f"{'wrong':17} {name}: {why}" for name, why in sorted(found.wrong.items())]
+    lines += [f"{'undecided':17} {name}: {why}" for name, why in sorted(found.undecided.items())]
     answers = Counter(row.answer for row in found.rows)
     return [
-        *told,
+        *lines,
         ", ".join(f"{count} {answer}" for answer, count in answers.items()) or "no results",
         *_solvers(found),
     ]
@@ -68,17 +74,19 @@ def _lines(found: Checking) -> list[str]:
 
 def _solvers(found: Checking) -> list[str]:
     """Return a line for each solver with the number of goals that it confirms."""
-    said = {name: [one for each in found.opinions.values() for one in each.answers.get(name, ())] for name in SOLVERS}
+    answers = {
+        name: [one for each in found.opinions.values() for one in each.answers.get(name, ())] for name in SOLVERS
+    }
     return [
-        f"{name}: {answers.count('unsat')} of {len(answers)} goals of {len(found.opinions)} certificates"
-        if answers or name in NEEDED
+        f"{name}: {given.count('unsat')} of {len(given)} goals of {len(found.opinions)} certificates"
+        if given or name in NEEDED
         else f"{name}: not installed"
-        for name, answers in said.items()
+        for name, given in answers.items()
     ]
 
 
 def _step_lines(found: Survey) -> list[str]:
-    """For how many certificates nothing of a solver is left to trust, and what is left of the others."""
+    """Return lines with the number of certificates that need no trust in a solver, and the unchecked steps of the others."""
     every = len(found.sure) + len(found.trusted) + len(found.unproved)
     lines = [f"no proof          {name}: {where}" for name, where in sorted(found.unproved.items())]
     lines += [f"{rule}: {count} steps not checked" for rule, count in found.rules.most_common()]
@@ -94,7 +102,7 @@ def _step_data(found: Survey) -> dict[str, Any]:
 
 def _data(found: Checking) -> dict[str, Any]:
     return {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "exit_code": found.exit_code,
         "results": [vars(row) for row in found.rows],
         "wrong": found.wrong,

@@ -1,4 +1,4 @@
-"""The command `safeloc replay`: a recorded stream, judged by the properties or by the laws of the worlds."""
+"""The command `safeloc replay`: check properties, or the laws of the worlds, on a recorded stream."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Annotated
 
 import typer
 
-from safeloc.catalogue import load_target
+from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err, out, print_json
-from safeloc.cli.judged import tell
 from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
-from safeloc.cli.show import code, findings_table
-from safeloc.proof.verification.assumptions import judge_recording
+from safeloc.cli.show import EXIT_CODES, code, findings_table
+from safeloc.proof.verification.assumptions import Judged, judge_recording
 from safeloc.proof.verification.replay import as_table, replay_stream
+from safeloc.report.assumptions import as_data, as_lines, numbers_of
 from safeloc.report.data import report_data
 from safeloc.report.folder import usable, write_folder
 
@@ -36,22 +36,23 @@ def replay(
         bool,
         typer.Option(
             "--assumptions",
-            help="judge the laws of the worlds instead: how near each came to being broken, and every breach",
+            help="check the laws of the worlds instead: the least distance of each to a breach, and every breach",
         ),
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world."""
+    """Run a recorded stream through a machine; check every property on it, or the proofs' assumptions about the world."""
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
     if run is not None and period is not None:
-        raise typer.BadParameter("--period-ms is for single records; the run of --run has steps already.")
+        raise typer.BadParameter("--period-ms groups single records; the run of --run consists of steps.")
     loaded = load_target(target, config)
     if assumptions:
         if folder is not None or form != "table":
-            raise typer.BadParameter("--assumptions goes with neither --out nor --format; give --json for data.")
+            raise typer.BadParameter("--assumptions excludes --out and --format; give --json for data.")
         judged = judge_recording(loaded, stream, period_ms=period, run=run)
-        raise typer.Exit(tell(loaded, stream.name, judged, as_json=as_json))
+        _print_judged(loaded, stream.name, judged, as_json=as_json)
+        raise typer.Exit(_exit_code(judged))
     if folder is not None:
         usable(folder)
     rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
@@ -67,3 +68,17 @@ def replay(
             out.print(line, markup=False)
         findings_table(findings)
     raise typer.Exit(code(findings))
+
+
+def _print_judged(target: Target, recording: str, judged: Judged, *, as_json: bool) -> None:
+    numbers = numbers_of(target)
+    if as_json:
+        print_json(as_data(recording, judged, numbers))
+        return
+    for line in as_lines(recording, judged, numbers):
+        out.print(line, markup=False)
+
+
+def _exit_code(judged: Judged) -> int:
+    """Return 0 if no law was broken, 1 if one was, 3 if the recording shows no law."""
+    return EXIT_CODES["violated" if judged.broken else "held" if judged.every else "not asked"]

@@ -1,4 +1,4 @@
-"""The command `safeloc report`: the page of a report folder again, or what the folder holds packed."""
+"""The command `safeloc report`: render the page of a report folder again, or unpack its certificates and traces."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def report(
     if to is None:
         err.print(f"report: {render_folder(folder, single=single)}", markup=False)
     elif single:
-        raise typer.BadParameter("--single-file is an option of the page, and --extract writes no page.")
+        raise typer.BadParameter("--single-file applies to the page, and --extract writes no page.")
     else:
         texts, runs = extract(folder, to)
         err.print(f"{to}: {texts} certificates, {runs} traces", markup=False)

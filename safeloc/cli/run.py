@@ -1,4 +1,4 @@
-"""`safeloc run`: a machine as a process of its own, fed with lines (MRK-3)."""
+"""`safeloc run`: a machine as a separate process that reads lines (MRK-3)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from safeloc.runtime.embedding.arguments import period_of
 from safeloc.runtime.service.address import address
 from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.loop import Loop, Parts, exit_code
 from safeloc.runtime.service.messages import VEHICLE
@@ -32,9 +32,9 @@ from safeloc.runtime.service.udp import UdpPort
 from safeloc.runtime.service.watchdog import Watchdog
 from safeloc.runtime.streams.gzipped import is_packed
 
-STDOUT, STDERR = 1, 2
-VEHICLES_PER_PEER = 250
-BACK = "back"
+_STDOUT, STDERR = 1, 2
+_VEHICLES_PER_PEER = 250
+_BACK = "back"
 
 
 def run(
@@ -76,7 +76,7 @@ def run(
         int,
         typer.Option(
             "--longest-gap-ms",
-            help="longest gap bridged by widening the interval; after a longer one the vehicle starts again",
+            help="longest gap bridged by widening the interval; after a longer one the vehicle restarts",
             min=1,
         ),
     ] = LONGEST_GAP_MS,
@@ -87,7 +87,7 @@ def run(
             help="largest number of vehicles for which one peer may send, over tcp and udp",
             min=1,
         ),
-    ] = VEHICLES_PER_PEER,
+    ] = _VEHICLES_PER_PEER,
     alive: Annotated[
         Path | None, typer.Option("--alive", help="file to touch every second while the process is healthy")
     ] = None,
@@ -95,7 +95,7 @@ def run(
         bool,
         typer.Option(
             "--assumptions/--no-assumptions",
-            help="judge in each cycle what of the proofs' assumptions can be seen; a breach stands in the cycle's report",
+            help="check the proofs' assumptions in each cycle, as far as inputs show them; report breaches",
         ),
     ] = True,
     to_its_end: Annotated[
@@ -108,14 +108,14 @@ def run(
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
     most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
-    ways = Ways(
+    settings = FleetSettings(
         period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
         first=_first(first), assumptions=assumptions,
     )  # fmt: skip
-    fleet, journal = Fleet(program, ways, _own(target, vehicles)), Journal(STDERR)
+    fleet, journal = Fleet(program, settings, _programs(target, vehicles)), Journal(STDERR)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
-    )()  # the only ones that take a file for stdin
+    )()  # no other kind of selector accepts a file as standard input
     feed = _feed(source, journal, to_its_end=to_its_end)
     watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
     outlet, supervised = _outlet(sink, feed, selector), Supervised(alive)
@@ -124,7 +124,7 @@ def run(
         if snapshot is None:
             Loop(parts).run()
         else:
-            _go_on(replace(parts, saver=Saver(snapshot)), snapshot, fresh=fresh)
+            _run_from(snapshot, replace(parts, saver=Saver(snapshot)), fresh=fresh)
     raise typer.Exit(exit_code(fleet))
 
 
@@ -132,13 +132,14 @@ def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: 
     """Raise InputError if one file has two roles among input, output, snapshot and sign of life."""
     kinds = {"--from": source, "--to": sink or ""}
     kinds |= {name: f"file:{path}" for name, path in (("--snapshot", snapshot), ("--alive", alive)) if path is not None}
-    files = {option: Path(told[5:]) for option, told in kinds.items() if told.startswith("file:") and told[5:]}
+    files = {option: Path(name[5:]) for option, name in kinds.items() if name.startswith("file:") and name[5:]}
     for (one, file), (other, same) in combinations(files.items(), 2):
         if same_file(file, same):
             raise InputError(f"{file}: given for {one} and for {other}; give each its own file.")
 
 
-def _go_on(parts: Parts, snapshot: Path, *, fresh: bool) -> None:
+def _run_from(snapshot: Path, parts: Parts, *, fresh: bool) -> None:
+    """Run, from the state in the snapshot if there is one and `fresh` does not ignore it."""
     saved = None if fresh else read_saved(snapshot)
     loop = Loop(parts)
     if saved is not None:
@@ -179,11 +180,11 @@ def _plain(path: Path) -> Path:
 
 def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> Outlet:
     if sink is None:
-        sink = BACK if isinstance(feed, Outlet) else "stdout"
+        sink = _BACK if isinstance(feed, Outlet) else "stdout"
     kind, _, where = sink.partition(":")
     match kind, where:
         case "stdout", "":
-            return Stdout(selector, STDOUT)
+            return Stdout(selector, _STDOUT)
         case "file", where if where:
             return ToFile(Path(where))
         case "back", "" if isinstance(feed, Outlet):
@@ -194,9 +195,10 @@ def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> O
             )
 
 
-def _own(target: str, told: list[str] | None) -> Mapping[str, Program]:
+def _programs(target: str, given: list[str] | None) -> Mapping[str, Program]:
+    """Return the program of each vehicle that has its own configuration (--vehicle)."""
     programs = {}
-    for one in told or ():
+    for one in given or ():
         name, _, file = one.partition("=")
         if not VEHICLE.fullmatch(name) or not file:
             raise InputError(f"--vehicle {one!r}: give ID=FILE, for instance 12=freight.toml.")
@@ -204,9 +206,9 @@ def _own(target: str, told: list[str] | None) -> Mapping[str, Program]:
     return programs
 
 
-def _expected(told: list[str] | None) -> Mapping[str, int]:
+def _expected(given: list[str] | None) -> Mapping[str, int]:
     expected = {}
-    for one in told or ():
+    for one in given or ():
         channel, _, count = one.partition("=")
         if not channel or not (count.isascii() and count.isdecimal()):
             raise InputError(f"--expect {one!r}: give CHANNEL=N, for instance front_wheel=1.")
@@ -214,9 +216,9 @@ def _expected(told: list[str] | None) -> Mapping[str, int]:
     return expected
 
 
-def _first(told: list[str] | None) -> Mapping[str, Value]:
+def _first(given: list[str] | None) -> Mapping[str, Value]:
     values: dict[str, Value] = {}
-    for one in told or ():
+    for one in given or ():
         name, _, value = one.partition("=")
         truths = {"true": True, "false": False}
         try:

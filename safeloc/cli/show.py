@@ -1,4 +1,4 @@
-"""Output of the command line: progress on a terminal, plain lines in a pipe, JSON on demand."""
+"""Output of the command line: progress bars on a terminal, plain lines in a pipe, JSON on demand."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from safeloc.cli.console import err, out, print_json
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.results import Finding
 from safeloc.report.data import report_data
-from safeloc.report.headline import Said, counted, headline
+from safeloc.report.headline import KindAndVerdict, counted, headline
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
-COLOURS: Mapping[str, str] = {
+_COLOURS: Mapping[str, str] = {
     "proved": "green",
     "held": "cyan",
     "violated": "bold red",
@@ -27,10 +27,10 @@ COLOURS: Mapping[str, str] = {
 
 
 class Progressing:
-    """Progress: a bar with a time estimate on a terminal, one line per finding in a pipe, nothing with --json.
+    """Display of progress: a bar with a time estimate on a terminal, one line per finding in a pipe, nothing with --json.
 
-    `planned` is the expected number of findings of all phases; each phase has a share of it, so that a phase with more or
-    fewer findings does not move the end of the bar.
+    planned  expected number of findings of all phases. Each phase has a fixed share of the bar, also if it has more or
+             fewer findings than expected
     """
 
     def __init__(self, planned: int, *, quiet: bool) -> None:
@@ -59,22 +59,22 @@ class Progressing:
 
     @property
     def done(self) -> tuple[int, int]:
-        """Findings counted, of how many."""
+        """Return the number of findings so far, and the expected number."""
         return int(self._bar.tasks[0].completed), int(self._bar.tasks[0].total or 0)
 
     def say(self, text: str, planned: int) -> None:
-        """Begin a new phase; the one before is over."""
+        """Begin a new phase with its expected number of findings; this ends the phase before."""
         self._done, self._end = self._end, self._end + planned
         self._bar.update(self._task, description=text, completed=self._done, refresh=True)
         if self._plain:
             err.print(text, markup=False)
 
     def add(self, finding: Finding) -> None:
-        """One more finding."""
+        """Count a finding; print it in a pipe."""
         self.tick(f"{word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)")
 
     def tick(self, line: str) -> None:
-        """One more of what is counted; the line is for a pipe."""
+        """Count one item; print the line in a pipe."""
         self._done = min(self._done + 1, self._end)
         self._bar.update(self._task, completed=self._done)
         if self._plain:
@@ -82,7 +82,7 @@ class Progressing:
 
 
 def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
-    """Print the verdict table (plain lines in a pipe), the evidence of every result that is not well, and the headline."""
+    """Print the table of verdicts (plain lines in a pipe), the evidence of every bad result, and the headline."""
     if not out.is_terminal:
         for finding in findings:
             out.print(f"{word(finding.result):9} {finding.id}  [{finding.method}]", markup=False)
@@ -106,12 +106,12 @@ def print_summary(findings: Sequence[Finding]) -> None:
 
 def summed_up(findings: Sequence[Finding]) -> str:
     """Return one line with the overall verdict and the number of findings of each verdict."""
-    said = [Said(finding.kind, word(finding.result)) for finding in findings]
-    return ": ".join(part for part in (headline(said), counted(said)) if part)
+    verdicts = [KindAndVerdict(finding.kind, word(finding.result)) for finding in findings]
+    return ": ".join(part for part in (headline(verdicts), counted(verdicts)) if part)
 
 
 def code(findings: Sequence[Finding]) -> int:
-    """Return the exit code of the worst finding; that of `not asked` where there is none."""
+    """Return the exit code of the worst finding; that of `not asked` if there is no finding."""
     return EXIT_CODES[worst(word(finding.result) for finding in findings)]
 
 
@@ -120,7 +120,7 @@ def _table(findings: Sequence[Finding]) -> None:
     for finding in findings:
         verdict = word(finding.result)
         table.add_row(
-            f"[{COLOURS[verdict]}]{verdict}[/]",
+            f"[{_COLOURS[verdict]}]{verdict}[/]",
             f"{_escape(finding.id)}\n[dim]{_escape(finding.statement)}[/]",
             _escape(finding.method),
             " ".join(finding.requirements),

@@ -1,4 +1,4 @@
-"""`safeloc simulate`: a machine by itself, or vehicles on a line, as streams that `replay` takes."""
+"""`safeloc simulate`: write streams for `replay`, of one machine or of vehicles on a line."""
 
 from __future__ import annotations
 
@@ -44,9 +44,7 @@ def simulate(
     ] = None,
     trust_first: Annotated[
         bool,
-        typer.Option(
-            "--trust-first", help="of a line: the first balise group of a run is trusted without a second one"
-        ),
+        typer.Option("--trust-first", help="of a line: accept the first balise group of a run without a second one"),
     ] = False,
     unaudited: Annotated[
         bool, typer.Option("--unaudited", help="drive the line although its audit finds violated rules")
@@ -64,7 +62,7 @@ def simulate(
         out.print(told(), markup=False)
     elif where is None:
         raise typer.BadParameter("give an output: --out FILE for a machine, --out FOLDER for a line.")
-    elif not is_line(target):
+    elif not _is_line(target):
         _machine(target, where, config, options.named(), seed)
     elif config is not None:
         raise typer.BadParameter("--config applies to one machine; on a line, --vehicle configures the machines.")
@@ -72,8 +70,8 @@ def simulate(
         simulate_line(target, where, options)
 
 
-def is_line(target: str) -> bool:
-    """Return whether the target is a shipped line or the file of a line."""
+def _is_line(target: str) -> bool:
+    """Return whether the target names a shipped line or a file of a line."""
     return target in shipped_lines() or (target not in ENTRIES and Path(target).suffix in (".toml", ".json"))
 
 

@@ -1,4 +1,4 @@
-"""The command `safeloc verify`: everything that is shown of machines, and the report of it."""
+"""The command `safeloc verify`: prove, test and replay machines, and write the report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, pla
 from safeloc.assurance.mutation.strength import stamp, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.console import err, out, print_json
-from safeloc.cli.keeping import CacheOption, FreshOption, store_in, tell_kept
+from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import (
     ConfigOption,
     DepthOption,
@@ -47,7 +47,7 @@ def verify(
     config: ConfigOption = None,
     source: Annotated[
         list[str] | None,
-        typer.Option("--source", help="of the localizer: a source of your own as FILE.py:NAME (repeatable)"),
+        typer.Option("--source", help="for the localizer: your own source as FILE.py:NAME (repeatable)"),
     ] = None,
     folder: Annotated[Path, typer.Option("--out", help="folder of the report")] = Path("safeloc-report"),
     depth: DepthOption = 25,
@@ -65,7 +65,7 @@ def verify(
         bool,
         typer.Option(
             "--evidence",
-            help="also find what each proof rests on, and break every clause of the world, as `cores` and `faults` do",
+            help="also find the core of each proof, and break every clause of the world, as `cores` and `faults` do",
         ),
     ] = False,
     single: SingleOption = False,
@@ -87,7 +87,7 @@ def verify(
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
     findings = _verified(loaded, plan, jobs, store, fresh=fresh, quiet=as_json)
-    rests = _evidence(loaded, jobs, store, fresh=fresh, quiet=as_json) if evidence else NOT_ASKED
+    evidence_of = _evidence(loaded, jobs, store, fresh=fresh, quiet=as_json) if evidence else NOT_ASKED
 
     def keep_it() -> None:
         if code(findings) == 0:
@@ -95,25 +95,25 @@ def verify(
 
     strengths = strengths_of(store, loaded)
     page = write_folder(
-        folder, findings, loaded, evidence=rests, strengths=strengths, single=single, on_written=keep_it
+        folder, findings, loaded, evidence=evidence_of, strengths=strengths, single=single, on_written=keep_it
     )
     store.trim()
     if as_json:
-        print_json(report_data(findings, loaded, rests, strengths))
+        print_json(report_data(findings, loaded, evidence_of, strengths))
         raise typer.Exit(code(findings))
     print_summary(findings)
-    tell_kept(findings, quiet=False)
+    print_cached(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
 
 
 def _named(targets: list[str] | None, sources: list[str] | None) -> list[str]:
-    """The names of what is verified."""
+    """Return the names of the machines to verify; all shipped ones by default."""
     if not sources:
         return targets or list(ENTRIES)
     if targets is None or len(targets) != 1:
-        raise typer.BadParameter("--source is for the localizer; give it as the only machine.")
+        raise typer.BadParameter("--source is for the localizer; give the localizer as the only machine.")
     return with_sources(targets[0], sources)
 
 
@@ -123,7 +123,7 @@ def _put_back(report: KeptReport | None, folder: Path) -> bool:
         return False
     with cleared(folder):
         report.put_back(folder)
-    out.print(report.said, markup=False)
+    out.print(report.summary, markup=False)
     err.print(f"nothing has changed since {report.since}; the report of that run: {folder / PAGE}", markup=False)
     return True
 
@@ -131,7 +131,7 @@ def _put_back(report: KeptReport | None, folder: Path) -> bool:
 def _verified(
     targets: Sequence[Target], plan: Plan, jobs: int, store: Store, *, fresh: bool, quiet: bool
 ) -> list[Finding]:
-    """Return all findings; completed results enter the cache, also if the run is interrupted."""
+    """Return all findings; the results of completed machines enter the cache even if the run is interrupted."""
     took = seconds_before(store, [one.name for one in targets], plan)
     look_in = None if fresh else store
     try:
@@ -152,7 +152,7 @@ def _verified(
 def _evidence(
     targets: Sequence[Target], jobs: int, store: Store, *, fresh: bool, quiet: bool
 ) -> dict[str, dict[str, Any]]:
-    """Return, for each target, what its proofs rest on, and what becomes of it when a clause is broken."""
+    """Return, for each target, the core of each proof and the effect of each broken clause."""
     found = {}
     with Progressing(sum(map(planned, targets)), quiet=quiet) as progress:
         for target in targets:
@@ -163,10 +163,13 @@ def _evidence(
 
 
 def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:
-    """Ends the command where the checker does not confirm what was found; what was violated stays violated."""
+    """Recheck the report, if wanted; end the command with the checker's exit code unless it is 0.
+
+    found  exit code of the findings; `violated` (1) takes precedence over the checker's
+    """
     if not wanted:
         return
-    from safeloc.cli.recheck import recheck  # it loads solvers, which a run without it does not need
+    from safeloc.cli.recheck import recheck  # loads solvers, which a run without --recheck may not need
 
     try:
         recheck(folder, jobs=jobs)
@@ -176,7 +179,7 @@ def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:
 
 
 def _distinct(targets: list[Target]) -> list[Target]:
-    """Refuse two machines of one name: a report identifies machines by name."""
+    """Return the targets; InputError if two have the same name, since a report identifies machines by name."""
     names = [target.name for target in targets]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:

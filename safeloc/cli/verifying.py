@@ -1,4 +1,4 @@
-"""Progress while several targets are verified: one line per target on a terminal, plain lines in a pipe."""
+"""Display of progress while several targets are verified: a bar for each on a terminal, plain lines in a pipe."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
-from safeloc.cli.time_left import TimeLeft
 from safeloc.language.verdict import WORST_FIRST
 from safeloc.proof.verification.many import Began, Event, Found, Kept, Over, Phase
 from safeloc.proof.verification.one import expected
+from safeloc.proof.verification.time_left import TimeLeft
 
 
 class Verifying:
-    """Shows events as they come: what runs now with its counts, and what is done; nothing with --json.
+    """Display of the events of `verify_targets`: running targets with their counts, and finished ones; nothing with --json.
 
-    seconds  what targets took before, by name; jobs: processes; `taken` are the seconds that each took now
+    seconds  how long targets took in an earlier run, by name
+    jobs     number of processes
+    taken    how long each finished target took in this run
     """
 
     def __init__(self, targets: Sequence[Target], *, quiet: bool, seconds: Mapping[str, float], jobs: int) -> None:
@@ -52,11 +54,11 @@ class Verifying:
 
     @property
     def done(self) -> dict[str, tuple[int, int]]:
-        """Findings counted, of how many, by what the bar is of."""
+        """Return, for each bar, the number of findings so far and the expected number."""
         return {task.description: (int(task.completed), int(task.total or 0)) for task in self._bars.tasks}
 
     def __call__(self, event: Event) -> None:
-        """One event of `verify_targets`."""
+        """Display one event of `verify_targets`."""
         self._event(event)
         self._bars.update(self._all, left=f"about {timedelta(seconds=round(self._time_left.seconds))} left")
 
@@ -70,7 +72,7 @@ class Verifying:
                 self._line(text)
             case Found(target, id_, verdict, seconds):
                 self._counts[target][verdict] += 1
-                # more may come than could be foreseen: cases that a search found
+                # there may be more findings than expected: cases that a search found
                 expected_yet = int(self._counts[target].total() <= self._expected[target])
                 self._bars.advance(self._running[target], expected_yet)
                 self._bars.advance(self._all, expected_yet)

@@ -1,6 +1,6 @@
-"""`--watch`: runs the command again whenever a file is saved, and shows changed verdicts first.
+"""`--watch`: run the command again whenever a file is saved, and print changed verdicts first.
 
-Each run is a new process, which loads the saved files; results that the edit does not affect come from the cache
+Each run is a new process that loads the saved files; results that the edit does not affect come from the cache
 (safeloc.proof.cache).
 """
 
@@ -24,16 +24,16 @@ from safeloc.language.verdict import WORST_FIRST
 
 WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
 PACKAGE = Path(__file__).parents[1]
-LOOKS_EVERY_S = 0.3
-SETTLES_S = 0.2
-"""An editor may write a file in several goes, and several files one after the other."""
-SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".jsonl.gz", ".csv")
-Seen = Mapping[Path, tuple[int, int]]
+_LOOKS_EVERY_S = 0.3
+_SETTLES_S = 0.2
+"""Seconds without a change before a run: an editor may write a file in several steps, or several files in a row."""
+_SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".jsonl.gz", ".csv")
+_Seen = Mapping[Path, tuple[int, int]]
 
 
 @dataclass(frozen=True)
 class Row:
-    """A result of a run: its verdict, its time, and the verdict of the run before ("" if there was none)."""
+    """One result of a run: verdict, time, and the verdict in the run before ("" if it is new)."""
 
     id: str
     verdict: str
@@ -42,14 +42,13 @@ class Row:
 
     @property
     def line(self) -> str:
-        """The row as it is shown."""
+        """Return the row as text."""
         before = "new" if not self.before else "as before" if self.before == self.verdict else f"was {self.before}"
         return f"{self.verdict:9} {self.seconds:6.1f} s  {before:12} {self.id}"
 
 
 def rows(data: Mapping[str, Any], before: Mapping[str, str]) -> list[Row]:
-    """Return the results of a run that are worth a line: what was decided now, the worst first, and what changed before the
-    rest."""
+    """Return the results that were computed in this run: worst verdict first; of equal verdicts, changed ones first."""
     now = [row for row in data["results"] if row["machine"] not in data["kept"]]
     made = [Row(row["id"], row["verdict"], row["seconds"], before.get(row["id"], "")) for row in now]
     return sorted(made, key=lambda row: (WORST_FIRST.index(row.verdict), row.before == row.verdict, -row.seconds))
@@ -58,26 +57,27 @@ def rows(data: Mapping[str, Any], before: Mapping[str, str]) -> list[Row]:
 def watch(arguments: Sequence[str], beside: Sequence[Path]) -> int:
     """Run `safeloc ARGUMENTS` now and after every change, until Ctrl-C; return the exit code of the last run.
 
-    beside   files to watch besides the package: a user's own, and a configuration
+    beside   files to watch besides the package: the user's own Python files, and a configuration
     """
     command = [sys.executable, "-m", "safeloc", *(one for one in arguments if one != "--watch"), "--json"]
-    afresh = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}  # Python takes a file of equal size and second for the same
+    # without byte code: Python takes a file of equal size and second of change for unchanged
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
     before: dict[str, str] = {}
     code = 0
     try:
         for _ in changes([PACKAGE, *beside]):
             began = time.monotonic()
-            ran = subprocess.run(command, capture_output=True, text=True, check=False, env=afresh)
+            ran = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
             code = ran.returncode
-            before = _told(ran, before, time.monotonic() - began)
+            before = _show(ran, before, time.monotonic() - began)
             err.print("waiting for a file to be saved (Ctrl-C ends)", markup=False)
     except KeyboardInterrupt:
         err.print("no longer watching", markup=False)
     return code
 
 
-def _told(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds: float) -> dict[str, str]:
-    """Show a run; return the verdicts of all its results. A failed run shows its reason and keeps the last verdicts."""
+def _show(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds: float) -> dict[str, str]:
+    """Print a run; return the verdicts of all its results. Of a failed run, print the reason; return the verdicts before."""
     try:
         data = json.loads(ran.stdout)
     except ValueError:
@@ -95,7 +95,7 @@ def _told(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds
 
 
 def beside(machines: Sequence[str], config: Path | None) -> list[Path]:
-    """List the files to watch besides the package: the Python files next to a user's own, and a configuration."""
+    """Return the files to watch besides the package: Python files in the folders of the user's machines, and a configuration."""
     named = [one for name in machines for one in sources_of(name)]
     own = [name.rpartition(":")[0] for name in named if ":" in name]
     folders = dict.fromkeys(Path(name).parent if name.endswith(".py") else Path.cwd() for name in own)
@@ -103,28 +103,28 @@ def beside(machines: Sequence[str], config: Path | None) -> list[Path]:
 
 
 def changes(places: Sequence[Path]) -> Iterator[None]:
-    """Once now, and once after every change to the files in these places."""
+    """Yield once now, and once after every change to the files in these places."""
     seen = looked_at(places)
     yield
     while True:
-        time.sleep(LOOKS_EVERY_S)
+        time.sleep(_LOOKS_EVERY_S)
         now = looked_at(places)
         while now != seen:
             seen = now
-            time.sleep(SETTLES_S)
+            time.sleep(_SETTLES_S)
             now = looked_at(places)
             if now == seen:
                 yield
                 now = looked_at(places)
 
 
-def looked_at(places: Sequence[Path]) -> Seen:
-    """Return the files in these places, each with the time of its last change and its size."""
+def looked_at(places: Sequence[Path]) -> _Seen:
+    """Return the files in these places, each with the time of its last change (ns) and its size (bytes)."""
     found: dict[Path, tuple[int, int]] = {}
     for path in (path for place in places for path in _files(place)):
         try:
             stat = path.stat()
-        except OSError:  # taken away in the meantime, or between an editor's two goes
+        except OSError:  # deleted in the meantime, or between two steps of an editor
             continue
         found[path] = stat.st_mtime_ns, stat.st_size
     return found
@@ -136,4 +136,4 @@ def _files(place: Path) -> Iterator[Path]:
         return
     for folder, folders, names in os.walk(place, followlinks=True):
         folders[:] = [name for name in folders if not name.startswith((".", "__pycache__"))]
-        yield from (Path(folder, name) for name in names if name.endswith(SUFFIXES))
+        yield from (Path(folder, name) for name in names if name.endswith(_SUFFIXES))

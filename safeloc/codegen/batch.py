@@ -1,7 +1,7 @@
-"""Many runs at once in numpy: arrays of shape [step, run].
+"""Many runs at once in numpy, over arrays of shape [step, run].
 
-Generated straight-line code over int64 and bool arrays, worked through in blocks of runs that stay in the
-processor's cache. int64 wraps in silence, so a system whose terms might leave 64 bits is refused.
+The generated code is straight-line, over int64 and bool arrays, and takes the runs in blocks that fit the processor's cache.
+int64 wraps around without an error, so a system whose terms might exceed 64 bits is refused.
 """
 
 from __future__ import annotations
@@ -22,14 +22,18 @@ from safeloc.language.renamed import renamed
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Substitution
 
-BLOCK_RUNS = (
-    8192  # 64 KiB an array: in the cache, and below the size from which the allocator asks the kernel each time
+_BLOCK_RUNS = (
+    8192  # 64 KiB an array: fits the cache, and is below the size for which the allocator calls the kernel each time
 )
 
 
 @dataclass(frozen=True)
 class BatchTrace:
-    """The result of a batch run: arrays [step, run] by name, and the last state of every run by name ([run])."""
+    """The result of a batch run.
+
+    kept  recorded values: name -> array [step, run]
+    last  the last state: name -> array [run]
+    """
 
     kept: Mapping[str, Array]
     last: Mapping[str, Array]
@@ -37,7 +41,10 @@ class BatchTrace:
 
 @dataclass(frozen=True)
 class Batch:
-    """A system as a numpy function: `step(state arrays, input arrays)` on one block of runs."""
+    """A system as a numpy function: `step(state arrays, input arrays)` for one block of runs.
+
+    keep  names of the values that are recorded in every step
+    """
 
     system: TransitionSystem
     source: str
@@ -45,7 +52,7 @@ class Batch:
     step: Function
 
     def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
-        """Return the last states of all runs; `kept` is filled."""
+        """Run all steps of all runs; return the last states, and write the recorded values into `kept`."""
         runs = len(state[0])
         for begin in range(0, runs, block_runs):
             _run_block(self.step, columns, state, kept, slice(begin, min(begin + block_runs, runs)))
@@ -62,30 +69,31 @@ class Prepared(Protocol):
 
     @property
     def keep(self) -> tuple[str, ...]:
-        """Names of what is returned of every step."""
+        """The names of the values that are recorded in every step."""
         ...
 
     def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
-        """Return the last states of all runs; `kept` is filled."""
+        """Run all steps of all runs; return the last states, and write the recorded values into `kept`."""
         ...
 
 
 def compile_batch(system: TransitionSystem, keep: Sequence[str] = ()) -> Batch:
-    """Generate and load the function. `keep` names state variables, outputs or fired variables to be returned.
+    """Generate and load the function. `keep` names the state variables, outputs and fired variables to record.
 
-    Raises InputError for an unknown name and for a system whose terms may leave 64 bits.
+    Raises InputError for an unknown name, and for a system whose terms may exceed 64 bits.
     """
     soundly_64_bits(system)
-    source = to_numpy(system, keep)
+    source = _to_numpy(system, keep)
     return Batch(system, source, tuple(keep), load(source, "step"))
 
 
 def soundly_64_bits(system: TransitionSystem) -> None:
-    """InputError where a term might leave 64 bits, whichever branch is taken."""
+    """Raise InputError if a term might exceed 64 bits, whichever branch is taken."""
     wide = beyond_int64([*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init])
     if wide:
         raise InputError(
-            f"{system.name}: {len(wide)} terms may leave 64 bits, for example {wide[0]!r}; narrow the ranges."
+            f"{system.name}: {len(wide)} terms may exceed 64 bits, for example {wide[0]!r}; narrow the ranges of their "
+            "variables."
         )
 
 
@@ -95,19 +103,22 @@ def simulate(
     *,
     start_state: Mapping[str, Array | Value] | None = None,
     keep: Sequence[str] = (),
-    block_runs: int = BLOCK_RUNS,
+    block_runs: int = _BLOCK_RUNS,
 ) -> BatchTrace:
     """Run every column of the inputs.
 
     inputs       name -> array [step, run], integers or booleans; optional inputs may be left out (absent), or come
                  with `name.present`
     start_state  name -> value or array [run], for variables declared ANY
-    keep         as in `compile_batch`; a Batch or LanesBatch knows already what it keeps
-    block_runs   how many runs are taken through all steps before the next ones
-    Raises InputError naming array, step and run for a wrong dtype, shape, name or value out of range.
+    keep         as in `compile_batch`; leave it out for a Batch or LanesBatch, which has its own
+    block_runs   the number of runs that take all steps before the next runs begin
+
+    Raises InputError, naming array, step and run, for a wrong dtype, shape, name or value out of range.
     """
     if block_runs < 1 or (keep and not isinstance(system, TransitionSystem)):
-        raise InputError(f"block_runs is {block_runs}, keep is {keep}: at least 1, and none where a Batch is run.")
+        raise InputError(
+            f"block_runs is {block_runs}, keep is {keep}; give a block_runs of at least 1, and no keep for a compiled batch."
+        )
     batch = compile_batch(system, keep) if isinstance(system, TransitionSystem) else system
     columns, steps, runs = admitted_inputs(batch.system, inputs)
     state = first_states(batch.system, start_state or {}, runs)
@@ -132,7 +143,7 @@ def _dtype_of(system: TransitionSystem, name: str) -> type[np.generic]:
 
 
 def keepable(system: TransitionSystem, name: str) -> Expr:
-    """Return the term for a name to record, over state before and inputs; InputError for an unknown name."""
+    """Return the term, over state before the step and inputs, of a value to record; InputError for an unknown name."""
     for var in system.state:
         if var.name == name:
             return system.next[var]
@@ -149,8 +160,8 @@ def _after(system: TransitionSystem, term: Expr) -> Expr:
     return Substitution(dict(system.next))(term)
 
 
-def to_numpy(system: TransitionSystem, keep: Sequence[str] = ()) -> str:
-    """Return the source of `step(state, inputs)` -> (state after, kept values)."""
+def _to_numpy(system: TransitionSystem, keep: Sequence[str] = ()) -> str:
+    """Return the source of `step(state, inputs)` -> (state after, recorded values)."""
     kept = [keepable(system, name) for name in keep]
     moved = [system.next[var] for var in system.state]
     return to_function("step", {"state": system.state, "inputs": system.inputs}, [moved, kept])

@@ -1,4 +1,4 @@
-"""Validation of the inputs of a batch run: the interpreter's rules for arrays. No value is clipped, cast or filled in."""
+"""Validation of the inputs of a batch run by the interpreter's rules, for arrays. It clips no value and fills in none."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _shape(system: TransitionSystem, inputs: Mapping[str, Array]) -> tuple[int, 
 def _optional(
     system: TransitionSystem, option: Optional, value: Array | None, present: Array | None, shape: tuple[int, int]
 ) -> dict[Var, Array]:
-    """Value and presence; without a presence array, the value is present in every step."""
+    """Return the arrays of value and presence; without a presence array, the value is present in every step."""
     if present is None:
         present = np.full(shape, value is not None)
     if value is None:
@@ -74,7 +74,7 @@ def _optional(
 
 
 def _admitted(system: TransitionSystem, var: Var, array: Array) -> Array:
-    """The array as int64 or bool; floats (and so NaN) are refused, whatever their values."""
+    """Return the array as int64 or bool; floats (and so NaN) are refused, whatever their values."""
     _check_type(f"{system.name}: input {var.name!r}", var, array)
     if isinstance(var, BoolVar):
         return array
@@ -100,7 +100,7 @@ def _check_type(what: str, var: Var, array: Array) -> None:
 def first_states(system: TransitionSystem, chosen: Mapping[str, Array | Value], runs: int) -> list[Array]:
     """Return the first state of every run: arrays [run] in the order of the system's state.
 
-    Raises InputError for what `interpret.start` refuses, in any run.
+    Raises InputError if `interpret.start` would refuse the first state of any run.
     """
     spread = {name: array for name, array in chosen.items() if isinstance(array, np.ndarray)}
     if not spread:
@@ -128,7 +128,7 @@ def _first(system: TransitionSystem, var: Var, chosen: Mapping[str, Array | Valu
 
 
 def _allowed(system: TransitionSystem, var: Var) -> tuple[int, int]:
-    """Between which values a variable may start: its range where it is open, else the declared value alone."""
+    """Return the least and the greatest first value of a variable: its range if declared ANY, else the declared value."""
     declared = system.initial[var]
     if isinstance(declared, Any_):
         return (var.low, var.high) if isinstance(var, NumVar) else (0, 1)
@@ -142,9 +142,9 @@ def _filled(var: Var, value: object, runs: int) -> Array:
 
 def _check_initially(system: TransitionSystem, state: Sequence[Array]) -> None:
     starts = load(to_function("starts", {"state": system.state}, [[system.init]]), "starts")
-    _check_every_run(f"{system.name}: the chosen first state breaks `initially`", starts(state)[0][0])
+    _check_every_run(f"{system.name}: the chosen first state must satisfy `initially`", starts(state)[0][0])
 
 
 def _check_every_run(what: str, good: Array) -> None:
     if not good.all():
-        raise InputError(f"{what}: run {np.argmin(good)} does not keep this.")
+        raise InputError(f"{what}, which run {np.argmin(good)} does not satisfy.")

@@ -1,6 +1,6 @@
-"""The batch in C: many runs at once over numpy arrays, several in one register, on every core.
+"""Many runs at once in C over numpy arrays: several runs share a vector register, and every core is used.
 
-batch = compile_lanes(system, keep=["position_mm"])     takes a C compiler, and seconds for a large machine
+batch = compile_lanes(system, keep=["position_mm"])     needs a C compiler, and seconds for a large machine
 trace = simulate(batch, inputs)                         as in `batch`: same arrays, same checks, same results
 """
 
@@ -26,15 +26,15 @@ from safeloc.codegen.numpy_code import Array
 from safeloc.errors import InputError
 from safeloc.language.system import TransitionSystem
 
-NATIVE = "-march=native"
-FLAGS = ("-O1",)  # of straight-line code -O2 makes nothing faster
+_NATIVE = "-march=native"
+_FLAGS = ("-O1",)  # -O2 makes straight-line code no faster
 
 
 @dataclass(frozen=True)
 class LanesBatch:
-    """A system as compiled C over lanes. It keeps no state, and several simulations may use it at once.
+    """A system as compiled C over vector lanes. It stores no state, so several simulations may use it at once.
 
-    threads  how many run at once; C lets go of the interpreter
+    threads  the number of threads that run at once; the compiled code runs without Python's interpreter lock
     """
 
     system: TransitionSystem
@@ -44,7 +44,7 @@ class LanesBatch:
 
     @property
     def lanes(self) -> int:
-        """The number of runs per register on this processor."""
+        """The number of runs that share a register on this processor."""
         return ctypes.c_size_t.in_dll(self.library, "lanes_count").value
 
     def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
@@ -64,7 +64,7 @@ class LanesBatch:
         return after
 
     def _widened(self, columns: list[Array], state: list[Array], kept: list[Array], lanes: int) -> list[Array]:
-        """Fewer runs than lanes: the last one is taken again, and not told."""
+        """Run fewer runs than there are lanes: the remaining lanes repeat the last run, and their results are dropped."""
         runs = len(state[0])
         places = np.minimum(np.arange(lanes), runs - 1)
         wide = [np.empty((len(array), lanes), array.dtype) for array in kept]
@@ -85,14 +85,14 @@ def compile_lanes(
     """Generate, compile for this processor, and load.
 
     keep     as in `compile_batch`
-    threads  as many as there are cores without it
-    folder   where libraries are kept and found again, each for its kind of processor; a temporary one without
-    cc       the C compiler; else $CC, cc, gcc or clang
+    threads  the default is the number of cores
+    folder   stores libraries for later use, each for its kind of processor; the default is a temporary folder
+    cc       the C compiler; the default is $CC, cc, gcc or clang
 
-    InputError as in `compile_batch`, and for threads below 1; EngineError where there is no compiler, or it refuses.
+    InputError as in `compile_batch`, and for threads below 1; EngineError if there is no compiler, or it fails.
     """
     if threads is not None and threads < 1:
-        raise InputError(f"threads is {threads}; at least 1.")
+        raise InputError(f"threads is {threads}; give at least 1.")
     soundly_64_bits(system)
     for name in keep:
         keepable(system, name)
@@ -106,7 +106,7 @@ def _library(source: str, folder: Path | None, cc: str) -> ctypes.CDLL:
     texts = {"lanes.c": f"/* For {processor}. */\n{source}"}
     if folder is not None:
         return _loaded(build(texts, folder, "lanes", cc=cc, flags=flags))
-    with tempfile.TemporaryDirectory() as place:  # once loaded, the file is not needed any more
+    with tempfile.TemporaryDirectory() as place:  # a loaded library does not need its file any more
         return _loaded(build(texts, Path(place), "lanes", cc=cc, flags=flags))
 
 
@@ -117,12 +117,12 @@ def _loaded(path: Path) -> ctypes.CDLL:
 
 
 def _native(cc: str) -> tuple[tuple[str, ...], str]:
-    """Flags for this processor, and what tells it from others; none where the compiler has no such flag."""
-    command = [cc, NATIVE, "-dM", "-E", "-x", "c", "-"]
+    """Return the flags for this processor, and a text that identifies it; the general ones if the compiler has no such flag."""
+    command = [cc, _NATIVE, "-dM", "-E", "-x", "c", "-"]
     done = subprocess.run(command, input="", capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        return FLAGS, "any processor"
-    return (*FLAGS, NATIVE), f"processor {hashlib.sha256(done.stdout.encode()).hexdigest()[:16]}"
+        return _FLAGS, "any processor"
+    return (*_FLAGS, _NATIVE), f"processor {hashlib.sha256(done.stdout.encode()).hexdigest()[:16]}"
 
 
 def _pointers(arrays: Sequence[Array]) -> ctypes.Array[Any]:
@@ -130,7 +130,7 @@ def _pointers(arrays: Sequence[Array]) -> ctypes.Array[Any]:
 
 
 def _blocks(runs: int, size: int, lanes: int) -> Iterator[tuple[int, int]]:
-    """Begin and end of blocks of about `size` runs, none with fewer than there are lanes."""
+    """Yield begin and end of blocks of about `size` runs, none with fewer runs than lanes."""
     size = -(-size // lanes) * lanes
     begins = list(range(0, runs - lanes + 1, max(size, lanes)))
-    yield from zip(begins, [*begins[1:], runs], strict=False)  # of no runs there is no block
+    yield from zip(begins, [*begins[1:], runs], strict=False)  # without runs there is no block

@@ -1,4 +1,4 @@
-"""Generated C code around the step: the checked step, the loop, snapshots, and texts of statuses.
+"""C code around the step: the checked step, the loops over many steps, snapshots, and texts of statuses.
 
 These texts are the same for every machine except for its name, fields and statuses.
 """
@@ -14,7 +14,7 @@ from safeloc.codegen.c99_terms import constant
 
 
 def stepping(layout: Layout) -> str:
-    """Write one checked step, and the outputs of a state."""
+    """Return the functions for one checked step, and for the outputs of a state."""
     p, upper = layout.names.prefix, layout.names.upper
     idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
     return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
@@ -43,7 +43,7 @@ int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 
 
 def running(layout: Layout) -> str:
-    """Many steps over rows or over columns, each row checked before it is taken."""
+    """Return the functions for many steps over rows or over columns; they check each row before its step."""
     p = layout.names.prefix
     gathered = (
         "".join(_gathered(field) for field in layout.inputs)
@@ -51,7 +51,7 @@ def running(layout: Layout) -> str:
     )
     scattered = "".join(
         f"    if (told->{field.name} != NULL) {{\n        told->{field.name}[number] = outputs->{field.name};\n    }}\n"
-        for field in layout.told
+        for field in layout.output_fields
     )
     scattered = scattered or "    (void)outputs;\n    (void)told;\n    (void)number;\n"
     return f"""static inline void gather({p}_inputs *inputs, const {p}_input_columns *columns, size_t number)
@@ -88,7 +88,7 @@ _COLUMNS = _Source(
 
 
 def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> str:
-    """One loop without outputs, so that it need not work them out, and one with them."""
+    """Return a function with two loops: one without outputs, which does not compute them, and one with outputs."""
     p, upper = layout.names.prefix, layout.names.upper
     columns = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
     judging = f"""{source.taken}            status = judged({source.inputs});
@@ -123,7 +123,7 @@ def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> 
 
 
 def _gathered(field: Field) -> str:
-    """One input of a row; the value of an absent one is not read."""
+    """Return the statement that reads one input from its column; it does not read the value of an absent input."""
     value = f"columns->{field.name}[number]"
     if field.present:
         value = f"inputs->{field.present} != 0 ? {value} : {constant(field.absent)}"
@@ -131,7 +131,7 @@ def _gathered(field: Field) -> str:
 
 
 def snapshots(layout: Layout) -> str:
-    """Saving and restoring, with a checksum over values, not over padding."""
+    """Return the functions that save and restore a snapshot, with a checksum over values, not over padding."""
     p, upper = layout.names.prefix, layout.names.upper
     mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
     return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
@@ -181,7 +181,7 @@ int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
 
 
 def status_texts(layout: Layout) -> str:
-    """Write the function that returns the text of a status."""
+    """Return the function that gives the text of a status."""
     p = layout.names.prefix
     cases = "".join(f"    case {name}:\n        return {literal(text)};\n" for name, _, text in statuses(layout))
     return (

@@ -1,4 +1,4 @@
-"""Generated C, compiled: into a shared library for this machine, in a folder of the caller's."""
+"""Compilation of generated C into a shared library for this computer, in a folder that the caller names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
 
 
 def compiler(name: str | None = None) -> str:
-    """Return the path of the C compiler: `name`, else $CC, else cc, gcc or clang. EngineError where there is none."""
+    """Return the path of the C compiler: `name`, else $CC, else cc, gcc or clang. EngineError if there is none."""
     wanted = [name] if name else [*filter(None, [os.environ.get("CC")]), "cc", "gcc", "clang"]
     for one in wanted:
         found = shutil.which(one)
@@ -34,16 +34,18 @@ def build(
 ) -> Path:
     """Compile the shared library of these sources, `folder/NAME-DIGEST.so`, unless it exists already.
 
-    The digest is of texts, compiler and flags, so a folder may be kept and shared. EngineError with the compiler's own
-    words where it refuses.
+    The digest covers texts, compiler and flags, so that a folder can be stored and shared. EngineError with the compiler's
+    message if it fails.
     """
     command = [compiler(cc), *STRICT, "-O2", "-fPIC", "-shared", *flags]
-    told = "\0".join([*command, *(part for item in sorted(texts.items()) for part in item)])
-    library = folder / f"{name}-{hashlib.sha256(told.encode('utf-8')).hexdigest()[:24]}{SUFFIX}"
+    content = "\0".join([*command, *(part for item in sorted(texts.items()) for part in item)])
+    library = folder / f"{name}-{hashlib.sha256(content.encode('utf-8')).hexdigest()[:24]}{SUFFIX}"
     if not library.is_file():
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder) as place:
-            os.replace(_compiled(command, texts, Path(place)), library)  # at once: others may look for it
+            os.replace(
+                _compiled(command, texts, Path(place)), library
+            )  # in one operation: other processes may look for it
     return library
 
 

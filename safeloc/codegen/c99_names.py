@@ -1,4 +1,4 @@
-"""C identifiers for everything a system names: its own letters, and a number where another one has that name already."""
+"""C identifiers for all names of a system: the letters of the name, with a number if the identifier is taken already."""
 
 from __future__ import annotations
 
@@ -11,25 +11,26 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import in_order
 from safeloc.language.units import Enumeration
 
-KEYWORDS = """
+_KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Bool _Complex
     _Imaginary bool true false NULL errno EOF offsetof asm typeof
 """
-OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged nothing"
-RESERVED = frozenset(f"{KEYWORDS} {OWN_WORDS}".split())
-TYPES = re.compile(r"u?int(_\w+)?\d*_t|u?int\w*_(min|max|c)|size_t|size_max|t\d+", re.IGNORECASE)
+_OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged nothing"
+_RESERVED = frozenset(f"{_KEYWORDS} {_OWN_WORDS}".split())
+_TYPES = re.compile(r"u?int(_\w+)?\d*_t|u?int\w*_(min|max|c)|size_t|size_max|t\d+", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Names:
     """Identifiers of one system.
 
-    prefix     begins every external name
+    prefix     the beginning of every external name
     variables  fields of the structures, and local names in functions: distinct among state and inputs
-    outputs    fields of the outputs, transitions that fired included
+    outputs    fields of the outputs
+    fired      fields of the transitions that fired
     members    enumeration -> the constants of its members, in order
-    titles     enumeration -> what it is called
+    titles     enumeration -> its name
     """
 
     prefix: str
@@ -46,7 +47,7 @@ class Names:
 
 
 def names_of(system: TransitionSystem) -> Names:
-    """Return identifiers that are no words of C, of its fixed-width types or of the generated text."""
+    """Return the identifiers of a system; none is a keyword of C, a fixed-width type or a word of the generated text."""
     prefix = identifier(system.name)
     titles = _titles(system)
     constants = set[str]()
@@ -62,15 +63,15 @@ def names_of(system: TransitionSystem) -> Names:
 
 
 def identifier(name: str) -> str:
-    """Return the letters, digits and underscores of a name, not beginning with a digit."""
+    """Return the name as a C identifier: letters, digits and underscores, with "n" before a leading digit."""
     plain = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "unnamed"
     return f"n{plain}" if plain[0].isdigit() else plain
 
 
 def distinct(plain: str, taken: set[str]) -> str:
-    """Return the name, with a number where it is taken or means something else in C; it is taken from then on."""
+    """Return the name, with a number if it is taken or has another meaning in C, and add it to `taken`."""
     name, number = plain, 1
-    while name in taken or name in RESERVED or TYPES.fullmatch(name):
+    while name in taken or name in _RESERVED or _TYPES.fullmatch(name):
         number += 1
         name = f"{plain}_{number}"
     taken.add(name)
@@ -90,7 +91,7 @@ def _titles(system: TransitionSystem) -> dict[Enumeration, str]:
 
 
 def _enumerations(system: TransitionSystem) -> Iterable[Enumeration]:
-    """Every enumeration of a variable or a constant, in order of first use."""
+    """Return every enumeration of a variable or constant, in order of first use."""
     terms: list[Expr] = [*system.state, *system.inputs, *system.fired]
     terms += in_order([*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init])
     units = [term.unit for term in terms if isinstance(term, (Lit, NumVar))]

@@ -1,4 +1,4 @@
-"""The source of the generated C: the step as statements, and around it border, loop, snapshot and texts."""
+"""The source of the generated C: first state, checks of inputs and state, the step, and the code around it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from safeloc.language.terms import Substitution
 
 
 def source(layout: Layout) -> str:
-    """The text of the source file."""
+    """Return the text of the source file."""
     begin, lemmas, moving, showing = _may_begin(layout), _lemmas(layout), advance(layout), show(layout)
     used = joined([*begin, *lemmas, moving, showing]).uses
     helpers = [helper for name, helper in (("floor_div", FLOOR_DIV), ("ceil_div", CEIL_DIV)) if name in used]
@@ -69,7 +69,7 @@ def _first_value(layout: Layout, field: Field) -> str:
 
 
 def _first_checks(layout: Layout) -> str:
-    """Ranges of the chosen values, and what `initially` says of them together."""
+    """Return the checks of the chosen first values: their ranges, and the condition `initially`."""
     if not layout.first:
         return ""
     tests = [*filter(None, (_outside(field, "first") for field in layout.first)), "!may_begin(first)"]
@@ -77,7 +77,7 @@ def _first_checks(layout: Layout) -> str:
 
 
 def _may_begin(layout: Layout) -> list[Text]:
-    """What `initially` says of the open first values, where there are any."""
+    """Return the function that checks `initially` for the chosen first values; none if there are no such values."""
     if not layout.first:
         return []
     fixed = {var: _as_term(var, value) for var, value in layout.system.initial.items() if not isinstance(value, Any_)}
@@ -93,7 +93,7 @@ def _may_begin(layout: Layout) -> list[Text]:
 
 
 def _truth(layout: Layout, term: Expr) -> Text:
-    """The statements of a function that returns whether the term holds."""
+    """Return the statements of a function that returns the truth value of the term."""
     ended = live(blocks(layout).ending([("holds", Known({})(term))]))
     return body_of(ended, lambda values: [values[0].within("return ", ";")])
 
@@ -105,11 +105,11 @@ def _as_term(var: Var, value: object) -> Expr:
     return Lit(value, var.unit) if isinstance(var, NumVar) else Truth(bool(value))
 
 
-# ------------------------------------------------------------------ border
+# ------------------------------------------------------------------ checks of inputs and state
 
 
 def _check_inputs(layout: Layout) -> str:
-    """Within the file the check is a function of its own: one that others may call cannot always be inlined."""
+    """Return two functions that check the inputs: a static one, which compilers inline, and the external one that calls it."""
     p, upper = layout.names.prefix, layout.names.upper
     checks = "".join(
         _returned(_refused(field), input_status(layout, field)) for field in layout.inputs if _refused(field)
@@ -124,7 +124,7 @@ def _check_inputs(layout: Layout) -> str:
 
 
 def _lemmas(layout: Layout) -> list[Text]:
-    """A function for each fact that is proved to last."""
+    """Return a function for each proved invariant."""
     made = list[Text]()
     for number, (name, term) in enumerate((layout.kept or {}).items(), 1):
         body = _truth(layout, term)
@@ -154,13 +154,13 @@ def _returned(test: str, status: str) -> str:
 
 
 def _refused(field: Field) -> str:
-    """Write the condition under which an input is refused; the value of an absent one is not read."""
+    """Return the condition under which an input is refused; it does not read the value of an absent input."""
     test = _outside(field, "inputs")
     return f"inputs->{field.present} != 0 && ({test})" if field.present and test else test
 
 
 def _outside(field: Field, pointer: str) -> str:
-    """Write the condition that a value is out of range; empty if its C type has no such value."""
+    """Return the condition that a value is out of range; "" if its C type has no such value."""
     value = f"{pointer}->{field.name}"
     if field.kind == "uint8_t":
         return f"{value} > 1"

@@ -1,4 +1,4 @@
-"""Statements as C text: every name declared where it gets its value, or before the choice that gives it one."""
+"""Statements as C text. Each name is declared where it gets its value, or before the choice that gives it a value."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import assert_never
 from safeloc.codegen.naming_terms import Text
 from safeloc.codegen.nested_statements import Bind, Block, Choice, End, Test
 
-WIDTH = 118
+_WIDTH = 118
 Leaf = Callable[[Sequence[Text]], Iterable[Text]]
-"""The statements at the end of a branch, from the targets' values."""
+"""A function from the targets' values to the statements at the end of a branch."""
 
 
 def statements(block: Block, leaf: Leaf, depth: int = 1, declared: frozenset[str] = frozenset()) -> str:
-    """Return the statements as text; `declared` names have their declaration already."""
+    """Return the statements as text; the names in `declared` are declared already."""
     text = ""
     for statement in block:
         match statement:
@@ -38,7 +38,7 @@ def statements(block: Block, leaf: Leaf, depth: int = 1, declared: frozenset[str
 
 
 def used(block: Block, leaf: Leaf) -> frozenset[str]:
-    """The names that the statements read or call."""
+    """Return the names that the statements read or call."""
     return frozenset(name for text in _texts(block, leaf) for name in text.uses)
 
 
@@ -62,12 +62,12 @@ def _texts(block: Block, leaf: Leaf) -> Iterator[Text]:
 
 
 def line(text: str, depth: int) -> str:
-    """Return one statement, indented; a long one goes on in lines that are indented further."""
+    """Return one indented statement; a long one continues on lines with a deeper indentation."""
     indent = "    " * depth
     return (
         textwrap.fill(
             text,
-            max(WIDTH, len(indent) + 60),
+            max(_WIDTH, len(indent) + 60),
             initial_indent=indent,
             subsequent_indent=indent + "        ",
             break_long_words=False,
@@ -88,13 +88,13 @@ def _choice(choice: Choice, leaf: Leaf, depth: int, declared: frozenset[str]) ->
 
 
 def given(choice: Choice) -> dict[str, bool]:
-    """Return the names that get a value whichever branch is taken, and whether it is a truth value."""
+    """Return the names that get a value in every branch: name -> True for a truth value."""
     branches = [_given_by(block) for block in (*(block for _, block in choice.branches), choice.otherwise)]
     return {name: kind for name, kind in branches[0].items() if all(name in other for other in branches)}
 
 
 def given_names(block: Block) -> Iterator[str]:
-    """Return every name that gets a value in the block, in whatever branch."""
+    """Yield every name that gets a value somewhere in the block."""
     for statement in block:
         match statement:
             case Bind(name, _, _):

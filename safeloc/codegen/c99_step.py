@@ -1,7 +1,7 @@
-"""The step in generated C: of each machine the moves, as a function of its own, and the outputs over the state after.
+"""The step in generated C: a function for the moves of each machine, and one for the outputs over the state after the step.
 
-Every value that a machine moves is read before any is written, so all its updates see the state before; what it hears of
-earlier machines has been written by then.
+A machine's function reads all values before it writes any, so all its updates use the state before the step. The values that
+it reads from earlier machines are written by then.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from safeloc.codegen.simplify_under_facts import Known
 from safeloc.codegen.stages import Stage, at_once, stages
 from safeloc.language.nodes import Var
 
-LONGEST = 3  # cases: compilers have most of the work with long functions, and so have readers
+_LONGEST = 3  # all cases together may have three times the work: long functions slow down compilers and readers
 
 
 def advance(layout: Layout) -> Text:
-    """The moves, machine by machine; of a machine by itself in one function."""
+    """Return the code of all moves: a function for each machine of a composition, and one that calls them."""
     found = stages(layout.system)
     if len(found) == 1 or any(stage.before for stage in found):
         about = "/* The step itself: the inputs are in their ranges. All values are read before any is written. */\n"
@@ -43,7 +43,7 @@ def advance(layout: Layout) -> Text:
 
 
 def joined(parts: Sequence[Text], between: str = "") -> Text:
-    """One after the other."""
+    """Return the parts as one text, with `between` in between."""
     return Text(between.join(part.code for part in parts), frozenset[str]().union(*(part.uses for part in parts)))
 
 
@@ -58,7 +58,7 @@ def _head(layout: Layout, name: str) -> str:
 
 
 def _moving(layout: Layout, name: str, stage: Stage) -> Text:
-    """A function that moves what the stage moves."""
+    """Return the function that moves the variables of a stage."""
     system, known = layout.system, Known({})
     state, fired = (
         dict(zip(system.state, layout.state, strict=True)),
@@ -66,11 +66,11 @@ def _moving(layout: Layout, name: str, stage: Stage) -> Text:
     )
     slots = [
         *(_Slot("state", state[var], state[var].name) for var in stage.moved),
-        *_told([fired[var] for var in stage.fired]),
+        *_output_slots([fired[var] for var in stage.fired]),
     ]
     terms = [*stage.moved.values(), *stage.fired.values()]
     targets = [(f"next_{slot.field.name}", known(term)) for slot, term in zip(slots, terms, strict=True)]
-    body = _writing(live(moves(layout.system, targets, blocks(layout, stage.after), LONGEST)), slots)
+    body = _writing(live(moves(layout.system, targets, blocks(layout, stage.after), _LONGEST)), slots)
     read = f"{locals_of(body, layout.state, 'state')}{locals_of(body, layout.inputs, 'inputs')}{_unused(body)}"
     return body.within(f"{_head(layout, name)}{read}", "}\n")
 
@@ -80,7 +80,7 @@ def _unused(body: Text) -> str:
 
 
 def blocks(layout: Layout, after: Mapping[Var, Var] = MappingProxyType({})) -> Blocks:
-    """Make the writer of statements over the fields; values moved by earlier machines are in the same fields."""
+    """Return a writer of statements over the fields; values after earlier machines' moves are in the same fields."""
     names = layout.names.variables
     moved = {later: names[var] for later, var in after.items()}
     return Blocks(CTerms({**names, **moved}, layout.names.members))
@@ -88,22 +88,22 @@ def blocks(layout: Layout, after: Mapping[Var, Var] = MappingProxyType({})) -> B
 
 @dataclass(frozen=True)
 class _Slot:
-    """A field that a value is written to; `kept` is the value with which it stays as it is."""
+    """A field to which a value is written; `kept` is the code of its present value, which needs no assignment."""
 
     pointer: str
     field: Field
     kept: str = ""
 
     def written(self, value: Text) -> list[Text]:
-        """The assignment, if there is anything to assign."""
+        """Return the assignment; none if the value stays the same."""
         if value.code == self.kept:
             return []
-        text = stored(self.field, value).within(f"{self.pointer}->{self.field.name} = ", ";")
+        text = _stored(self.field, value).within(f"{self.pointer}->{self.field.name} = ", ";")
         return [Text(text.code, text.uses | {self.pointer})]
 
 
 def _writing(block: Block, slots: Sequence[_Slot]) -> Text:
-    """The statements, with what they end with written to the slots; once, before branches part, where they all agree."""
+    """Return the statements, with the final values written to the slots: before the branches if all agree, else in each."""
     ends = list(_ends(block))
     parting = next((n for n, statement in enumerate(block) if isinstance(statement, Test)), len(block))
     later = set(given_names(block[parting:]))
@@ -129,12 +129,12 @@ def _writing(block: Block, slots: Sequence[_Slot]) -> Text:
 
 
 def body_of(block: Block, leaf: Leaf) -> Text:
-    """The statements of a function."""
+    """Return the statements of a block as text, with the names that they use."""
     return Text(statements(block, leaf), used(block, leaf))
 
 
 def _ends(block: Block) -> Iterator[tuple[Text, ...]]:
-    """What every branch ends with."""
+    """Yield the final values of every branch."""
     for statement in block:
         if isinstance(statement, Test):
             yield from _ends(statement.block)
@@ -142,17 +142,17 @@ def _ends(block: Block) -> Iterator[tuple[Text, ...]]:
             yield statement.values
 
 
-def stored(field: Field, value: Text) -> Text:
-    """A value as the field holds it; members of enumerations fit 32 bits."""
+def _stored(field: Field, value: Text) -> Text:
+    """Return a value converted to the type of the field; members of enumerations fit 32 bits."""
     return value.within("(int32_t)(", ")") if field.kind == "int32_t" and value.uses else value
 
 
-def _told(fields: Sequence[Field]) -> list[_Slot]:
+def _output_slots(fields: Sequence[Field]) -> list[_Slot]:
     return [_Slot("outputs", field) for field in fields]
 
 
 def locals_of(body: Text, fields: Sequence[Field], pointer: str) -> str:
-    """Locals for the fields that the body reads."""
+    """Return the declarations of locals for the fields that the body reads."""
     read = [field for field in fields if field.name in body.uses]
     unused = "" if read or pointer in body.uses else f"    (void){pointer};\n"
     return unused + "".join(f"    {_local(field, pointer)}\n" for field in read)
@@ -168,10 +168,10 @@ def _local(field: Field, pointer: str) -> str:
 
 
 def show(layout: Layout) -> Text:
-    """The outputs over the state after the step."""
+    """Return the function that computes the outputs from the state after the step."""
     p = layout.names.prefix
     targets = [(f"out_{field.name}", layout.shown[field.source]) for field in layout.outputs]
-    body = _writing(live(blocks(layout).ending(targets)), _told(layout.outputs))
+    body = _writing(live(blocks(layout).ending(targets)), _output_slots(layout.outputs))
     unused = "" if layout.outputs else "    (void)outputs;\n"
     head = f"static inline void show(const {p}_state *state, {p}_outputs *outputs)\n{{\n{unused}"
     return body.within(f"{head}{locals_of(body, layout.state, 'state')}", "}\n")

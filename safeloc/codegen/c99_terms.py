@@ -1,7 +1,7 @@
-"""Terms as C expressions, over whatever already has a name.
+"""Terms as C expressions, over terms that already have a name.
 
-Every number is an `int64_t`: `to_c` takes only systems whose terms stay within 64 bits, so nothing can overflow. A
-constant is written plainly where its neighbour is that wide, and as INT64_C where it decides the width itself.
+Every number is an `int64_t`, and `to_c` refuses systems whose terms might exceed 64 bits, so no expression can overflow. A
+constant is a plain number beside an operand of 64 bits, and INT64_C(...) where it determines the width itself.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ from safeloc.language.nodes import (
 )
 from safeloc.language.units import Enumeration
 
-INT32_MAX = 2**31 - 1
+_INT32_MAX = 2**31 - 1
 _OPPOSITE = {"<": ">=", "<=": ">", "==": "!="}
 _MIRRORED = {"<": ">", "<=": ">=", "==": "==", ">=": "<=", ">": "<", "!=": "!="}
 
-CHOICE, OR, AND, COMPARED, SUM, PRODUCT, UNARY, ATOM = range(8)
+_CHOICE, _OR, _AND, _COMPARED, _SUM, _PRODUCT, _UNARY, _ATOM = range(8)
 
 FLOOR_DIV = """/* left / divisor, rounded towards minus infinity; the divisor is positive. */
 static inline int64_t floor_div(int64_t left, int64_t divisor)
@@ -58,59 +58,59 @@ static inline int64_t ceil_div(int64_t left, int64_t divisor)
 
 
 def constant(value: int, *, wide: bool = False) -> str:
-    """Return a whole number; with `wide`, as one of 64 bits whatever stands beside it."""
+    """Return a whole number in C; with `wide`, of 64 bits also beside narrower operands."""
     if value == INT64_MIN:
         return "INT64_MIN"
-    return f"INT64_C({value})" if wide or abs(value) > INT32_MAX else str(value)
+    return f"INT64_C({value})" if wide or abs(value) > _INT32_MAX else str(value)
 
 
 class CTerms(Writing):
-    """Writes terms as C. `members` are the constants of enumerations."""
+    """Writes terms as C; `members` maps each enumeration to the constants of its members."""
 
     def __init__(self, names: Mapping[Var, str], members: Mapping[Enumeration, Sequence[str]]) -> None:
         super().__init__(names)
         self._members = members
 
     def code(self, term: Expr) -> str:
-        """The term as an expression that may stand alone, as a value or as a test."""
+        """Return the term as an expression that can stand alone, as a value or as a test."""
         return self._written(term)[0]
 
     def _written(self, term: Expr) -> tuple[str, int]:
-        """The term's text, and how firmly it holds together."""
+        """Return the term's text, and the precedence of its outermost operator (_CHOICE binds least, _ATOM most)."""
         if term in self.named:
-            return self.used(self.named[term]), ATOM
+            return self.used(self.named[term]), _ATOM
         assert isinstance(term, Node)
         match term:
             case Lit(value, unit):
                 text = self._members[unit][value] if isinstance(unit, Enumeration) else constant(value)
-                return text, UNARY if text.startswith("-") else ATOM
+                return text, _UNARY if text.startswith("-") else _ATOM
             case Truth(value):
-                return str(value).lower(), ATOM
+                return str(value).lower(), _ATOM
             case Add() | Sub() | Mul() | FloorDiv():
                 return self._arithmetic(term)
             case Min(a, b):
-                x, y = self._part(a, SUM), self._part(b, SUM)
-                return f"{x} < {y} ? {x} : {y}", CHOICE
+                x, y = self._part(a, _SUM), self._part(b, _SUM)
+                return f"{x} < {y} ? {x} : {y}", _CHOICE
             case Max(a, _) if is_magnitude(term):
-                x = self._part(a, ATOM)
-                return f"{x} >= 0 ? {x} : -{x}", CHOICE
+                x = self._part(a, _ATOM)
+                return f"{x} >= 0 ? {x} : -{x}", _CHOICE
             case Max(a, b):
-                x, y = self._part(a, SUM), self._part(b, SUM)
-                return f"{x} > {y} ? {x} : {y}", CHOICE
+                x, y = self._part(a, _SUM), self._part(b, _SUM)
+                return f"{x} > {y} ? {x} : {y}", _CHOICE
             case Choose(c, a, b, _):
-                return f"{self._part(c, OR)} ? {self._branch(a)} : {self._branch(b)}", CHOICE
+                return f"{self._part(c, _OR)} ? {self._branch(a)} : {self._branch(b)}", _CHOICE
             case ChooseBool(c, p, q):
-                return f"{self._part(c, OR)} ? {self._part(p, OR)} : {self._part(q, OR)}", CHOICE
+                return f"{self._part(c, _OR)} ? {self._part(p, _OR)} : {self._part(q, _OR)}", _CHOICE
             case Not(Compare(op, a, b) as inner) if not self._known(inner):
-                return self._comparison(_OPPOSITE[op], a, b), COMPARED
+                return self._comparison(_OPPOSITE[op], a, b), _COMPARED
             case Not(inner):
-                return f"!{self._part(inner, UNARY)}", UNARY
+                return f"!{self._part(inner, _UNARY)}", _UNARY
             case And(parts):
-                return " && ".join(self._part(part, COMPARED) for part in parts), AND
+                return " && ".join(self._part(part, _COMPARED) for part in parts), _AND
             case Or(parts):
-                return " || ".join(self._part(part, COMPARED) for part in parts), OR
+                return " || ".join(self._part(part, _COMPARED) for part in parts), _OR
             case Compare(op, a, b):
-                return self._comparison(op, a, b), COMPARED
+                return self._comparison(op, a, b), _COMPARED
             case Past() | NumVar() | BoolVar():
                 raise KeyError(f"{term!r} has no value here")
             case _:
@@ -119,38 +119,38 @@ class CTerms(Writing):
     def _arithmetic(self, term: Add | Sub | Mul | FloorDiv) -> tuple[str, int]:
         match term:
             case Add(a, Lit(value, _)) if INT64_MIN < value < 0:
-                return f"{self._part(a, SUM)} - {constant(-value)}", SUM
+                return f"{self._part(a, _SUM)} - {constant(-value)}", _SUM
             case Add(a, b):
-                return f"{self._part(a, SUM)} + {self._part(b, PRODUCT)}", SUM
+                return f"{self._part(a, _SUM)} + {self._part(b, _PRODUCT)}", _SUM
             case Sub(Lit(0, _), FloorDiv(Sub(Lit(0, _), a) as inner, k, _) as down) if not self._known(inner, down):
-                return f"{self.used('ceil_div')}({self.code(a)}, {constant(k)})", ATOM
+                return f"{self.used('ceil_div')}({self.code(a)}, {constant(k)})", _ATOM
             case Sub(Lit(0, _), b):
-                return f"-{self._part(b, ATOM)}", UNARY
+                return f"-{self._part(b, _ATOM)}", _UNARY
             case Sub(a, b):
-                return f"{self._part(a, SUM)} - {self._part(b, PRODUCT)}", SUM
+                return f"{self._part(a, _SUM)} - {self._part(b, _PRODUCT)}", _SUM
             case Mul(a, b):
-                return f"{self._part(a, PRODUCT)} * {self._part(b, UNARY)}", PRODUCT
+                return f"{self._part(a, _PRODUCT)} * {self._part(b, _UNARY)}", _PRODUCT
             case FloorDiv(a, divisor, _):
-                return f"{self.used('floor_div')}({self.code(a)}, {constant(divisor)})", ATOM
+                return f"{self.used('floor_div')}({self.code(a)}, {constant(divisor)})", _ATOM
             case _:
                 assert_never(term)
 
     def _known(self, *terms: Expr) -> bool:
-        """One of the terms has a name."""
+        """Return whether one of the terms has a name."""
         return any(term in self.named for term in terms)
 
     def _part(self, term: Expr, least: int) -> str:
-        """The term as part of an expression, in brackets where it holds less firmly than that asks for."""
+        """Return the term as an operand, in brackets if its precedence is below `least`."""
         text, firmness = self._written(term)
         return text if firmness >= least else f"({text})"
 
     def _branch(self, term: Expr) -> str:
-        """A branch of a choice; what uses the choice counts on 64 bits."""
+        """Return a branch of a choice, with 64 bits, since users of the choice rely on that width."""
         plain = isinstance(term, Lit) and term not in self.named and not isinstance(term.unit, Enumeration)
-        return constant(term.value, wide=True) if plain and isinstance(term, Lit) else self._part(term, OR)
+        return constant(term.value, wide=True) if plain and isinstance(term, Lit) else self._part(term, _OR)
 
     def _comparison(self, op: str, left: Num, right: Num) -> str:
-        """A comparison, the constant last."""
+        """Return a comparison, with a constant on the right."""
         if isinstance(left, Lit):
             left, op, right = right, _MIRRORED[op], left
-        return f"{self._part(left, SUM)} {op} {self._part(right, SUM)}"
+        return f"{self._part(left, _SUM)} {op} {self._part(right, _SUM)}"

@@ -37,23 +37,23 @@ def load_c(
 ) -> CMachine:
     """Load the system, without ghosts, as compiled C in its first state.
 
-    folder  where libraries are kept and found again; a temporary one without
-    cc      the C compiler; else $CC, cc, gcc or clang
-    first   values of state variables that are open
-    kept    what is asked of a state that is put or restored, beside the ranges; as `safeloc.proof.provers.lasting` proves it
+    folder  stores libraries for later use; the default is a temporary folder
+    cc      the C compiler; the default is $CC, cc, gcc or clang
+    first   values of state variables declared ANY
+    kept    invariants, proved by `safeloc.proof.provers.lasting`, that `put` and `restore` check besides the ranges
 
-    EngineError where there is no compiler; InputError where the system cannot run in C, or `first` is refused.
+    EngineError if there is no compiler; InputError if the system cannot run in C, or `first` is not admissible.
     """
     layout = layout_of(system, kept)
     if folder is not None:
         return CMachine(layout, build(library_texts(layout), folder, layout.names.prefix, cc=cc), first)
-    with tempfile.TemporaryDirectory() as place:  # once loaded, the file is not needed any more
+    with tempfile.TemporaryDirectory() as place:  # a loaded library does not need its file any more
         return CMachine(layout, build(library_texts(layout), Path(place), layout.names.prefix, cc=cc), first)
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The inputs of `count` steps: an array for each input, kept alive beside the pointers to them."""
+    """The inputs of `count` steps: an array for each input, stored beside the pointers so that it stays alive."""
 
     count: int
     arrays: tuple[ctypes.Array[Any], ...]
@@ -61,13 +61,13 @@ class Columns:
 
 
 class CMachine:
-    """One machine with its state, in C. Not for two threads at once; two machines of one library share nothing."""
+    """One machine with its state, in C. Only one thread may use it at a time; two machines of one library share nothing."""
 
     def __init__(self, layout: Layout, library: Path, first: Mapping[str, Value] | None = None) -> None:
         self.layout, self.system = layout, layout.system
         self._library = ctypes.CDLL(str(library))
         self._state, self._inputs, self._outputs = (
-            _structure(fields)() for fields in (layout.state, layout.inputs, layout.told)
+            _structure(fields)() for fields in (layout.state, layout.inputs, layout.output_fields)
         )
         self._input_columns = _pointers(layout.inputs)
         self._snapshot = _snapshot(type(self._state))
@@ -75,7 +75,7 @@ class CMachine:
         self.reset(first)
 
     def reset(self, first: Mapping[str, Value] | None = None) -> None:
-        """Back to the first state; InputError as in `interpret.start`."""
+        """Return to the first state; InputError as in `interpret.start`."""
         values = start(self.system, first)
         given = [ctypes.byref(self._state)]
         if self.layout.first:
@@ -85,7 +85,7 @@ class CMachine:
         self._call("init", *given)
 
     def step(self, record: Mapping[str, object]) -> dict[str, Value]:
-        """Run one step from inputs by name; return its outputs. InputError as in `interpret.read_inputs`, and nothing moves."""
+        """Run one step from inputs by name; return its outputs. After an InputError (see `interpret.read_inputs`) the state is unchanged."""
         _fill(self._inputs, self.layout.inputs, self._ordered(record))
         self._call("step", *map(ctypes.byref, (self._state, self._inputs, self._outputs)))
         return self._named(self._outputs)
@@ -102,44 +102,47 @@ class CMachine:
         return dict(zip((var.name for var in self.system.state), self._values(), strict=True))
 
     def put(self, state: Mapping[str, Value]) -> None:
-        """Into this state, all of it by name; InputError where `check_state` refuses it, and nothing changes."""
+        """Set the state, given completely by name; InputError, and no change, if `check_state` refuses it."""
         fields = self.layout.state
         if state.keys() != {field.source for field in fields}:
-            raise InputError(f"{self.system.name}: a state has a value for each of its variables, and nothing else.")
+            raise InputError(
+                f"{self.system.name}: the state has other names than the machine; give a value for each of its variables, and "
+                "no others."
+            )
         wanted = type(self._state)()
         _fill(wanted, fields, [state[field.source] for field in fields])
         self._call("check_state", ctypes.byref(wanted))
         self._state = wanted
 
     def rows(self, records: Sequence[Mapping[str, object]]) -> ctypes.Array[Any]:
-        """Return inputs of many steps as C holds them; InputError as for `step`."""
+        """Return the inputs of many steps as an array of C structures; InputError as for `step`."""
         rows: ctypes.Array[Any] = (type(self._inputs) * len(records))()
         for row, record in zip(rows, records, strict=True):
             _fill(row, self.layout.inputs, self._ordered(record))
         return rows
 
     def run(self, rows: ctypes.Array[Any]) -> None:
-        """Run all steps in one call, without outputs. InputError, with the row, where C refuses inputs."""
+        """Run all steps in one call, without outputs. InputError, with the row, if C refuses inputs."""
         self._ran("run", rows, None, len(rows))
 
     def history(self, rows: ctypes.Array[Any]) -> list[dict[str, Value]]:
-        """Return the outputs of every step, taken in one call; InputError as for `run`."""
-        told = (type(self._outputs) * len(rows))()
-        self._ran("run", rows, told, len(rows))
-        return [self._named(row) for row in told]
+        """Run all steps in one call; return the outputs of every step. InputError as for `run`."""
+        outputs = (type(self._outputs) * len(rows))()
+        self._ran("run", rows, outputs, len(rows))
+        return [self._named(row) for row in outputs]
 
     def columns(self, arrays: Sequence[ctypes.Array[Any]]) -> Columns:
-        """Return arrays of equal length, one for each field of `layout.inputs`, of its kind; ranges are judged in
-        `run_columns`."""
+        """Return the columns for `run_columns`, from an array for each field of `layout.inputs`, of its type; InputError if
+        types or lengths differ. Ranges are checked by `run_columns`."""
         lengths = {len(array) for array in arrays}
         kinds = [array._type_ for array in arrays]
         if kinds != [_CTYPES[field.kind] for field in self.layout.inputs] or len(lengths) > 1:
             wanted = ", ".join(f"{field.name}: {field.kind}" for field in self.layout.inputs)
-            raise InputError(f"{self.system.name}: columns are arrays of equal length, {wanted}.")
+            raise InputError(f"{self.system.name}: give columns as arrays of equal length, {wanted}.")
         return Columns(max(lengths, default=0), tuple(arrays), _filled(self._input_columns, arrays))
 
     def run_columns(self, columns: Columns) -> None:
-        """Run the same steps as `run`, from columns: faster where a machine has few inputs."""
+        """Run all steps as `run` does, from columns: faster for a machine with few inputs."""
         self._ran("run_columns", ctypes.byref(columns.pointers), None, columns.count)
 
     def save(self) -> bytes:
@@ -152,14 +155,17 @@ class CMachine:
         """Restore the state of a snapshot; InputError, and no change, if it is damaged or of another declaration."""
         snapshot = self._snapshot()
         if len(saved) != ctypes.sizeof(snapshot):
-            raise InputError(f"{self.system.name}: a snapshot has {ctypes.sizeof(snapshot)} bytes, this {len(saved)}.")
+            raise InputError(
+                f"{self.system.name}: the snapshot has {len(saved)} bytes, expected {ctypes.sizeof(snapshot)}; it is damaged "
+                "or of another machine."
+            )
         ctypes.memmove(ctypes.byref(snapshot), saved, len(saved))
         self._call("restore", ctypes.byref(self._state), ctypes.byref(snapshot))
 
-    def _ran(self, name: str, given: Any, told: Any, count: int) -> None:
+    def _ran(self, name: str, inputs: Any, outputs: Any, count: int) -> None:
         done = ctypes.c_size_t()
         state = ctypes.byref(self._state)
-        status = self._function(name)(state, given, told, ctypes.c_size_t(count), ctypes.byref(done))
+        status = self._function(name)(state, inputs, outputs, ctypes.c_size_t(count), ctypes.byref(done))
         if status:
             raise InputError(f"{self.system.name}: row {done.value}: {self._text(status)}.")
 
@@ -173,8 +179,8 @@ class CMachine:
     def _states(self) -> zip[tuple[Var, Field]]:
         return zip(self.system.state, self.layout.state, strict=True)
 
-    def _named(self, told: Any) -> dict[str, Value]:
-        values = {field.source: getattr(told, field.name) for field in self.layout.outputs}
+    def _named(self, structure: Any) -> dict[str, Value]:
+        values = {field.source: getattr(structure, field.name) for field in self.layout.outputs}
         truths = {field.source for field in self.layout.outputs if field.kind == "uint8_t"}
         return {name: bool(value) if name in truths else int(value) for name, value in values.items()}
 
@@ -192,19 +198,19 @@ class CMachine:
 
 
 def _structure(fields: Sequence[Field]) -> type[ctypes.Structure]:
-    """The structure as the header declares it."""
+    """Return the structure type that the header declares."""
     declared = [(field.name, _CTYPES[field.kind]) for field in fields] or [("nothing", ctypes.c_uint8)]
     return type("Structure", (ctypes.Structure,), {"_fields_": declared})
 
 
 def _pointers(fields: Sequence[Field]) -> type[ctypes.Structure]:
-    """The structure of columns as the header declares it."""
+    """Return the type of the structure of columns that the header declares."""
     declared = [(field.name, ctypes.POINTER(_CTYPES[field.kind])) for field in fields] or [("nothing", ctypes.c_uint8)]
     return type("Columns", (ctypes.Structure,), {"_fields_": declared})
 
 
 def _filled(kind: type[ctypes.Structure], arrays: Sequence[ctypes.Array[Any]]) -> ctypes.Structure:
-    """Columns that point to the arrays."""
+    """Return the structure of columns with pointers to the arrays."""
     return kind(
         *(ctypes.cast(array, cast("type[Any]", field[1])) for array, field in zip(arrays, kind._fields_, strict=False))
     )

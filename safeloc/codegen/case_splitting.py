@@ -1,9 +1,9 @@
-"""Choice of the cases for which a machine's moves are written separately, so that each computes only what it needs.
+"""Choice of the cases for which a machine's moves are written separately, so that each computes only the terms it needs.
 
-Three kinds of case are tried, and kept where they pay:
+Three kinds of case are tried, and used if they save enough work:
 
     a quiet step    all costly optional inputs are absent and no fault condition holds: the usual step of a machine with
-    frequent, mostly good measurements and rare messages
+                    frequent, mostly good measurements and rare messages
     a mode          terms that only the rows of other modes need are left out
     a condition     a cheap condition: terms that only one side needs are computed only there
 """
@@ -38,10 +38,10 @@ from safeloc.language.nodes import (
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import in_order
 
-WORTH = 1 / 8  # a case must save this share of the work
-LONGEST = 5
-DEEPEST_CASE = 12  # conditions within conditions: a long conjunction is one test
-MOST_LOOKED_AT = 4_000  # nodes, while a condition is chosen
+_WORTH = 1 / 8  # a case must save this share of the work
+_LONGEST = 5  # all cases together may have so many times the work
+DEEPEST_CASE = 12  # conditions within conditions; a long conjunction is one test
+_MOST_LOOKED_AT = 4_000  # nodes that are visited to choose a condition
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,11 @@ class _Case:
     work: int
 
     def under(self, facts: Mapping[Expr, Expr]) -> _Case:
-        """The case in which more is known."""
+        """Return the case under further facts."""
         return self._folded(self._known.under(facts))
 
     def decided(self, condition: Bool) -> _Decided:
-        """The case either way, and what testing first saves, both ways being equally likely."""
+        """Return the case split by a condition, and the work saved by testing it first, if both results are equally likely."""
         ways = [self._known.under(implied(condition, holds)) for holds in (True, False)]
         holds, fails = (self._folded(known) for known in ways)
         before, after = sum(_passing(self, known) for known in ways), _passing(holds) + _passing(fails)
@@ -64,7 +64,7 @@ class _Case:
 
     @cached_property
     def _known(self) -> Known:
-        """The current terms, as the start of further simplification."""
+        """The simplifier that has visited the current terms, as the start of further simplification."""
         known = Known({})
         for _, term in self.targets:
             known(term)
@@ -75,7 +75,7 @@ class _Case:
         return _Case(targets, work([term for _, term in targets]))
 
     def nodes(self) -> list[Node]:
-        """All that it is made of."""
+        """Return all nodes of the targets."""
         return in_order(term for _, term in self.targets)
 
 
@@ -100,14 +100,14 @@ class _Split:
 
     @property
     def written(self) -> int:
-        """The work that is written out."""
+        """The work of all cases together."""
         return self.rest.work + sum(case.work for case in self.apart.values())
 
 
-def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = LONGEST) -> Block:
-    """Return statements that compute the targets: of the system's moves, all or those of one stage.
+def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = _LONGEST) -> Block:
+    """Return statements that compute the targets: the moves of a system, or of one stage of it.
 
-    longest  all cases together may have so many times the work written out
+    longest  all cases together may have so many times the work of the undivided moves
     """
     whole = _Case(targets, 0).under({})
     room, modes = whole.work * longest, _modes(system, whole)
@@ -122,7 +122,7 @@ def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: i
 
 
 def _modes(system: TransitionSystem, whole: _Case) -> list[NumVar]:
-    """The machines' modes that are looked at, under whatever name the system holds them."""
+    """Return the mode variables that the targets read, whatever their names in the system."""
     units, read = {id(machine.mode.unit) for machine in system.machines}, set(whole.nodes())
     return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units and var in read]
 
@@ -131,33 +131,33 @@ def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
     """Return the conditions that make a step busy, and the case that remains if none of them holds."""
     events: list[Bool] = []
     quiet = whole
-    heard = [*_records(system, whole), *_messages(system, whole)]
-    for find in (lambda _: heard, _faults):
+    arrivals = [*_records(system, whole), *_messages(system, whole)]
+    for find in (lambda _: arrivals, _faults):
         found = find(quiet)
         case = quiet.under({part: known for event in found for part, known in implied(event, False).items()})
-        if case.work <= quiet.work * (1 - WORTH):
+        if case.work <= quiet.work * (1 - _WORTH):
             events, quiet = [*events, *found], case
     return events, quiet
 
 
 def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
-    """Presence flags of the inputs that make much of the work."""
+    """Return the presence flags of the inputs that cause much of the work."""
     flags = {option.present for option in system.optionals}
-    worth = whole.work * WORTH
+    worth = whole.work * _WORTH
     likely = dict.fromkeys(flag for flag, branch in _guarded(whole) if flag in flags and work([branch]) >= worth)
     return [flag for flag in likely if whole.under({flag: FALSE}).work <= whole.work - worth]
 
 
 def _records(system: TransitionSystem, whole: _Case) -> list[Bool]:
-    """List the conditions that a record of several fields is present, for the records that cause much of the work."""
+    """Return the conditions that a record of several fields is present, for records that cause much of the work."""
     flags = {option.present for option in system.optionals}
     found = [node for node in whole.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
-    worth = whole.work * (1 - WORTH)
+    worth = whole.work * (1 - _WORTH)
     return [node for node in found if whole.under(implied(node, False)).work <= worth]
 
 
 def _faults(whole: _Case) -> list[Bool]:
-    """Conditions of verdicts: of every chain of constants that is compared with its last one, the earlier rows."""
+    """Return fault conditions: for every chain of constants that is compared with its last one, those of the earlier rows."""
     found: dict[Bool, None] = {}
     for node in whole.nodes():
         if isinstance(node, Compare) and node.op == "==" and isinstance(node.right, Lit):
@@ -169,7 +169,7 @@ def _faults(whole: _Case) -> list[Bool]:
 
 
 def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
-    """Flags, and terms that are needed only where they hold."""
+    """Yield flags, each with a term that is needed only if it is true."""
     for node in whole.nodes():
         if isinstance(node, (Choose, ChooseBool)):
             condition, branch = node.condition, node.then
@@ -180,8 +180,8 @@ def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
 
 
 def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float) -> Block:
-    """The moves mode by mode, for the machine where that saves most; as they are where it saves too little."""
-    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= WORTH]
+    """Return the moves split by the mode that saves most work; without such a mode, split by conditions."""
+    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= _WORTH]
     if not worth:
         return _by_condition(whole, blocks, room)
     best = max(worth, key=lambda split: split.saved)
@@ -194,11 +194,11 @@ def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float)
 
 
 def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> Block:
-    """The moves for the cheap condition that saves most when it is tested first; as they are where none saves enough."""
+    """Return the moves split by the cheap condition that saves most work; unsplit if no condition saves enough."""
     tried = map(whole.decided, _cheap(whole)) if depth < DEEPEST_CASE else ()
     decided = [one for one in tried if one.holds.work + one.fails.work <= room]
     best = max(decided, key=lambda one: one.saved, default=None)
-    if best is None or best.saved < _passing(whole) * WORTH:
+    if best is None or best.saved < _passing(whole) * _WORTH:
         return blocks.ending(whole.targets)
     share = room / max(1, best.holds.work + best.fails.work)
     return blocks.either(
@@ -209,18 +209,18 @@ def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> 
 
 
 def _cheap(whole: _Case) -> list[Bool]:
-    """Conditions that cost little and have much behind them, the most first; fewer are looked at in large machines."""
+    """Return cheap conditions on which much work depends, the most work first; fewer conditions for large machines."""
     behind: dict[Bool, list[Expr]] = {}
     for condition, branch in _behind(whole):
         behind.setdefault(condition, []).append(branch)
-    worth = _passing(whole) * WORTH
+    worth = _passing(whole) * _WORTH
     found = [(work(parts), condition) for condition, parts in behind.items() if work([condition]) <= worth]
     found = sorted((one for one in found if one[0] >= worth), key=lambda one: one[0], reverse=True)
-    return [condition for _, condition in found[: MOST_LOOKED_AT // len(whole.nodes())]]
+    return [condition for _, condition in found[: _MOST_LOOKED_AT // len(whole.nodes())]]
 
 
 def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:
-    """Conditions, and what is needed only where they hold, or only where they fail."""
+    """Yield conditions, each with a term that is needed only if it holds, or only if it fails."""
     for node in whole.nodes():
         if isinstance(node, (Choose, ChooseBool)):
             condition = node.condition.inner if isinstance(node.condition, Not) else node.condition
@@ -233,7 +233,7 @@ def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:
 
 
 def _passing(case: _Case, known: Known | None = None) -> int:
-    """The work of a step in which no row's condition holds but one that is known to."""
+    """Return the work of a step in which no row's condition holds, except one that is known to hold."""
     terms: list[Expr] = []
     for _, term in case.targets:
         rows, last = chain(term)
@@ -251,16 +251,16 @@ def _is_true(term: Expr) -> bool:
 
 
 def _split(mode: NumVar, whole: _Case, room: float) -> _Split:
-    """As many modes apart as there is room for, those with the least to do first."""
+    """Split off as many modes as there is room for, those with the least work first."""
     tests = _tests(mode, whole)
-    cases = {value: whole.under(_told(tests, [value])) for value in range(mode.low, mode.high + 1)}
+    cases = {value: whole.under(_results(tests, [value])) for value in range(mode.low, mode.high + 1)}
     order = sorted(cases, key=lambda value: cases[value].work)
     written, count = whole.work, 0
     while count < len(order) - 1 and written + cases[order[count]].work <= room:
         written += cases[order[count]].work
         count += 1
     apart, others = sorted(order[:count]), order[count:]
-    rest = whole.under(_told(tests, others)) if apart else whole
+    rest = whole.under(_results(tests, others)) if apart else whole
     left = sum(cases[value].work for value in apart) + len(others) * rest.work
     return _Split(mode, {value: cases[value] for value in apart}, rest, 1 - left / len(cases) / max(1, whole.work))
 
@@ -274,7 +274,7 @@ def _tests(mode: NumVar, whole: _Case) -> dict[Expr, int]:
     }
 
 
-def _told(tests: Mapping[Expr, int], values: Sequence[int]) -> dict[Expr, Expr]:
+def _results(tests: Mapping[Expr, int], values: Sequence[int]) -> dict[Expr, Expr]:
     """Return the known results of these comparisons if the mode is one of the values."""
     return {
         test: TRUE if [value] == list(values) else FALSE

@@ -1,4 +1,4 @@
-"""Generated Python, loaded: one step, a step that keeps its state, a fused loop over a stream, and the outputs."""
+"""Generated Python, loaded: one step, a step that stores its state, a loop over a stream, and the outputs."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Compiled:
     """A system as Python functions. State and inputs are tuples in the order of `state_names` and `input_names`.
 
     step     (state, inputs) -> (state after, fired transition numbers)
-    begin    state -> (tick, now): the same step keeping its state, `tick(inputs)` -> fired transition numbers,
+    begin    state -> (tick, now): the same step, which stores its state; `tick(inputs)` -> fired transition numbers,
              `now()` -> state; the fastest way to run step by step
-    run      (rows of inputs, state) -> last state: the fused loop
+    run      (rows of inputs, state) -> last state: all steps in one loop
     history  (rows of inputs, state) -> states after every step
     outputs  state -> outputs, in the order of `output_names`
 
-    Inputs are taken as they are: whoever has raw data uses `read` first, which refuses what the interpreter refuses.
+    These functions do not check inputs; pass raw data through `read`, which refuses the same inputs as the interpreter.
     """
 
     system: TransitionSystem
@@ -47,7 +47,7 @@ class Compiled:
         return tuple(start(self.system, chosen).values())
 
     def read(self, record: Mapping[str, object]) -> Row:
-        """Return one step's inputs by name, checked as the interpreter checks them."""
+        """Return the inputs of one step from a record by name; InputError as in `interpret.read_inputs`."""
         values = read_inputs(self.system, record)
         return tuple(values[var] for var in self.system.inputs)
 
@@ -61,7 +61,7 @@ class Compiled:
 
 
 def compile_system(system: TransitionSystem) -> Compiled:
-    """Generate and load the functions. For what runs on board, pass `without_ghosts(system)`."""
+    """Generate and load the functions. For the on-board system, pass `without_ghosts(system)`."""
     source = to_python(system)
     space: dict[str, Any] = {}
     exec(compile(source, f"<safeloc {system.name}>", "exec"), space)  # our own text, made from checked terms
@@ -80,7 +80,7 @@ def compile_system(system: TransitionSystem) -> Compiled:
 
 
 def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Row]:
-    """Return the terms as a function of a row of values of `reads`."""
+    """Return the terms as a function of one row of values, in the order of `reads`."""
     space: dict[str, Any] = {}
     exec(compile(terms_to_python(reads, terms), "<safeloc terms>", "exec"), space)
     function: Callable[[Sequence[Value]], Row] = space["terms"]
@@ -88,7 +88,7 @@ def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequ
 
 
 def compile_rows(rows: Mapping[str, Sequence[Var]], terms: Sequence[Expr]) -> Callable[..., Row]:
-    """Return the terms as a function of several rows of values, in order; of each it takes only what it reads."""
+    """Return the terms as a function of several rows of values, in order; it unpacks only the values that the terms read."""
     space: dict[str, Any] = {}
     exec(compile(rows_to_python(rows, terms), "<safeloc terms>", "exec"), space)
     function: Callable[..., Row] = space["terms"]

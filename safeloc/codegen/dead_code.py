@@ -1,4 +1,4 @@
-"""Statements without those whose result nobody reads: what folding or another choice has made needless."""
+"""Removal of statements whose result is never read, which simplification and case splitting leave behind."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Names = frozenset[str]
 
 
 def live(block: Block) -> Block:
-    """Return the block without names that are given and not read; what it ends with stays as it is."""
+    """Return the block without statements whose result is never read; its final values stay."""
     return _live(block, frozenset())[0]
 
 
@@ -40,7 +40,7 @@ def _live(block: Block, needed: Names) -> tuple[Block, Names]:
 
 
 def _choice(choice: Choice, needed: Names) -> tuple[Block, Names]:
-    """The choice, if it gives a name that is needed."""
+    """Return the choice without unused statements, if it gives a needed name a value, and the names needed before it."""
     branches = [(test, *_live(block, needed)) for test, block in choice.branches]
     otherwise, read = _live(choice.otherwise, needed)
     if not otherwise and not any(block for _, block, _ in branches):

@@ -54,7 +54,7 @@ def to_table(machine: Machine) -> list[Row]:
 
 
 def edges(machine: Machine) -> dict[tuple[str, str], list[str]]:
-    """(source, target) -> names of the transitions between them, in order."""
+    """Return the names of the transitions, in order, by their (source, target)."""
     found: dict[tuple[str, str], list[str]] = {}
     for t in machine.transitions:
         for source in t.sources:
@@ -100,8 +100,8 @@ def _dot(text: str) -> str:
 
 # ------------------------------------------------------------------ SVG
 
-BOX_WIDTH, BOX_HEIGHT, LINE = 150, 40, 15
-STYLE = """
+_BOX_WIDTH, _BOX_HEIGHT, _LINE = 150, 40, 15
+_STYLE = """
 .mode { fill: var(--box, #f4f7fb); stroke: #35618e; stroke-width: 1.6 }
 .first { stroke-width: 3 }
 .edge { fill: none; stroke: #6d7a88; stroke-width: 1.3 }
@@ -119,21 +119,21 @@ class _Place:
 
 
 def to_svg(machine: Machine) -> str:
-    """Draw a self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
+    """Return a self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
     number = {t.name: index for index, t in enumerate(machine.transitions, 1)}
     labels = [mode.label for mode in machine.modes]
     between = {pair: [number[n] for n in names] for pair, names in edges(machine).items()}
     legend = [f"{index}  {name}" for name, index in number.items()]
     gap = 130
-    height = max(len(labels) * gap + 20, len(legend) * LINE + 60)
+    height = max(len(labels) * gap + 20, len(legend) * _LINE + 60)
     places = {label: _Place(330, 60 + index * gap) for index, label in enumerate(labels)}
     body = [_arrow_edge(places, labels, pair, numbers) for pair, numbers in between.items()]
     body += [_box(places[label], label, label == labels[0]) for label in labels]
-    body += [_text(660, 40 + index * LINE, line, "label") for index, line in enumerate(legend)]
+    body += [_text(660, 40 + index * _LINE, line, "label") for index, line in enumerate(legend)]
     width = 680 + max((len(line) for line in legend), default=0) * 6.2
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height}" width="{width:.0f}" height="{height}" '
-        f'role="img" aria-label="state diagram of {html.escape(machine.name)}"><style>{STYLE}</style>'
+        f'role="img" aria-label="state diagram of {html.escape(machine.name)}"><style>{_STYLE}</style>'
         '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
         '<path d="M0 0L8 4L0 8z" fill="#6d7a88"/></marker></defs>'
         f"{''.join(body)}</svg>"
@@ -141,9 +141,9 @@ def to_svg(machine: Machine) -> str:
 
 
 def _box(place: _Place, label: str, first: bool) -> str:
-    x, y = place.x - BOX_WIDTH / 2, place.y - BOX_HEIGHT / 2
+    x, y = place.x - _BOX_WIDTH / 2, place.y - _BOX_HEIGHT / 2
     kind = "mode first" if first else "mode"
-    rect = f'<rect class="{kind}" x="{x}" y="{y}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="8"/>'
+    rect = f'<rect class="{kind}" x="{x}" y="{y}" width="{_BOX_WIDTH}" height="{_BOX_HEIGHT}" rx="8"/>'
     return rect + _text(place.x, place.y + 4, label, "name")
 
 
@@ -152,17 +152,17 @@ def _text(x: float, y: float, text: str, kind: str) -> str:
 
 
 def _arrow_edge(places: dict[str, _Place], labels: list[str], pair: tuple[str, str], numbers: list[int]) -> str:
-    """Downward edges bulge to the right, upward ones to the left, a self-loop is a small arc at the right."""
+    """Draw one edge: a downward edge bulges to the right, an upward one to the left, a self-loop is a small arc at the right."""
     source, target = places[pair[0]], places[pair[1]]
     shown = ", ".join(map(str, numbers))
     if pair[0] == pair[1]:
-        x, y = source.x + BOX_WIDTH / 2, source.y
+        x, y = source.x + _BOX_WIDTH / 2, source.y
         path = f"M{x} {y - 10} C{x + 46} {y - 30} {x + 46} {y + 30} {x} {y + 10}"
         return _edge(path) + _text(x + 42, y + 4, shown, "label halo")
     span = labels.index(pair[1]) - labels.index(pair[0])
     side = 1 if span > 0 else -1
     reach = 40 + 46 * abs(span)
-    x1, x2 = source.x + side * BOX_WIDTH / 2, target.x + side * BOX_WIDTH / 2
+    x1, x2 = source.x + side * _BOX_WIDTH / 2, target.x + side * _BOX_WIDTH / 2
     y1, y2 = source.y + side * 14, target.y - side * 14
     if abs(span) == 1:
         shift = side * 34

@@ -13,7 +13,7 @@ from safeloc.language.units import Enumeration
 
 
 def token(layout: Layout) -> str:
-    """Return the token that links a unit and its description, computed from the declaration."""
+    """Return the instantiation token, which links a unit to its description; it is computed from the declaration's digest."""
     return f"{{{uuid.UUID(hex=layout.digest[:32])}}}"
 
 
@@ -47,7 +47,7 @@ def description(layout: Layout, variables: Sequence[Variable], period_ms: int | 
 
 
 def build_description(layout: Layout, sources: Sequence[str]) -> str:
-    """Return the text of buildDescription.xml: how to compile the sources for another platform."""
+    """Return the text of buildDescription.xml, by which the sources are compiled for another platform."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=layout.names.prefix)
     files = SubElement(configuration, "SourceFileSet", language="C99")
@@ -69,17 +69,17 @@ def _log_categories(root: Element) -> None:
 
 
 def _types(parent: Element, layout: Layout, variables: Sequence[Variable]) -> None:
-    """A type for each unit of numbers, which FMI knows of floating-point variables only, and for each enumeration."""
+    """Declare a type for each unit, since FMI has units for floating-point variables only, and for each enumeration."""
     for unit in dict.fromkeys(one.field.unit for one in variables if one.field.unit):
         SubElement(parent, "Int64Type", name=unit, description=f"whole numbers in {unit}")
     for enumeration in dict.fromkeys(one.enumeration for one in variables if one.enumeration is not None):
-        kind = SubElement(parent, "EnumerationType", name=enumeration_type(layout, enumeration))
+        kind = SubElement(parent, "EnumerationType", name=_enumeration_type(layout, enumeration))
         for value, member in enumerate(enumeration.members):
             SubElement(kind, "Item", name=member, value=str(value))
 
 
-def enumeration_type(layout: Layout, enumeration: Enumeration) -> str:
-    """Return the name of an enumeration's type; a unit may have the same name."""
+def _enumeration_type(layout: Layout, enumeration: Enumeration) -> str:
+    """Return the name of an enumeration's type, with a prefix, since a unit may have the same name."""
     return f"enumeration {layout.names.titles[enumeration]}"
 
 
@@ -98,27 +98,27 @@ def _kind(variable: Variable) -> str:
 
 def _attributes(layout: Layout, variable: Variable) -> dict[str, str]:
     field = variable.field
-    told = {
+    attributes = {
         "name": variable.name,
         "valueReference": str(variable.reference),
         "causality": variable.causality,
         "variability": "fixed" if variable.causality == "parameter" else "discrete",
     }
     if variable.description:
-        told["description"] = variable.description
+        attributes["description"] = variable.description
     if variable.enumeration is not None:
-        told["declaredType"] = enumeration_type(layout, variable.enumeration)
+        attributes["declaredType"] = _enumeration_type(layout, variable.enumeration)
     elif field.unit:
-        told["declaredType"] = field.unit
+        attributes["declaredType"] = field.unit
     if not variable.is_truth:
-        told |= _bounds(field)
+        attributes |= _bounds(field)
     if variable.start is not None:
-        told["start"] = str(bool(variable.start)).lower() if variable.is_truth else str(variable.start)
-    return told
+        attributes["start"] = str(bool(variable.start)).lower() if variable.is_truth else str(variable.start)
+    return attributes
 
 
 def _bounds(field: Field) -> dict[str, str]:
-    """Of all values that are told, also of the one that stands in for an absent output."""
+    """Return the least and the greatest value, including the number that stands in for an absent output."""
     stand_in = field.low if field.stand_in is None else field.stand_in
     return {"min": str(min(field.low, stand_in)), "max": str(max(field.high, stand_in))}
 

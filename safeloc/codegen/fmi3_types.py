@@ -1,11 +1,9 @@
-"""The C interface of FMI 3.0 as far as a co-simulation unit needs it, and the functions it has no use for.
+"""The C interface of FMI 3.0: the types that a co-simulation unit needs, and stubs of the functions that it lacks.
 
 Names and signatures are those of the standard; an importer looks every function up by name.
 """
 
 from __future__ import annotations
-
-import re
 
 DECLARATIONS = """#include <stdbool.h>
 #include <stddef.h>
@@ -103,13 +101,13 @@ _OTHER_KINDS = [
 
 
 def not_here() -> str:
-    """Write functions for the features that the unit lacks: other kinds of variables, interfaces, derivatives, clocks."""
+    """Return stubs that refuse the features that the unit lacks: other kinds of variables, interfaces, derivatives, clocks."""
     refusing = [_refusing("fmi3Status", one, "refused(instance)") for one in _NOT_HERE]
     return "\n".join([*refusing, *(_refusing("fmi3Instance", one, "NULL") for one in _OTHER_KINDS)])
 
 
 def _refusing(kind: str, signature: str, result: str) -> str:
     arguments = signature[signature.index("(") + 1 : -1].split(", ")
-    names = [name for one in arguments if (name := re.sub(r"\[\]$", "", one).split()[-1].lstrip("*")) not in result]
+    names = [name for one in arguments if (name := one.removesuffix("[]").split()[-1].lstrip("*")) not in result]
     unused = "".join(f"    (void){name};\n" for name in names)
     return f"EXPORTED {kind} fmi3{signature}\n{{\n{unused}    return {result};\n}}\n"

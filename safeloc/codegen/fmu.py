@@ -1,6 +1,6 @@
-"""A machine as an FMI 3.0 co-simulation unit: description, sources, and the library for this platform, in one zip.
+"""A machine as an FMI 3.0 co-simulation unit: description, sources, and the library for this platform, in one zip file.
 
-FMI 3.0 knows 64-bit integers, so every value is exact; FMI 2.0 has 32 bits and floating point only.
+FMI 3.0 has 64-bit integers, so every value is exact; FMI 2.0 has only 32-bit integers and floating point.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from safeloc.language.expr import Bool
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same machine gives the same file, whenever it is made
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # a fixed time, so that the same machine always gives the same file
 
 
 def to_fmu(
@@ -35,15 +35,15 @@ def to_fmu(
     kept: Mapping[str, Bool] | None = None,
     cc: str | None = None,
 ) -> bytes:
-    """Pack the unit as the bytes of its .fmu file. `system` is the on-board system, without ghosts.
+    """Return the bytes of the unit's .fmu file. `system` is the on-board system, without ghosts.
 
-    period_ms  cycle of the machine: communication steps of another length are refused; None: one step is one cycle,
-               however long
-    first      start values of the parameters that choose open first values
-    kept       what is asked of a state that is restored, beside the ranges; as `safeloc.proof.provers.lasting` proves it
-    cc         the C compiler; else $CC, cc, gcc or clang
+    period_ms  cycle of the machine: the unit refuses communication steps of another length; None: one step is one cycle,
+               whatever its length
+    first      start values of the parameters, which choose values of variables declared ANY
+    kept       invariants, proved by `safeloc.proof.provers.lasting`, that a restored state has to satisfy besides the ranges
+    cc         the C compiler; the default is $CC, cc, gcc or clang
 
-    EngineError where there is no compiler; InputError where the system cannot run in C.
+    EngineError if there is no compiler; InputError if the system cannot run in C.
     """
     layout = layout_of(system, kept)
     variables = variables_of(layout, first or {})
@@ -59,7 +59,7 @@ def to_fmu(
 
 
 def platform_tuple() -> str:
-    """This platform as FMI 3.0 names it, such as x86_64-linux."""
+    """Return the name of this platform in FMI 3.0, such as x86_64-linux."""
     machine = platform.machine().lower()
     architecture = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}.get(machine, machine)
     system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")

@@ -1,8 +1,7 @@
-"""Shapes of terms that a back end can write in a better way.
+"""Shorter forms of terms for back ends that compute both branches of every choice.
 
-Of a chain of choices: in a transition table many rows give a variable the same value, so its chain names a few values
-again and again. Back ends that compute both branches of every choice want one choice a value; conditions are cheap
-there, and the same ones serve all variables:
+In a transition table many rows give a variable the same value, so its chain of choices repeats a few values. These back ends
+need one choice for each value instead; conditions are cheap for them, and all variables share them:
 
     ite(c, a, ite(d, b, ite(e, a, b)))  =  ite(c or (e and not (c or d)), a, b)
     ite(c, a, ite(d, a, b))             =  ite(c or d, a, b)
@@ -35,11 +34,11 @@ from safeloc.language.nodes import (
 )
 from safeloc.language.terms import Sharing, children, in_order, rebuilt
 
-SHORTEST_TABLE = 3
+_SHORTEST_TABLE = 3
 
 
 def is_magnitude(term: Expr) -> bool:
-    """max(x, 0 - x), as `abs_` builds it."""
+    """Return whether the term is max(x, 0 - x), as `abs_` builds it."""
     match term:
         case Max(a, Sub(Lit(0, _), b), _):
             return a is b
@@ -58,12 +57,12 @@ def operations(results: Sequence[Expr]) -> list[Node]:
 
 
 def operands(node: Expr) -> tuple[Expr, ...]:
-    """Return the terms that the node's operation reads: of a magnitude, only what it is the magnitude of."""
+    """Return the terms that the node's operation reads: for a magnitude max(x, 0 - x) only x."""
     return children(node)[:1] if is_magnitude(node) else children(node)
 
 
 def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
-    """Return the rows of a table, condition and value, and what holds where no condition does."""
+    """Return the rows of a chain of choices (condition and value), and its value if no condition holds."""
     rows: list[tuple[Bool, Expr]] = []
     while isinstance(term, (Choose, ChooseBool)):
         rows.append((term.condition, term.then))
@@ -72,13 +71,13 @@ def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
 
 
 def merged(terms: Sequence[Expr]) -> list[Expr]:
-    """Return terms of equal value with few choices, and none of truth values; shared parts stay shared."""
+    """Return terms of equal value with fewer choices, and with no choice of truth values; shared parts stay shared."""
     rows = _Rows()
     return _rewritten(_rewritten([rows.by_value(term) for term in terms], _merged), _logic)
 
 
 def _rewritten(terms: Sequence[Expr], rule: Callable[[Expr], Expr]) -> list[Expr]:
-    """The terms with the rule applied to every node, parts before wholes."""
+    """Return the terms with the rule applied to every node, operands first."""
     share, done = Sharing(), dict[Expr, Expr]()
     for node in in_order(terms):
         done[node] = share(rule(rebuilt(node, tuple(done[part] for part in children(node)))))
@@ -86,15 +85,15 @@ def _rewritten(terms: Sequence[Expr], rule: Callable[[Expr], Expr]) -> list[Expr
 
 
 class _Rows:
-    """Tables by value instead of by row; tables of the same conditions share what they are made of."""
+    """Rewrites chains by value instead of by row; chains with the same conditions share their terms."""
 
     def __init__(self) -> None:
         self._taken: dict[tuple[int, int], tuple[Bool, Bool]] = {}
 
     def by_value(self, term: Expr) -> Expr:
-        """A chain of choices as one choice for each value; the term itself where that saves none."""
+        """Return a chain of choices as one choice for each value; the term itself if the chain is short."""
         rows, last = chain(term)
-        if len(rows) < SHORTEST_TABLE:
+        if len(rows) < _SHORTEST_TABLE:
             return term
         places: dict[object, _Places] = {}
         earlier: Bool = FALSE
@@ -112,7 +111,7 @@ class _Rows:
         return result
 
     def _row(self, earlier: Bool, condition: Bool) -> tuple[Bool, Bool]:
-        """Return two terms: this row is the first whose condition holds; this or an earlier row's condition holds."""
+        """Return two conditions: this row is the first whose condition holds; this or an earlier row's condition holds."""
         key = id(earlier), id(condition)
         if key not in self._taken:
             self._taken[key] = all_of([~earlier, condition]), any_of([earlier, condition])
@@ -121,7 +120,7 @@ class _Rows:
 
 @dataclass(frozen=True)
 class _Places:
-    """A value, and the rows that name it: condition within the row -> whether the row is taken, for each."""
+    """A value, and the rows that give it: condition within the row -> the conditions that such rows are taken."""
 
     value: Expr
     where: dict[Bool, list[Bool]]
@@ -163,7 +162,7 @@ def _merged(term: Expr) -> Expr:
 
 
 def _logic(term: Expr) -> Expr:
-    """A choice of truth values as and, or, not."""
+    """Return a choice of truth values as and, or, not; any other term unchanged."""
     if not isinstance(term, ChooseBool):
         return term
     condition, then, other = term.condition, term.then, term.other

@@ -1,7 +1,6 @@
-"""Moves as nested statements: what is chosen by the same condition becomes one row of tests.
+"""Moves as nested statements: values that depend on the same condition share one `if`.
 
-A term that several places need is computed once, before the first of them and no earlier: after the tests that can
-do without it.
+A term that several places need is computed once, directly before the first of them, and after the tests that do not need it.
 """
 
 from __future__ import annotations
@@ -14,15 +13,15 @@ from safeloc.codegen.naming_terms import Text, Writing
 from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.language.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
 
-FEWEST_REASONS = 3
-DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
+_FEWEST_REASONS = 3
+_DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
 
 Targets = Sequence[tuple[str, Expr]]
 
 
 @dataclass(frozen=True)
 class Bind:
-    """A name for a value, which is a number or a truth value."""
+    """An assignment: a name for a value, which is a number or a truth value."""
 
     name: str
     value: Text
@@ -31,7 +30,7 @@ class Bind:
 
 @dataclass(frozen=True)
 class Test:
-    """A branch to its end; what follows is for when the test fails."""
+    """An `if` whose block ends the function; the statements after it run if the test fails."""
 
     test: Text
     block: Block
@@ -39,7 +38,7 @@ class Test:
 
 @dataclass(frozen=True)
 class Choice:
-    """The first branch whose test holds, else the last one; then goes on."""
+    """An `if`, `elif`, `else`: runs the first branch whose test holds, else `otherwise`, and continues after it."""
 
     branches: tuple[tuple[Text, Block], ...]
     otherwise: Block
@@ -47,7 +46,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class End:
-    """The branch is done: the targets' values."""
+    """The end of a branch, with the targets' values."""
 
     values: tuple[Text, ...]
 
@@ -65,7 +64,7 @@ class _Group:
 
 
 class Blocks:
-    """Makes statements; knows which terms have a name at the place it has come to."""
+    """Builds statements; tracks which terms have a name at the current place."""
 
     def __init__(self, written: Writing) -> None:
         self._written = written
@@ -73,11 +72,11 @@ class Blocks:
         self._known: dict[tuple[Expr, bool], Known] = {}
 
     def text(self, term: Expr) -> Text:
-        """The term as an expression."""
+        """Return the term as an expression."""
         return self._written.text(term)
 
     def ending(self, targets: Targets, depth: int = 0) -> Block:
-        """Return statements that compute every target and end, in every branch, with their values."""
+        """Return statements that compute all targets, and end every branch with their values."""
         outer, block = dict(self._written.named), list[Statement]()
         while (condition := self._begin(targets, block, depth)) is not None:
             then = self.ending(self._under(condition, targets, True), depth + 1)
@@ -88,7 +87,7 @@ class Blocks:
         return block
 
     def either(self, condition: Expr, holds: Callable[[], Block], fails: Callable[[], Block]) -> Block:
-        """Write a branch: the block of `holds` if the condition holds, else that of `fails`; both blocks end the
+        """Return statements that run the block of `holds` if the condition holds, else that of `fails`; both end the
         function."""
         outer = dict(self._written.named)
         before, text = self._prepared(condition, 0), self.text(condition)
@@ -100,7 +99,10 @@ class Blocks:
         return block
 
     def _begin(self, targets: Targets, block: Block, depth: int) -> Expr | None:
-        """Settles all targets but those that one condition chooses; that condition, ready to be tested, if any."""
+        """Compute all targets except those that depend on one condition; return this condition, prepared for a test.
+
+        None if no target depends on a condition. The statements are appended to `block`.
+        """
         groups = self._grouped(targets, depth)
         block += self._bound(self._shared(groups), depth)
         chosen = [group for group in groups if group.condition is not None]
@@ -119,7 +121,7 @@ class Blocks:
         return last.condition
 
     def _keeping(self, targets: Targets, depth: int) -> Block:
-        """Statements that give every target its value as a name."""
+        """Return statements that assign every target's value to its name."""
         outer, block = dict(self._written.named), list[Statement]()
         condition = self._begin(targets, block, depth)
         if condition is None:
@@ -131,7 +133,7 @@ class Blocks:
         return block
 
     def _choice(self, condition: Expr, targets: Targets, depth: int) -> Block:
-        """One ladder, as long as nothing has to be computed before the next rung."""
+        """Return one `if`, `elif`, `else`, extended as long as the next test needs no computation before it."""
         before, branches = self._prepared(condition, depth), list[tuple[Text, Block]]()
         rung: Expr | None = condition
         while rung is not None:
@@ -141,7 +143,7 @@ class Blocks:
         return [*before, Choice(tuple(branches), self._keeping(targets, depth + 1))]
 
     def _next_rung(self, targets: Targets, depth: int) -> Expr | None:
-        """The condition that decides all of the targets, if it can be tested as it stands."""
+        """Return the one condition on which targets depend, if it can be tested without a computation before; else None."""
         groups = self._grouped(targets, depth)
         conditions = [group.condition for group in groups if group.condition is not None]
         plain = [term for group in groups if group.condition is None for _, term in group.targets]
@@ -154,12 +156,12 @@ class Blocks:
         return self._bound(self._written.awaited(term), depth)
 
     def _bound(self, terms: Iterable[Expr], depth: int) -> Block:
-        """Names for terms that have none; what only one branch of a choice needs is computed only there."""
+        """Return assignments for terms without a name; terms that only one branch of a choice needs are computed there."""
         block: Block = []
         for term in terms:
             if not self._needs_name(term):
                 continue
-            if isinstance(term, (Choose, ChooseBool)) and depth < DEEPEST and self._branches_wait(term):
+            if isinstance(term, (Choose, ChooseBool)) and depth < _DEEPEST and self._branches_wait(term):
                 name = self._new_name()
                 block += self._choice(term.condition, [(name, term)], depth)
             else:
@@ -170,7 +172,7 @@ class Blocks:
         return block
 
     def _branches_wait(self, term: Choose | ChooseBool) -> bool:
-        """A branch needs something computed first."""
+        """Return whether a branch of the choice needs a term that has to be computed before."""
         tested = set(self._written.unnamed([term.condition]))
         return any(self._needs_name(part) and part not in tested for part in self._written.awaited(term))
 
@@ -179,13 +181,13 @@ class Blocks:
         return f"t{self._count}"
 
     def _needs_name(self, term: Expr) -> bool:
-        """Neither a constant, nor named, nor the mere opposite of something named."""
+        """Return whether the term is neither a constant, nor named, nor the negation of such a term."""
         inner = term.inner if isinstance(term, Not) else term
         return not isinstance(inner, (Lit, Truth)) and inner not in self._written.named
 
     def _grouped(self, targets: Targets, depth: int) -> list[_Group]:
-        """Targets chosen by the same condition together, all others apart; in the order of first appearance."""
-        if depth >= DEEPEST:
+        """Return the targets grouped by the condition on which they depend, in order of first appearance; None: no condition."""
+        if depth >= _DEEPEST:
             return [_Group(None, targets)]
         groups: dict[Expr | None, list[tuple[str, Expr]]] = {}
         for name, term in targets:
@@ -195,14 +197,14 @@ class Blocks:
         return [_Group(condition, members) for condition, members in groups.items()]
 
     def _sites(self, group: _Group) -> list[list[Expr]]:
-        """Places of a block: terms that are computed together or not at all."""
+        """Return the places of a group in the code, each with the terms that are computed there."""
         if group.condition is None:
             return [[term] for _, term in group.targets]
         branches = [[term for _, term in self._under(group.condition, group.targets, holds)] for holds in (True, False)]
         return [[group.condition], *branches]
 
     def _under(self, condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
-        """Simplify the targets for a known truth value of the condition."""
+        """Return the targets simplified for a known truth value of the condition."""
         left = _chosen(condition, targets, holds)
         if not any(node is condition for node in self._written.unnamed([term for _, term in left])):
             return left
@@ -213,7 +215,7 @@ class Blocks:
         return [(name, self._known[condition, holds](term)) for name, term in left]
 
     def _shared(self, groups: Sequence[_Group]) -> list[Expr]:
-        """Terms that more than one place of a block needs, outermost ones only, parts before wholes."""
+        """Return the terms that more than one place needs, operands first."""
         places: dict[int, int] = {}  # one bit a place
         uses: Counter[int] = Counter()
         sites, again = list[list[Expr]](), list[int]()
@@ -234,17 +236,17 @@ class Blocks:
 
 
 def _lists_reasons(condition: Expr | None) -> bool:
-    """Return whether the condition lists many reasons: most steps have none of them, and the branch tests each again.
+    """Return whether the condition is a disjunction of many reasons: in most steps none holds, and the branch tests each again.
 
-    Terms that both the test and the branch need are then computed again instead of named: the test stops at the first
-    reason that applies.
+    Terms that both the test and the branch need are then computed twice instead of named, because the test stops at the
+    first reason that holds.
     """
     parts = condition.parts if isinstance(condition, And) else (condition,)
-    return any(isinstance(part, Or) and len(part.parts) >= FEWEST_REASONS for part in parts)
+    return any(isinstance(part, Or) and len(part.parts) >= _FEWEST_REASONS for part in parts)
 
 
 def _chosen(condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
-    """The targets where the condition holds or fails, if it is what chooses them."""
+    """Return the targets for a known truth value of the condition: of a choice by it, the chosen branch."""
     left: list[tuple[str, Expr]] = []
     for name, term in targets:
         if isinstance(term, (Choose, ChooseBool)) and term.condition is condition:

@@ -1,4 +1,4 @@
-"""Terms as straight-line numpy: one call a term, each shared term once, its memory given back after its last use."""
+"""Terms as straight-line numpy code: one call for each term, shared terms once, memory released after the last use."""
 
 from __future__ import annotations
 
@@ -34,9 +34,10 @@ Function = Callable[..., tuple[list[Array], ...]]
 
 
 def to_function(name: str, arguments: Mapping[str, Sequence[Var]], results: Sequence[Sequence[Expr]]) -> str:
-    """Return the source of a function over lists of arrays, one array a variable; it returns one list of arrays a result group.
+    """Return the source of a function over lists of arrays, with one array for each variable.
 
-    The first argument must have at least one variable: constant results take their length from its first array.
+    The function returns one list of arrays for each group of `results`. The first argument must have at least one variable,
+    since constant results get their length from its first array.
     """
     names: dict[Expr, str] = {}
     lines: list[str] = []
@@ -78,12 +79,12 @@ def _statements(names: dict[Expr, str], results: Sequence[Expr]) -> list[str]:
 
 
 def _array(term: Expr, names: Mapping[Expr, str], length: str) -> str:
-    """A constant result still has to be an array."""
+    """Return the array of a result; a constant becomes an array of the given length."""
     return f"np.full({length}, {names[term]})" if isinstance(term, (Lit, Truth)) else names[term]
 
 
 def _last_uses(order: Sequence[Node], results: Sequence[Expr]) -> dict[Expr, int]:
-    """Position of the last use of every computed term that is not itself a result: its memory is given back there."""
+    """Return the position of the last use of every computed term that is no result: its memory is released there."""
     last: dict[Expr, int] = {}
     for number, node in enumerate(order):
         for part in operands(node):

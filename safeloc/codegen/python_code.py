@@ -1,4 +1,4 @@
-"""A system's moves as Python text that reads like its transition table."""
+"""A system's moves as Python text, with branches as in its transition table."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from safeloc.language.terms import in_order, variables
 
 
 def to_python(system: TransitionSystem) -> str:
-    """Return the source text: functions step, begin (with moving, which keeps the state), run, history and outputs."""
+    """Return the source text: functions step, begin (with moving, which stores the state), run, history and outputs."""
     if any(isinstance(node, Past) for node in in_order(system.next.values())):
-        raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
+        raise InputError(f"{system.name}: past operators cannot run; `observe` the property first.")
     names = _names([*system.state, *system.inputs])
     held, read = [names[var] for var in system.state], [names[var] for var in system.inputs]
     body = _Body(system, names)
@@ -36,17 +36,17 @@ def to_python(system: TransitionSystem) -> str:
         f"{body.text(_Moved(held), '        ')}    return {state}\n\n\n"
         "def history(rows, state):\n    tick, now = begin(state)\n    states = []\n    for row in rows:\n"
         "        tick(row)\n        states.append(now())\n    return states\n\n\n"
-        f"{_told('outputs', names, list(system.state), list(system.outputs.values()))}"
+        f"{_function('outputs', names, list(system.state), list(system.outputs.values()))}"
     )
 
 
 def terms_to_python(reads: Sequence[Var], terms: Sequence[Expr]) -> str:
-    """Return the source text of a function of a row of values of `reads`; without cases, so quickly made."""
-    return _told("terms", _names(reads), reads, terms)
+    """Return the source text of a function of one row of values of `reads`; it is quick to generate, since no cases are split."""
+    return _function("terms", _names(reads), reads, terms)
 
 
 def rows_to_python(rows: Mapping[str, Sequence[Var]], terms: Sequence[Expr]) -> str:
-    """Return the source text of a function of several rows of values, by their names; it takes out of them what it reads."""
+    """Return the source text of a function of several rows of values; it unpacks only the values that the terms read."""
     names = _names(var for row in rows.values() for var in row)
     read = set(variables(terms))
     given = "".join(
@@ -59,18 +59,18 @@ def rows_to_python(rows: Mapping[str, Sequence[Var]], terms: Sequence[Expr]) -> 
     return f"def terms({', '.join(rows)}):\n{given}{_lines(shown, _shown, '    ')}"
 
 
-def _told(name: str, names: Mapping[Var, str], reads: Sequence[Var], terms: Sequence[Expr]) -> str:
+def _function(name: str, names: Mapping[Var, str], reads: Sequence[Var], terms: Sequence[Expr]) -> str:
     shown = Blocks(PythonTerms(names)).ending([(f"out_{number}", term) for number, term in enumerate(terms)])
     given = f"    {_tuple(names[var] for var in reads)} = state\n" if reads else ""
     return f"def {name}(state):\n{given}{_lines(shown, _shown, '    ')}"
 
 
 Leaf = Callable[[Sequence[str]], list[str]]
-"""The statements at the end of a branch, from the targets' values."""
+"""A function from the targets' values to the statements at the end of a branch."""
 
 
 class _Body:
-    """The moves of a system, stage by stage; what a stage moves has moved for the stages behind it."""
+    """The moves of a system, stage by stage; later stages read the values that earlier ones computed."""
 
     def __init__(self, system: TransitionSystem, names: Mapping[Var, str]) -> None:
         self._names = names
@@ -80,11 +80,11 @@ class _Body:
 
     @property
     def at_once(self) -> bool:
-        """All variables move at the end of the step; else stage by stage."""
+        """True if all variables move at the end of the step, False if they move stage by stage."""
         return len(self._stages) == 1
 
     def text(self, leaf: Leaf, indent: str) -> str:
-        """The statements; `leaf` says what is done with the state after the step and the fired numbers."""
+        """Return the statements; `leaf` gives those that use the state after the step and the fired numbers."""
         if self.at_once:
             return _lines(self._stages[0][1], leaf, indent)
         kept = {var: self._before(var) for stage, _ in self._stages for var in stage.before.values()}
@@ -111,7 +111,7 @@ class _Body:
 
 
 def _lines(block: Block, leaf: Leaf, indent: str) -> str:
-    """The statements as text."""
+    """Return the statements as text."""
     text = ""
     for statement in block:
         match statement:
@@ -132,9 +132,9 @@ def _lines(block: Block, leaf: Leaf, indent: str) -> str:
 
 @dataclass(frozen=True)
 class _Returned:
-    """The state after and the fired numbers are the result; a state that stays as it was is not built again.
+    """End of a branch of `step`: returns the state after the step and the fired numbers.
 
-    kept  the names still have their values from before the step
+    kept  the names still have their values from before the step, so that an unchanged state is returned as it is
     """
 
     held: list[str]
@@ -148,7 +148,7 @@ class _Returned:
 
 @dataclass(frozen=True)
 class _Left:
-    """The values get their names, all at once, and the stage is left."""
+    """End of a branch of one stage: assigns all values at once, and leaves the stage."""
 
     names: list[str]
 
@@ -158,7 +158,7 @@ class _Left:
 
 @dataclass(frozen=True)
 class _Moved:
-    """The values become the state, all at once, and the loop goes on; what does not change is not touched."""
+    """End of a branch of `run`: assigns the changed state variables at once, and continues the loop."""
 
     held: list[str]
 
@@ -168,7 +168,7 @@ class _Moved:
 
 @dataclass(frozen=True)
 class _Ticked:
-    """The first values become the state, the rest are the result; then the next row is awaited."""
+    """End of a branch of `moving`: assigns the state, yields the fired numbers, and waits for the next row."""
 
     held: list[str]
 
@@ -186,7 +186,7 @@ def _assigned(held: Sequence[str], values: Sequence[str]) -> list[str]:
 
 
 def _names(variables: Iterable[Var]) -> dict[Var, str]:
-    """A Python name for every variable: its own letters, and a number where another one has that name already."""
+    """Return a Python name for every variable: its letters and digits, with a number if the name is taken already."""
     names: dict[Var, str] = {}
     taken: set[str] = set()
     for var in variables:

@@ -1,4 +1,4 @@
-"""Terms as Python expressions, over whatever already has a name."""
+"""Terms as Python expressions, over terms that already have a name."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class PythonTerms(Writing):
         self._passing = 0
 
     def code(self, term: Expr) -> str:
-        """The term as an expression that may stand alone, as a value or as a test."""
+        """Return the term as an expression that can stand alone, as a value or as a test."""
         if term in self.named:
             return self.used(self.named[term])
         assert isinstance(term, Node)
@@ -89,12 +89,12 @@ class PythonTerms(Writing):
             case _:
                 assert_never(term)
 
-    def twice(self, node: Expr) -> tuple[Expr, ...]:  # noqa: ARG002 # says of every node the same
-        """None: a part that is read twice gets its name where it is read first."""
+    def twice(self, node: Expr) -> tuple[Expr, ...]:  # noqa: ARG002 # the same for every node
+        """Return no operands: an operand that is read twice gets its name at the first reading, by `:=`."""
         return ()
 
     def _twice_read(self, term: Expr) -> tuple[str, str]:
-        """The term's name, and its text where it is read first."""
+        """Return the term's name, and its text for the first reading, which assigns the name."""
         if term in self.named or isinstance(term, (Lit, Truth)):
             return self._part(term), self._part(term)
         self._passing += 1
@@ -102,18 +102,18 @@ class PythonTerms(Writing):
         return name, f"({name} := {self.code(term)})"
 
     def _part(self, term: Expr) -> str:
-        """The term as part of an expression."""
+        """Return the term as an operand, in brackets if necessary."""
         bare = term in self.named or isinstance(term, (Lit, Truth))
         return self.code(term) if bare else f"({self.code(term)})"
 
     def _sides(self, term: Compare) -> tuple[str, str, str]:
-        """A comparison, the constant last."""
+        """Return left side, operator and right side of a comparison, with a constant on the right."""
         if isinstance(term.left, Lit):
             return self._part(term.right), _MIRRORED[term.op], self._part(term.left)
         return self._part(term.left), term.op, self._part(term.right)
 
     def _conjunction(self, parts: Sequence[Bool]) -> str:
-        """All parts; two neighbours that say low <= x and x <= high are written as one."""
+        """Return the conjunction; neighbours low <= x and x <= high become one chained comparison."""
         texts, rest = list[str](), list(parts)
         while rest:
             match rest:

@@ -1,8 +1,8 @@
-"""Terms where something is known: what the facts decide is folded away, and what becomes equal becomes one node.
+"""Simplification of terms under known facts: decided parts are folded away, and equal terms become one node.
 
-    Known({present: FALSE})(term)    what is left of the term where nothing is present
+    Known({present: FALSE})(term)    the rest of the term if the input is absent
 
-Units of folded terms are not kept: back ends compute with plain numbers.
+Folded terms may lose their units: back ends compute with plain numbers.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from safeloc.language.nodes import (
 from safeloc.language.terms import children, rebuilt
 from safeloc.language.units import Enumeration
 
-MOST_VALUES = 16
+_MOST_VALUES = 16
 _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
     Add: lambda a, b: a + b,
     Sub: lambda a, b: a - b,
@@ -49,7 +49,7 @@ _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
 
 
 class Known:
-    """Folds terms under facts: term -> the constant it is."""
+    """Folds terms under facts, given as term -> the term that replaces it, mostly its constant value."""
 
     def __init__(self, facts: Mapping[Expr, Expr]) -> None:
         self._done: dict[Expr, Expr] = dict(facts)
@@ -58,9 +58,9 @@ class Known:
         self._distances: dict[tuple[int, int], Expr] = {}
 
     def under(self, facts: Mapping[Expr, Expr]) -> Known:
-        """Return the same where more is known, for the terms that were asked of this one and that it left as they were.
+        """Return a simplifier under further facts that reuses the results for terms that this one left unchanged.
 
-        Only what is made of a fact is looked at again.
+        It visits only terms that contain one of the facts again.
         """
         if not self._settled:
             return Known(facts)
@@ -81,7 +81,7 @@ class Known:
 
     @cached_property
     def _wholes(self) -> Mapping[Expr, Sequence[Expr]]:
-        """Of each term, what is made of it."""
+        """The terms that contain each term as an operand."""
         found: dict[Expr, list[Expr]] = {}
         for node in self._done:
             for part in children(node):
@@ -89,7 +89,7 @@ class Known:
         return found
 
     def __call__(self, term: Expr) -> Expr:
-        """The term under the facts; of a decided choice only the chosen branch is looked at."""
+        """Return the term under the facts; of a decided choice only the chosen branch is visited."""
         done = self._done
         if term in done:
             return done[term]
@@ -146,12 +146,12 @@ class Known:
             return then
         chosen = rebuilt(node, (condition, then, other))
         values = self._values(then) | self._values(other)
-        if self._values(then) and self._values(other) and len(values) <= MOST_VALUES:
+        if self._values(then) and self._values(other) and len(values) <= _MOST_VALUES:
             self._among[chosen] = values
         return chosen
 
     def _distance(self, term: Expr) -> Expr:
-        """Normalize a distance |a - b| to one order of its two terms."""
+        """Return a distance |a - b| in the order of its two terms that occurred first; any other term unchanged."""
         if not isinstance(term, Max) or not isinstance(term.left, Sub) or not is_magnitude(term):
             return term
         one, two = id(term.left.left), id(term.left.right)
@@ -160,7 +160,7 @@ class Known:
         return self._distances.setdefault((one, two), term)
 
     def _values(self, term: Expr) -> frozenset[int]:
-        """The constants a term is one of; empty if that is not known."""
+        """Return the possible values of a term that is always one of a few constants; empty if unknown."""
         return frozenset((term.value,)) if isinstance(term, Lit) else self._among.get(term, frozenset())
 
     def _comparison(self, node: Compare, left: Expr, right: Expr) -> Expr:
@@ -175,7 +175,7 @@ class Known:
 
 
 def _shape(term: Expr) -> tuple[object, ...]:
-    """Return the key of a node: two nodes with shared parts are equal if their keys are."""
+    """Return the key of a node: two nodes with shared parts and equal keys have the same value."""
     parts = children(term)
     if isinstance(term, Lit):
         return (Lit, term.value, term.unit if isinstance(term.unit, Enumeration) else None)  # a member keeps its label
@@ -188,7 +188,7 @@ def _shape(term: Expr) -> tuple[object, ...]:
     if isinstance(term, FloorDiv):
         return (FloorDiv, term.divisor, id(parts[0]))
     if isinstance(term, (Add, Mul, Min, Max)):
-        return (type(term), *sorted(map(id, parts)))  # in either order the same
+        return (type(term), *sorted(map(id, parts)))  # the order of operands does not matter
     return (type(term), *map(id, parts))
 
 
@@ -222,8 +222,8 @@ def _arithmetic(node: Add | Sub | Mul | Min | Max, left: Expr, right: Expr) -> E
 
 
 def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
-    """Return the facts that follow if the condition holds, or fails: also for all parts of a conjunction, or
-    disjunction."""
+    """Return the facts that follow if the condition holds (or fails), also for the parts of a conjunction (or
+    disjunction)."""
     known: dict[Expr, Expr] = {condition: TRUE if holds else FALSE}
     if isinstance(condition, Not):
         known |= implied(condition.inner, not holds)
@@ -234,7 +234,7 @@ def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
 
 
 def work(terms: Sequence[Expr]) -> int:
-    """Count the work: every operation once, and every condition once, however many choices use it."""
+    """Return the work to compute the terms: one for each operation and for each condition, however many choices use it."""
     seen, conditions, operations = set[Expr](), set[Expr](), 0
     left = [*terms]
     while left:

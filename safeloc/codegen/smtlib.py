@@ -1,8 +1,8 @@
-"""SMT-LIB2 text of a query, written from our own terms: z3 has no part in it.
+"""SMT-LIB 2 text of a query, written from our own terms without z3.
 
-A query states hypotheses and goals over free variables; each goal follows from the hypotheses exactly when the
-answer to its `check-sat` is `unsat`. Shared sub-terms become definitions, so the text stays as small as the terms.
-Witness functions are definitions too, `|witness 1.2 of x|`: from group 1 of the inputs the second one's term for x.
+A query states hypotheses and goals over free variables; a goal follows from the hypotheses exactly if the answer to its
+`check-sat` is `unsat`. Shared sub-terms become definitions, so the text stays as small as the terms. Witness functions are
+definitions too: `|witness 1.2 of x|` is the term for x in the second witness for group 1 of the inputs.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ _TAKEN = re.compile(
 )
 
 
-FORMAT = "safeloc-certificate/1"
+_FORMAT = "safeloc-certificate/1"
 Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True, eq=False)
 class Query(Generic[Key]):
-    """Hypotheses, and goals that are to follow from them.
+    """Hypotheses, and goals that have to follow from them.
 
-    goals   by a key that no two of them share (an object or a number; what it is as text is for people)
-    about   what the query is part of (system, rule, property, ...), for whoever reads the text without us
-    witnesses  terms that may stand in the place of variables, one mapping each; nothing is said of them here
+    goals   by distinct keys (objects or numbers; their text is for people only)
+    about   the context of the query (system, rule, property, ...), for a reader of the text alone
+    witnesses  proposed terms for variables, one mapping for each witness; the query claims nothing about them
     """
 
     name: str
@@ -59,13 +59,13 @@ class Query(Generic[Key]):
 
 
 def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
-    """Return the query as text with one `check-sat` a goal; every answer is expected to be `unsat`.
+    """Return the query as text with one `check-sat` for each goal; the expected answer is always `unsat`.
 
-    relies_on  files of the certificates whose results are hypotheses here
+    relies_on  files of the certificates whose results are hypotheses of this query
     """
     names: dict[Expr, str] = {}
-    told = {(key, var): term for key, witness in query.witnesses.items() for var, term in witness.items()}
-    nodes = in_order([*query.hypotheses, *query.goals.values(), *told.values()])
+    witnesses = {(key, var): term for key, witness in query.witnesses.items() for var, term in witness.items()}
+    nodes = in_order([*query.hypotheses, *query.goals.values(), *witnesses.values()])
     logic = "QF_NIA" if any(_is_product(node) for node in nodes) else "QF_LIA"
     lines = [f"; {_comment(line)}" for line in _header(query, relies_on)]
     lines += [f"(set-logic {logic})", "(set-info :status unsat)"]
@@ -73,7 +73,8 @@ def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
         lines += _line(node, names, number)
     lines += [f"(assert {names[term]})" for term in query.hypotheses]
     lines += [
-        f"(define-fun |witness {key} of {var.name}| () {_sort(var)} {names[term]})" for (key, var), term in told.items()
+        f"(define-fun |witness {key} of {var.name}| () {_sort(var)} {names[term]})"
+        for (key, var), term in witnesses.items()
     ]
     for key, goal in query.goals.items():
         lines += ["(push 1)", f"; {_comment(str(key))}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
@@ -82,7 +83,7 @@ def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
 
 def _header(query: Query[Key], relies_on: Sequence[str]) -> list[str]:
     about = [f"{key}: {value}" for key, value in query.about.items()]
-    return [FORMAT, f"name: {query.name}", *about, *(f"relies on: {file}" for file in relies_on)]
+    return [_FORMAT, f"name: {query.name}", *about, *(f"relies on: {file}" for file in relies_on)]
 
 
 def _is_product(node: Node) -> bool:
@@ -90,12 +91,12 @@ def _is_product(node: Node) -> bool:
 
 
 def _comment(text: str) -> str:
-    """On one line, whatever a name holds: the rest of it must not become a command."""
+    """Return the text on one line, so that no part of it becomes a command."""
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:
-    """Registers the node's name, and declares or defines it where it is more than a constant."""
+    """Register the node's name, and return its declaration or definition; none for a constant."""
     if isinstance(node, (Lit, Truth)):
         names[node] = _text(node, names)
         return []
@@ -107,7 +108,7 @@ def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:
 
 
 def _symbol(name: str) -> str:
-    """A variable's name in the text. `|true|` would be true itself and `|t5|` a term of ours: those end in an apostrophe."""
+    """Return a variable's symbol; names with another meaning (`|true|`, or `|t5|` for a definition) get an apostrophe."""
     taken = _TAKEN.fullmatch(name.rstrip("'"))
     return f"|{name}'|" if taken else f"|{name}|"
 

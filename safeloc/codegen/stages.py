@@ -1,8 +1,8 @@
-"""A composition's moves machine by machine: each reads what the machines before it have come to in the same step.
+"""A composition's moves machine by machine: each machine reads the new values of the machines before it in the same step.
 
-A machine of the whole hears terms over the state of earlier machines after the step. Written out in one piece, what an earlier
-machine computes would stand in every later one. Here it is cut off: where a term gives an earlier machine's variable its
-next value, a variable stands for that value.
+The wires of a machine carry terms over the state of earlier machines after the step. In one piece, the code of every machine
+would repeat the computations of all earlier ones. Therefore these are cut off: if a term is the next value of an earlier
+machine's variable, a variable takes its place.
 
     stages(system)  ->  [Stage("motion", moved={distance: ...}, ...), Stage("odometry", ...), ...]
 
@@ -21,13 +21,13 @@ from safeloc.language.terms import Substitution, variables
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """Some of the state variables and how they move: over their state before the step, inputs, `after` and `before`.
+    """The moves of one machine, over its state before the step, the inputs, and the variables of `after` and `before`.
 
-    name    of the machine
-    moved   state variable -> term
-    fired   variable that names the machine -> term for the transition that fires
-    after   what stands for a variable of an earlier stage after the step -> that variable
-    before  what stands for a variable of an earlier stage before the step -> that variable
+    name    the machine's name
+    moved   state variable -> term for its next value
+    fired   the machine's fired variable -> term for the transition that fires
+    after   variable that represents a variable of an earlier stage after the step -> that variable
+    before  variable that represents a variable of an earlier stage before the step -> that variable
     """
 
     name: str
@@ -38,22 +38,22 @@ class Stage:
 
 
 def stages(system: TransitionSystem) -> list[Stage]:
-    """Return the stages in the order of the step; together they move every state variable and tell every fired transition."""
+    """Return the stages in the order of the step; together they compute every state variable and every fired transition."""
     found: list[Stage] = []
     earlier, cut = list[Var](), dict[Expr, Var]()
     after: dict[Var, Var] = {}
     for name, group, fired in _groups(system):
         whole = Substitution({}, cut.items())
         moved = {var: whole(system.next[var]) for var in group}
-        told = {var: whole.num(system.fired[var]) for var in fired}
-        read = set(variables([*moved.values(), *told.values()])).intersection(earlier)
+        numbers = {var: whole.num(system.fired[var]) for var in fired}
+        read = set(variables([*moved.values(), *numbers.values()])).intersection(earlier)
         before = {var: replace(var, name=f"{var.name} before") for var in earlier if var in read}
         past = Substitution(before)
         found.append(
             Stage(
                 name,
                 {var: past(term) for var, term in moved.items()},
-                {var: past.num(term) for var, term in told.items()},
+                {var: past.num(term) for var, term in numbers.items()},
                 dict(after),
                 {kept: var for var, kept in before.items()},
             )
@@ -71,18 +71,18 @@ def at_once(system: TransitionSystem) -> Stage:
 
 
 def _groups(system: TransitionSystem) -> list[tuple[str, list[Var], list[NumVar]]]:
-    """Name, state variables and fired variables of each stage; what is of no machine comes last."""
+    """Return name, state variables and fired variables of each stage; state variables of no machine (observers) come last."""
     fired = list(system.fired)
     if not system.stages or len(system.stages) != len(fired) or len(fired) != len(system.machines):
         return [(system.name, list(system.state), fired)]
     groups = [
-        (machine.name, [var for var in system.state if var in members], [told])
-        for machine, members, told in zip(system.machines, system.stages, fired, strict=True)
+        (machine.name, [var for var in system.state if var in members], [number])
+        for machine, members, number in zip(system.machines, system.stages, fired, strict=True)
     ]
     others = [var for var in system.state if not any(var in members for members in system.stages)]
     return [*groups, (system.name, others, [])] if others else groups
 
 
 def _is_cut(var: Var, moved: Expr) -> bool:
-    """Return whether the term belongs to this variable only: a constant or another variable does not."""
+    """Return whether the next value identifies the variable: a constant or another variable does not."""
     return moved is var or (not isinstance(moved, Var) and bool(variables([moved])))

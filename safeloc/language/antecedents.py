@@ -1,11 +1,11 @@
-"""The antecedents of a property, its cases: the trigger of `within`, and the condition before `implies`.
+"""The antecedents (cases) of a property: the trigger of `within`, and the condition before `implies`.
 
 If such a case never occurs, the property is vacuously true. `p.implies(q)` is `~p | q`, so every disjunction has the
 case that its first part is false. That includes a plain `a | b`: b is never needed if a always holds. `a.iff(b)` and
 `x.one_of(...)` have no case, since they require something in every step.
 
-In a composition a wire may carry a constant, which simplifies the property first: `ite(p, a, b)` becomes `p | b` where a is
-true, and its case is `~p`; `p | a` becomes p where a is false, and has no case.
+A wire of a composition may carry a constant, which simplifies the property before its cases are listed: `ite(p, a, b)`
+becomes `p | b` if a is true, and its case is `~p`; `p | a` becomes p if a is false, and has no case.
 """
 
 from __future__ import annotations
@@ -15,33 +15,33 @@ from dataclasses import dataclass, replace
 
 from safeloc.language.composition import inherited_term
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
+from safeloc.language.first_values import Initial
 from safeloc.language.folding import settled
-from safeloc.language.machine import Initial
 from safeloc.language.nodes import And, Compare, Not, Or
 from safeloc.language.render import infix
 from safeloc.language.spec import Goal, Property, always, observe, once, previous, reachable
 from safeloc.language.system import Part, TransitionSystem
 from safeloc.language.terms import Substitution, alike, conjuncts, variables
 
-LONGEST = 110
+_LONGEST = 110
 
 
 @dataclass(frozen=True, eq=False)
 class Antecedent:
-    """A case without which a property requires nothing, or one of its parts does not."""
+    """A case of a property: if it never occurs, the property, or one of its parts, requires nothing."""
 
     prop: Property
     term: Bool
 
     @property
     def words(self) -> str:
-        """For the reader; long terms are shortened."""
+        """The case in words for a reader; long terms are shortened."""
         what = "its trigger" if self.prop.kind == "within" else "the case"
-        return f"{what} ({infix(self.term, LONGEST)})"
+        return f"{what} ({infix(self.term, _LONGEST)})"
 
 
 def antecedents(prop: Property) -> list[Bool]:
-    """Return the cases of a property, in order; none for `reachable`, and none for what is required in every step."""
+    """Return the cases of a property, in order; none for `reachable`, and none for parts required in every step."""
     if prop.kind == "within":
         return [prop.term]
     if prop.kind == "reachable":
@@ -50,14 +50,14 @@ def antecedents(prop: Property) -> list[Bool]:
 
 
 def cases(prop: Property) -> list[Antecedent]:
-    """Return the same, with the property they are of."""
+    """Return the cases of a property, in order, each together with the property."""
     return [Antecedent(prop, term) for term in antecedents(prop)]
 
 
 def occurs(system: TransitionSystem, antecedent: Antecedent, name: str) -> Goal:
-    """Return the goal that the case occurs where the property looks at it, under what the property relies on.
+    """Return the goal that the case occurs in a state or step that the property looks at, under the property's assumption.
 
-    A property that looks at steps does not see a case that only the first state is.
+    A property that looks at steps does not see a case that occurs in the first state only.
     """
     prop, term = antecedent.prop, antecedent.term
     goal = _comes(system, prop, term, name)
@@ -66,54 +66,54 @@ def occurs(system: TransitionSystem, antecedent: Antecedent, name: str) -> Goal:
 
 
 def case_name(prop: Property, place: int) -> str:
-    """Return the name of the result about one case; the first case of a property is number 1."""
+    """Return the name of the result about one case; `place` counts from 1."""
     return f"case {place} of {prop.name}"
 
 
 def occurs_alone(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
-    """Return a machine of a composition, and the goal that a case of the whole, by place from 0, occurs in it by itself.
+    """Return one machine of a composition, and the goal that a case of a property occurs in this machine by itself.
 
-    Under what the machine's own property relies on, where it is kept by one; else where the case speaks of one machine
-    only. None where it is neither.
+    The case is given by its place, from 0. The machine is the one whose property is inherited, under the assumption of
+    that property; otherwise the only machine whose variables the case reads. None if there is no such machine.
     """
-    return _kept_case(system, prop, place) or _case_of_one(system, cases(prop)[place])
+    return _inherited_case(system, prop, place) or _case_of_one(system, cases(prop)[place])
 
 
-def _kept_case(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
+def _inherited_case(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
     if prop.kept_by is None:
         return None
-    machine, own = prop.kept_by
+    machine, original = prop.kept_by
     part = next(part for part in system.parts if part.machine is machine)
-    for mine in cases(own)[place : place + 1]:  # none where wires have made a case that the machine's property has not
-        if _becomes(part, mine, cases(prop)[place]):
-            return part, occurs(part.alone, mine, "case")
+    for case in cases(original)[place : place + 1]:  # none if a wire made a case that the machine's property lacks
+        if _becomes(part, case, cases(prop)[place]):
+            return part, occurs(part.alone, case, "case")
     return None
 
 
-def _becomes(part: Part, mine: Antecedent, case: Antecedent) -> bool:
-    """Return whether a case of a machine's own property, as a term of the composition, is this inherited case."""
-    return alike(settled(inherited_term(part.into, replace(mine.prop, term=mine.term))), case.term)
+def _becomes(part: Part, original: Antecedent, inherited: Antecedent) -> bool:
+    """Return whether a case of a machine's property, rewritten as a term of the composition, is the inherited case."""
+    return alike(settled(inherited_term(part.into, replace(original.prop, term=original.term))), inherited.term)
 
 
 def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal] | None:
     for part in system.parts if case.prop.further_assumption is TRUE else ():
         term = _over(part, case.term)
         if term is not None:
-            own = always("case", ~term, unconditional=case.prop.unconditional)
-            return part, occurs(part.alone, Antecedent(own, term), "case")
+            never_occurs = always("case", ~term, unconditional=case.prop.unconditional)
+            return part, occurs(part.alone, Antecedent(never_occurs, term), "case")
     return None
 
 
 def _over(part: Part, term: Bool) -> Bool | None:
     """Rewrite a term of the composition over one machine's own variables; None if it reads others or wired inputs."""
-    own = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
-    back = {twin: var for var in own if isinstance(twin := part.into(var), Var)}
+    machine_variables = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
+    back = {into: var for var in machine_variables if isinstance(into := part.into(var), Var)}
     replaced: dict[Var, Expr] = {}
     for var in variables([term]):
-        mine = back.get(var if var.before is None else var.before)
-        if mine is None:
+        twin = back.get(var if var.before is None else var.before)
+        if twin is None:
             return None
-        replaced[var] = mine if var.before is None else before(mine) if isinstance(mine, NumVar) else was(mine)
+        replaced[var] = twin if var.before is None else before(twin) if isinstance(twin, NumVar) else was(twin)
     return Substitution(replaced).bool(term)
 
 
@@ -124,7 +124,11 @@ def of_states(system: TransitionSystem, prop: Property) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """An observer: `term` is true after a step in which the case occurred; `moves` and `initial` are its variables."""
+    """An observer of a case: `term` is true after a step in which the case occurred.
+
+    moves    observer variable -> its next value
+    initial  observer variable -> its first value
+    """
 
     term: Bool
     moves: Mapping[Var, Expr]
@@ -135,13 +139,13 @@ def seen(system: TransitionSystem, antecedent: Antecedent, name: str) -> Seen:
     """Build the observer that shows after each step whether the case occurred."""
     if of_states(system, antecedent.prop):
         return Seen(antecedent.term, {}, {})
-    # `previous` keeps what was so in the last step; what the goal adds to it, that it ever was so, is left out
+    # `previous` stores the value of the last step; the last observer, by which the goal stores whether it was ever true, is dropped
     goal = _comes(system, antecedent.prop, previous(antecedent.term), name)
-    *kept, _ = goal.observers
-    flag = kept[-1]
+    *observers, _ = goal.observers
+    flag = observers[-1]
     assert isinstance(flag, BoolVar)
-    moves = {var: goal.system.next[var] for var in kept}
-    return Seen(flag, moves, {var: goal.system.initial[var] for var in kept})
+    moves = {var: goal.system.next[var] for var in observers}
+    return Seen(flag, moves, {var: goal.system.initial[var] for var in observers})
 
 
 def _comes(system: TransitionSystem, prop: Property, term: Bool, name: str) -> Goal:
@@ -156,7 +160,7 @@ def _is_claim(term: Or) -> bool:
 
 
 def _is_iff(term: Or) -> bool:
-    """(p and q) or (not p and not q)."""
+    """Return whether the term has the form (p and q) or (not p and not q)."""
     if len(term.parts) != 2:
         return False
     both, neither = term.parts
@@ -170,7 +174,7 @@ def _opposite(one: Bool, other: Bool) -> bool:
 
 
 def _is_choice(term: Or) -> bool:
-    """One number, compared with constants."""
+    """Return whether every part compares the same number with a constant."""
     compared = [
         part for part in term.parts if isinstance(part, Compare) and part.op == "==" and isinstance(part.right, Lit)
     ]

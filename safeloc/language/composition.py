@@ -1,8 +1,8 @@
-"""Several machines as one step: wired output to input, in declared order, synchronously.
+"""Synchronous composition: several machines take one step together, in declared order, wired output to input.
 
-A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
+A later machine reads the values that an earlier one computed in the same step, so a fault acts without delay.
 
-The assumption of each machine is assumed by the composition too, unless the machine is named in `discharge`: then it is
+The composition assumes the assumption of each machine, unless the machine is named in `discharge`: then the assumption is
 proved from the machines before it, together with the lemmas (assume-guarantee, safeloc.proof.provers.inherited). A single
 clause can be discharged as well; the other clauses of that machine are still assumed.
 """
@@ -15,8 +15,10 @@ from dataclasses import dataclass, replace
 from safeloc.errors import ModelError, declared_at
 from safeloc.language.checks.composition import Plan, SharedGhost, check_plan, refuse_ghosts
 from safeloc.language.checks.system import check_system
+from safeloc.language.composed_names import lemma_name
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
-from safeloc.language.machine import Any_, Initial, Machine
+from safeloc.language.first_values import Any_, Initial
+from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import refuse_old_keywords
 from safeloc.language.spec import Property
@@ -26,7 +28,7 @@ from safeloc.language.terms import Sharing, Substitution, variables
 
 @dataclass(frozen=True, eq=False)
 class Clause:
-    """A named part of what a machine assumes."""
+    """One clause of a machine's assumption, by its name."""
 
     machine: Machine
     name: str
@@ -34,24 +36,27 @@ class Clause:
 
 @dataclass(frozen=True, eq=False)
 class Composition:
-    """The composed system, with the rewriting of each machine's terms into terms of the composition."""
+    """The composed system, with the rewriting of each machine's terms into terms of the composition.
+
+    after  variable of a machine -> its value after the step, as a term of the composition
+    """
 
     system: TransitionSystem
     parts: Mapping[Machine, Substitution]
     after: Mapping[Var, Expr]
 
     def of(self, machine: Machine) -> Substitution:
-        """Rewrite terms over one machine's variables into terms of the composition (properties, outputs, lemmas).
+        """Return the rewriting of one machine's terms (properties, outputs, lemmas) into terms of the composition.
 
-        A wired input becomes the term on its wire, as of the step that the property looks at.
+        A wired input becomes the term on its wire, evaluated in the step that the property looks at.
         """
         return self.parts[machine]
 
     def inherited(self, machine: Machine, prop: Property) -> Property:
         """Turn a property of one machine into one of the composition; provers prove it on the machine alone.
 
-        The machine's assumption is assumed by the composition too, or discharged by the machines before it. ModelError
-        for a property with a further assumption, or one that is not of kind `always`.
+        The composition assumes the machine's assumption too, or earlier machines discharge it. Raises ModelError for a
+        property with a further assumption, or one that is not of kind `always`.
         """
         if prop.kind != "always" or prop.further_assumption is not TRUE:
             raise ModelError(
@@ -66,16 +71,6 @@ def inherited_term(into: Substitution, prop: Property) -> Bool:
     term = into.bool(prop.term)
     twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
     return Substitution(twins).bool(term)
-
-
-def lemma_name(machine: Machine, name: str) -> str:
-    """Return the name of a machine's lemma in a composition."""
-    return f"{machine.name}: {name}"
-
-
-def contract_text(machine: str) -> str:
-    """Return the name of the lemma that a machine's discharged assumption becomes in a composition."""
-    return f"what {machine} is owed is kept"
 
 
 def _before(var: Expr) -> Expr:
@@ -94,20 +89,20 @@ def compose(
 ) -> Composition:
     """Combine several machines into one TransitionSystem.
 
-    wires      an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
-               means the state after the step (so an output of theirs is written as `earlier.output("x")`)
+    wires      an input variable of a later machine -> a term over the variables of EARLIER machines; a state variable in
+               it means the state after the step (so an output is written as `earlier.output("x")`)
     shared     input or ghost variables that several machines declare as the same Python object; they appear once
-    discharge  machines whose assumption is proved from the machines before them instead of assumed; or one clause of it
+    discharge  machines whose assumption is proved from the machines before them instead of assumed; or single clauses
 
-    Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for whatever
-    safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire that reads a
-    machine that is not earlier, and a ghost that something on board would hear.
+    Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for every declaration that
+    safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire
+    that reads a machine that is not earlier, and a wire that gives an on-board input the value of a ghost.
     """
     lowered = [(machine, lower(machine)) for machine in machines]
     plan = Plan(name, machines, [system for _, system in lowered], wires, shared, discharge, declared_at())
     check_plan(plan)
     rename: dict[Machine, Substitution] = {}
-    kept: dict[Var, Var] = {var: var for var in shared}
+    unrenamed: dict[Var, Var] = {var: var for var in shared}
     same = Sharing()
     after: dict[Var, Expr] = {}
     plain: dict[Var, Expr] = {}
@@ -117,70 +112,70 @@ def compose(
         name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
     )
     for machine, system in lowered:
-        own = {var: kept[var] if var in kept else _renamed(machine, var) for var in (*system.state, *system.inputs)}
-        told = {var: Substitution(plain)(wires[var]) for var in system.inputs if var in wires}
-        now = Substitution({**own, machine.fired_name: _renamed(machine, machine.fired_name), **told})
+        names = {var: unrenamed.get(var, _renamed(machine, var)) for var in (*system.state, *system.inputs)}
+        wired_now = {var: Substitution(plain)(wires[var]) for var in system.inputs if var in wires}
+        now = Substitution({**names, machine.fired_name: _renamed(machine, machine.fired_name), **wired_now})
         wired = {var: Substitution(after)(wires[var]) for var in system.inputs if var in wires}
-        step = Substitution({**own, **wired})
+        step = Substitution({**names, **wired})
         for var in system.state:
             move = same(step(system.next[var]))
-            moves_alike = moved.setdefault(own[var], move) is move
-            first = merged.initial.get(own[var], system.initial[var])
+            moves_alike = moved.setdefault(names[var], move) is move
+            first = merged.initial.get(names[var], system.initial[var])
             starts_alike = _start(first) == _start(system.initial[var])
             together.append(SharedGhost(var, machine, moves_alike, starts_alike))
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
-        plain |= {**own, **told}
-        owed, assumed = _divided(machine, system, discharge)
+        plain |= {**names, **wired_now}
+        discharged, assumed = _divided(machine, system, discharge)
         ghosts = in_range([var for var in wired if var in system.ghosts])
         part = Part(
             replace(system, name=f"{name} {machine.name}", whole=name),
             now,
-            step.bool(_may_be_heard(system, wired)),
-            step.bool(all_of([ghosts, owed])),
+            step.bool(_wired_inputs_fit(system, wired)),
+            step.bool(all_of([ghosts, discharged])),
             {key: step.bool(term) for key, term in machine.world.terms.items()},
             _guaranteed(machine, discharge),
         )
         rename[machine] = now
         merged = replace(
             merged,
-            state=_union(merged.state, [own[var] for var in system.state]),
-            inputs=_union(merged.inputs, [own[var] for var in system.inputs if var not in wires]),
+            state=_union(merged.state, [names[var] for var in system.state]),
+            inputs=_union(merged.inputs, [names[var] for var in system.inputs if var not in wires]),
             init=all_of([merged.init, now.bool(system.init)]),
             assume=all_of([merged.assume, step.bool(assumed)]),
             outputs={**merged.outputs, **{f"{machine.name}.{key}": now(term) for key, term in system.outputs.items()}},
             fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
             lemmas={
                 **merged.lemmas,
-                **{lemma_name(machine, key): now.bool(term) for key, term in system.lemmas.items()},
+                **{lemma_name(machine.name, key): now.bool(term) for key, term in system.lemmas.items()},
             },
-            ghosts=merged.ghosts | {own[var] for var in system.ghosts if var not in wires},
-            initial={**merged.initial, **{own[var]: value for var, value in system.initial.items()}},
-            optionals=_joined((*merged.optionals, *_kept_optionals(system, own, wires))),
+            ghosts=merged.ghosts | {names[var] for var in system.ghosts if var not in wires},
+            initial={**merged.initial, **{names[var]: value for var, value in system.initial.items()}},
+            optionals=_joined((*merged.optionals, *_unwired_optionals(system, names, wires))),
             parts=(*merged.parts, part),
-            stages=(*merged.stages, frozenset(own[var] for var in system.state) - frozenset(merged.state)),
+            stages=(*merged.stages, frozenset(names[var] for var in system.state) - frozenset(merged.state)),
         )
     refuse_ghosts(plan, together)
-    whole = replace(merged, next=moved)
-    check_system(whole)
-    return Composition(whole, rename, after)
+    composed = replace(merged, next=moved)
+    check_system(composed)
+    return Composition(composed, rename, after)
 
 
-def _may_be_heard(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
-    """Ranges of the inputs that are wired, ghosts apart, and of what is absent among them."""
+def _wired_inputs_fit(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
+    """Return the condition that wired inputs (ghosts apart) are in range, and that absent ones have their canonical value."""
     optionals = [option for option in system.optionals if option.value in wired or option.present in wired]
     return all_of([in_range([var for var in wired if var not in system.ghosts]), absent_is_canonical(optionals)])
 
 
 def _guaranteed(machine: Machine, discharge: Sequence[Machine | Clause]) -> tuple[str, ...]:
-    """The clauses of the machine that earlier machines guarantee, by name."""
+    """Return the names of the machine's clauses that earlier machines guarantee."""
     if machine in discharge:
         return tuple(machine.world.clauses)
     return tuple(one.name for one in discharge if isinstance(one, Clause) and one.machine is machine)
 
 
 def _left(machine: Machine, discharge: Sequence[Machine | Clause]) -> dict[str, Bool]:
-    """The clauses of the machine that the composition assumes, by name."""
+    """Return the clauses of the machine that the composition assumes, by name."""
     guaranteed = _guaranteed(machine, discharge)
     return {name: term for name, term in machine.world.terms.items() if name not in guaranteed}
 
@@ -192,8 +187,8 @@ def _divided(machine: Machine, system: TransitionSystem, discharge: Sequence[Mac
     named = {one.name for one in discharge if isinstance(one, Clause) and one.machine is machine}
     if not named:
         return TRUE, system.assume
-    owed = [term for name, term in machine.world.terms.items() if name in named]
-    return all_of(owed), all_of(_left(machine, discharge).values())
+    discharged = [term for name, term in machine.world.terms.items() if name in named]
+    return all_of(discharged), all_of(_left(machine, discharge).values())
 
 
 def _start(value: Initial) -> Value | Any_:
@@ -215,15 +210,15 @@ def _union(first: tuple[Var, ...], more: Sequence[Var]) -> tuple[Var, ...]:
 
 
 def _joined(optionals: Sequence[Optional]) -> tuple[Optional, ...]:
-    """One for each pair of value and presence: machines that share an optional input share one of them."""
+    """Return one Optional for each pair of value and presence: machines that share an optional input share it."""
     return tuple({(option.value.name, option.present.name): option for option in optionals}.values())
 
 
-def _kept_optionals(system: TransitionSystem, own: Mapping[Var, Var], wires: Mapping[Var, Expr]) -> list[Optional]:
-    kept = []
+def _unwired_optionals(system: TransitionSystem, names: Mapping[Var, Var], wires: Mapping[Var, Expr]) -> list[Optional]:
+    found = []
     for option in system.optionals:
-        value, present = own[option.value], own[option.present]
+        value, present = names[option.value], names[option.present]
         if option.value not in wires and option.present not in wires:
             assert isinstance(value, NumVar) and not isinstance(present, NumVar)
-            kept.append(Optional(value, present))
-    return kept
+            found.append(Optional(value, present))
+    return found

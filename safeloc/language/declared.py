@@ -8,7 +8,7 @@
 
     Machine(inputs=declared.inputs, state=declared.states, world=World(ghosts=declared.ghosts, choices=declared.choices), ...)
 
-Within a role variables stand in the order in which they were declared. That of inputs and state is the order of the fields in C.
+Variables of one role are listed in the order of their declarations. For inputs and state this is the order of the fields in C.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from typing import TypeVar
 
 from safeloc.errors import ModelError, declared_at
 from safeloc.language.expr import BoolVar, NumVar, Optional, Var
-from safeloc.language.machine import Initial
+from safeloc.language.first_values import Initial
 
-Heard = TypeVar("Heard", bound=NumVar | BoolVar | Optional)
-Kept = TypeVar("Kept", bound=NumVar | BoolVar)
+_Input = TypeVar("_Input", bound=NumVar | BoolVar | Optional)
+_Variable = TypeVar("_Variable", bound=NumVar | BoolVar)
 
 
 class Declared:
-    """Collects variables by their roles; ModelError for one that has a role already, or the name of another one."""
+    """Collects variables by role; raises ModelError for a second variable of the same name, also for the same one twice."""
 
     def __init__(self) -> None:
         self._inputs: list[Var | Optional] = []
@@ -35,44 +35,44 @@ class Declared:
 
     @property
     def inputs(self) -> list[Var | Optional]:
-        """What the machine reads in each step."""
+        """The inputs, which the machine reads in each step."""
         return list(self._inputs)
 
     @property
     def states(self) -> dict[Var, Initial]:
-        """What the machine keeps, with first values."""
+        """The machine's state variables, with first values."""
         return dict(self._states)
 
     @property
     def ghosts(self) -> dict[Var, Initial]:
-        """What is so in the world and no device reads, with first values."""
+        """The ghosts (variables of the world that no device reads), with first values."""
         return dict(self._ghosts)
 
     @property
     def choices(self) -> list[Var]:
-        """What the world chooses in each step."""
+        """The variables that the world chooses freely in each step."""
         return list(self._choices)
 
-    def sensor(self, var: Heard) -> Heard:
-        """Give a variable the role of an input: read in each step, of a device, another machine or a person."""
+    def sensor(self, var: _Input) -> _Input:
+        """Give a variable the role of an input: the machine reads it in each step, from a device, another machine or a person."""
         self._once(var.value if isinstance(var, Optional) else var)
         self._inputs.append(var)
         return var
 
-    def state(self, var: Kept, *, first: Initial) -> Kept:
+    def state(self, var: _Variable, *, first: Initial) -> _Variable:
         """Give a variable the role of state, with its first value: a value in its range, or ANY."""
         self._once(var)
         self._states[var] = first
         return var
 
-    def ghost(self, var: Kept, *, first: Initial) -> Kept:
-        """Give a variable the role of a ghost, with its first value; the world's `moves` give it its next ones."""
+    def ghost(self, var: _Variable, *, first: Initial) -> _Variable:
+        """Give a variable the role of a ghost, with its first value; the world's `moves` define its next values."""
         self._once(var)
         self._ghosts[var] = first
         return var
 
-    def choice(self, var: Kept) -> Kept:
-        """Give a variable the role of a choice: any value in its range, anew in each step, within the world's clauses."""
+    def choice(self, var: _Variable) -> _Variable:
+        """Give a variable the role of a choice: in each step the world picks any value in range that its clauses allow."""
         self._once(var)
         self._choices.append(var)
         return var
@@ -81,6 +81,7 @@ class Declared:
         here = declared_at()
         if var.name in self._places:
             raise ModelError(
-                f"{here}: {var.name!r} is declared already, at {self._places[var.name]}; a variable has one role and one name."
+                f"{here}: {var.name!r} is already declared at {self._places[var.name]}; declare each variable once, under a "
+                "name of its own."
             )
         self._places[var.name] = here

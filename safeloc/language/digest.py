@@ -1,8 +1,8 @@
-"""Digests of what a system means.
+"""Digests of the meaning of a system.
 
-declaration_digest  two declarations of one digest move alike and hold the same variables: snapshots carry it, so that
-                    one taken of another declaration is refused
-full_digest         besides all that a proof rests on (assumption, lemmas, ghosts, parts): reports carry it
+declaration_digest  equal for declarations with the same variables and the same moves; snapshots carry it, so that a
+                    snapshot of another declaration is refused
+full_digest         also covers everything that a proof rests on (assumption, lemmas, ghosts, parts); reports carry it
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import hashlib
 from collections.abc import Iterable, Iterator
 
 from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
-from safeloc.language.machine import Any_
+from safeloc.language.first_values import Any_
 from safeloc.language.nodes import Compare, FloorDiv, Past, Truth
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import children, in_order
@@ -19,7 +19,7 @@ from safeloc.language.units import Enumeration
 
 
 def declaration_digest(system: TransitionSystem) -> str:
-    """Return the SHA-256, in hexadecimal, of variables, first values, moves and outputs; places in source files do not count."""
+    """Return the SHA-256, in hexadecimal, of variables, first values, moves and outputs, but not of places in source files."""
     total = hashlib.sha256()
     for line in _lines(system):
         total.update(line.encode("utf-8") + b"\n")
@@ -27,7 +27,7 @@ def declaration_digest(system: TransitionSystem) -> str:
 
 
 def full_digest(system: TransitionSystem) -> str:
-    """Return the SHA-256, in hexadecimal, of all that verdicts depend on: the declaration, and what is assumed and relied on."""
+    """Return the SHA-256, in hexadecimal, of everything that verdicts depend on: declaration, assumption, lemmas, ghosts, parts."""
     total = hashlib.sha256()
     for line in _full_lines(system):
         total.update(line.encode("utf-8") + b"\n")
@@ -45,8 +45,8 @@ def _full_lines(system: TransitionSystem) -> Iterator[str]:
     for part in system.parts:
         yield f"part {part.name!r}"
         yield from _full_lines(part.alone)
-        told = [part.into(var) for var in (*part.alone.state, *part.alone.inputs)]
-        yield from _terms([part.heard, part.owed, *told])
+        translated = [part.into(var) for var in (*part.alone.state, *part.alone.inputs)]
+        yield from _terms([part.heard, part.owed, *translated])
 
 
 def _lines(system: TransitionSystem) -> Iterator[str]:
@@ -72,17 +72,17 @@ def _first(system: TransitionSystem, var: Var) -> str:
 
 
 def _terms(roots: Iterable[Expr]) -> Iterator[str]:
-    """Every node once, by number; then which of them are the roots."""
+    """List every node once, with its number; then the numbers of the roots."""
     roots = list(roots)
     number: dict[int, int] = {}
     for node in in_order(roots):
         number[id(node)] = len(number)
-        yield f"{type(node).__name__} {_told(node)} {[number[id(part)] for part in children(node)]}"
+        yield f"{type(node).__name__} {_data(node)} {[number[id(part)] for part in children(node)]}"
     yield f"roots {[number[id(root)] for root in roots]}"
 
 
-def _told(node: Expr) -> str:
-    """Return the own data of a node: two nodes of one kind with equal parts and equal data are equal."""
+def _data(node: Expr) -> str:
+    """Return the data of a node besides its parts: two nodes of one kind with equal parts and equal data are equal."""
     match node:
         case Lit(value, _) | Truth(value):
             return str(value)

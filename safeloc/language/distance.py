@@ -2,14 +2,14 @@
 
     distance(condition, hidden)  ->  Distance(term, unit, far)
 
-It is 0 or more exactly where the condition holds, and below 0 where it is violated: the number of units by which the
-quantities may still move, or have moved too far. A comparison has the difference of its sides; a conjunction has the least of
-its parts, a disjunction the greatest. Truth values, enumerations and quantities of another unit have no distance: they are
-as far as can be on the side where they stand.
+The distance is 0 or more exactly if the condition holds, and negative if it is violated: the number of units by which the
+quantities may still move, or have moved too far. The distance of a comparison is the difference of its sides, of a
+conjunction the least distance of its parts, of a disjunction the greatest. Truth values, enumerations and quantities of
+another unit have no distance: they count as `far` if they hold and `-far` if not.
 
-The unit is that of the comparison that says what is physically so: the last one that reads what is hidden, else the last
-one. A comparison of a thousandfold is told in the unit itself: the difference is divided by what the hidden quantity is
-multiplied with, rounded down.
+The unit is that of the comparison that states the physical fact: the last one that reads a hidden variable, else the last
+one. If the hidden variable is multiplied by a factor, such as 1000, the difference is divided by this factor and rounded
+down, so that the distance is in the unit itself.
 """
 
 from __future__ import annotations
@@ -46,22 +46,22 @@ from safeloc.language.units import ONE, Enumeration, Unit
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """A term for the distance in `unit`; its value is `far` or `-far` where nothing with a distance decides."""
+    """A term for the distance in `unit`; its value is `far` or `-far` where no comparison with a distance decides."""
 
     term: Num
     unit: Unit
     far: int
 
-    def told(self, value: int) -> int | None:
-        """Return the distance, or None where there is none."""
+    def of_value(self, value: int) -> int | None:
+        """Return the distance for a value of the term; None for a value that stands for no distance."""
         return None if abs(value) >= self.far else value
 
 
 def distance(condition: Bool, hidden: Set[Expr] = frozenset()) -> Distance:
-    """Return the distance of the condition; ModelError for a past operator, which has none in a single step."""
+    """Return the distance of the condition; ModelError for a past operator, which has no distance in a single step."""
     compared = _compared(condition)
-    telling = [one for one in compared if not hidden.isdisjoint(variables([one]))] or compared
-    unit = telling[-1].left.unit if telling else ONE
+    physical = [one for one in compared if not hidden.isdisjoint(variables([one]))] or compared
+    unit = physical[-1].left.unit if physical else ONE
     assert isinstance(unit, Unit)
     gaps = {one: _gap(one, hidden) for one in compared if one.left.unit.same(unit)}
     reach = [abs(end) for ends in bounds([gap.term for gap in gaps.values()]).values() for end in ends]
@@ -70,7 +70,7 @@ def distance(condition: Bool, hidden: Set[Expr] = frozenset()) -> Distance:
 
 
 def _compared(condition: Bool) -> list[Compare]:
-    """The comparisons of numbers, in order; not those in the conditions of choices."""
+    """Return the comparisons of numbers, in order, without those in the conditions of choices."""
     found: list[Compare] = []
     stack: list[Bool] = [condition]
     while stack:
@@ -90,36 +90,36 @@ def _compared(condition: Bool) -> list[Compare]:
 
 @dataclass(frozen=True, eq=False)
 class _Gap:
-    """Right less left of a comparison, and how many of it make one unit of what is hidden."""
+    """The right side minus the left side of a comparison; `scale` of it are one unit of the hidden variable."""
 
     term: Num
     scale: int
 
     def short_of(self, least: int) -> Num:
-        """By how many units it is above this number."""
+        """Return by how many units the term is above this number, rounded down."""
         return floor_div(self.term - least, self.scale)
 
     def beyond(self, most: int) -> Num:
-        """By how many units it is below this number."""
+        """Return by how many units the term is below this number, rounded down."""
         return floor_div(most - self.term, self.scale)
 
 
 def _gap(one: Compare, hidden: Set[Expr]) -> _Gap:
     gap = Sub(one.right, one.left, one.left.unit)
     added, _ = atoms(gap)
-    own = [factor for one, factor in added.items() if one in hidden and one.unit.same(gap.unit)]
-    return _Gap(gap, gcd(*own) or 1)
+    hidden_factors = [factor for one, factor in added.items() if one in hidden and one.unit.same(gap.unit)]
+    return _Gap(gap, gcd(*hidden_factors) or 1)
 
 
 class _Written:
-    """Writes conditions as distances; each once, however often it stands in others."""
+    """Writes conditions as distances, each one once, however often it occurs in others."""
 
     def __init__(self, gaps: Mapping[Compare, _Gap], far: Lit) -> None:
         self._gaps, self._far, self._near = gaps, far, Lit(-far.value, far.unit)
         self._done: dict[tuple[Bool, bool], Num] = {}
 
     def of(self, condition: Bool, *, holds: bool) -> Num:
-        """The distance from where the condition no longer holds, or from where it no longer fails."""
+        """Return the distance to where the condition starts to fail (`holds`), or to where it starts to hold."""
         key = (condition, holds)
         if key not in self._done:
             self._done[key] = self._written(condition, holds=holds)
@@ -140,7 +140,7 @@ class _Written:
             case Compare() | BoolVar() | Truth():
                 return ite(condition, *((self._far, self._near) if holds else (self._near, self._far)))
             case Past():
-                raise ModelError(f"{condition!r} looks back; a distance is that of a single step.")
+                raise ModelError(f"{condition!r} reads earlier steps; a distance is defined for a single step only.")
             case _:
                 assert_never(condition)
 

@@ -1,7 +1,7 @@
-"""The language machines are written in: declaring variables, and building terms from them.
+"""The language of machines: functions that declare variables and build terms.
 
-Two families, `Num` and `Bool`, over whole numbers, enumerations and booleans (safeloc.language.nodes); their operators are
-`+ - * < <= > >= & | ~`, `eq`, `ne`, `one_of`, `implies`, `iff`. Everything else is a function here.
+Terms are of two families, `Num` and `Bool`, over whole numbers, enumerations and booleans (safeloc.language.nodes). Their
+operators are `+ - * < <= > >= & | ~`, `eq`, `ne`, `one_of`, `implies`, `iff`; everything else is a function of this module.
 """
 
 from __future__ import annotations
@@ -89,17 +89,19 @@ class Optional:
     present: BoolVar
 
     def value_or(self, default: Num | int) -> Num:
-        """Return the value, or `default` when absent."""
+        """Return the term for the value, or `default` in steps in which the input is absent."""
         return ite(self.present, self.value, default)
 
 
 def number(name: str, unit: Unit, low: int, high: int) -> NumVar:
-    """Declare a whole-number variable in `unit` with inclusive range; ModelError if it is empty or beyond int64."""
+    """Declare a whole-number variable in `unit` with an inclusive range; ModelError if the range is empty or beyond int64."""
     src = declared_at()
     if any(isinstance(bound, bool) or not isinstance(bound, int) for bound in (low, high)):
-        raise ModelError(f"{src}: range of {name!r} is {low!r}..{high!r}; its bounds must be whole numbers.")
+        raise ModelError(f"{src}: range of {name!r} is {low!r}..{high!r}; give its bounds as whole numbers.")
     if not INT64_MIN <= low <= high <= INT64_MAX:
-        raise ModelError(f"{src}: range of {name!r} is {low}..{high}; it must be non-empty and fit 64 bits.")
+        raise ModelError(
+            f"{src}: range of {name!r} is {low}..{high}; it must be non-empty and fit 64 bits, low end first."
+        )
     return NumVar(name, unit, low, high, None, src)
 
 
@@ -119,7 +121,7 @@ def optional(name: str, unit: Unit, low: int, high: int) -> Optional:
 
 
 def members(name: str, *labels: str) -> tuple[Lit, ...]:
-    """Create a new enumeration; return its members, in order, as constants. ModelError if two have one label."""
+    """Create a new enumeration; return its members, in order, as constants. ModelError if two labels are equal."""
     if len(set(labels)) != len(labels):
         raise ModelError(f"{declared_at()}: {name} has labels {list(labels)}; they must be distinct.")
     enumeration = Enumeration(name, labels)
@@ -135,12 +137,12 @@ def enumeration(constants: tuple[Lit, ...]) -> Enumeration:
 
 
 def before(var: NumVar) -> NumVar:
-    """In a property: the value of a state variable before the step."""
+    """Return, for use in a property, the value of a state variable before the step."""
     return NumVar(f"before.{var.name}", var.unit, var.low, var.high, var, declared_at())
 
 
 def was(var: BoolVar) -> BoolVar:
-    """In a property: the truth value of a state variable before the step."""
+    """Return, for use in a property, the truth value of a state variable before the step."""
     return BoolVar(f"before.{var.name}", var, declared_at())
 
 
@@ -164,7 +166,7 @@ def ite(condition: Bool | bool, then: Num | int, other: Num) -> Num: ...
 
 
 def ite(condition: Bool | bool, then: Expr | int | bool, other: Expr | int | bool) -> Expr:
-    """`then` where the condition holds, else `other`; both of one kind and unit."""
+    """Return the term that is `then` if the condition holds, else `other`; UnitError if their kinds or units differ."""
     condition = as_bool(condition)
     if isinstance(then, (Bool, bool)) and isinstance(other, (Bool, bool)):
         return _choose_bool(condition, as_bool(then), as_bool(other))
@@ -189,27 +191,27 @@ def _choose_bool(condition: Bool, then: Bool, other: Bool) -> Bool:
 
 
 def minimum(left: Num, right: Num | int) -> Num:
-    """Return the smaller one."""
+    """Return the term for the smaller of two numbers."""
     return arith(Min, left, right, min)
 
 
 def maximum(left: Num, right: Num | int) -> Num:
-    """Return the greater one."""
+    """Return the term for the greater of two numbers."""
     return arith(Max, left, right, max)
 
 
 def abs_(term: Num) -> Num:
-    """Return the magnitude."""
+    """Return the term for the magnitude of a number."""
     return maximum(term, -term)
 
 
 def between(low: Num | int, term: Num, high: Num | int) -> Bool:
-    """low <= term <= high."""
+    """Return the condition low <= term <= high."""
     return (as_num(low, term.unit) <= term) & (term <= high)
 
 
 def floor_div(term: Num, divisor: int) -> Num:
-    """term / divisor rounded down: for a lower bound. The unit stays. ModelError if the divisor is not positive."""
+    """Return term / divisor, rounded down (for a lower bound), in the term's unit. ModelError if the divisor is not positive."""
     if isinstance(term.unit, Enumeration):
         raise UnitError(f"{declared_at()}: arithmetic on an enumeration.")
     if isinstance(divisor, bool) or not isinstance(divisor, int) or divisor <= 0:
@@ -220,18 +222,18 @@ def floor_div(term: Num, divisor: int) -> Num:
 
 
 def ceil_div(term: Num, divisor: int) -> Num:
-    """term / divisor rounded up: for an upper bound."""
+    """Return term / divisor, rounded up (for an upper bound), in the term's unit. ModelError if the divisor is not positive."""
     return -floor_div(-term, divisor)
 
 
 def floor_to(term: Num, unit: Unit) -> Num:
-    """Return the term in another unit of the same dimension, rounded down where it is coarser."""
+    """Return the term in another unit of the same dimension, rounded down if that unit is coarser."""
     factor = _factor(term, unit)
     return with_unit(floor_div(_times(term, factor.numerator), factor.denominator), unit)
 
 
 def ceil_to(term: Num, unit: Unit) -> Num:
-    """Return the term in another unit of the same dimension, rounded up where it is coarser."""
+    """Return the term in another unit of the same dimension, rounded up if that unit is coarser."""
     factor = _factor(term, unit)
     return with_unit(ceil_div(_times(term, factor.numerator), factor.denominator), unit)
 
@@ -245,7 +247,7 @@ def exact_to(term: Num, unit: Unit) -> Num:
 
 
 def with_unit(term: Num, unit: Unit) -> Num:
-    """Return the same number under another unit: for the model's own conversions, where no scale table can know better."""
+    """Return the same number with another unit: for conversions that a model defines itself, without a fixed scale."""
     match term:
         case Lit(value, _):
             return Lit(value, unit)

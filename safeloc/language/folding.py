@@ -1,9 +1,9 @@
-"""Terms where some truth values are known: what they decide is left out, nothing else is changed.
+"""Simplification of terms by known truth values: decided branches are removed, and nothing else changes.
 
-    Folding({present: FALSE})(term)    what is left of the term where nothing is present
-    settled(term)                      what is left of it where a wire has put constants in the place of inputs
+    Folding({present: FALSE})(term)    the rest of the term if the input is absent
+    settled(term)                      the rest of the term if wires have replaced inputs by constants
 
-Small on purpose: what is read off its result is claimed without a solver.
+The module is small on purpose: claims that rest on its result are made without a solver.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from safeloc.language.terms import children, in_order, rebuilt
 
 
 class Folding:
-    """Replaces variables by constants and takes the branch of every choice that these decide."""
+    """Replaces variables by constants, and each choice that these decide by its chosen branch."""
 
     def __init__(self, known: Mapping[Var, Truth]) -> None:
         self._done: dict[Expr, Expr] = {var: value for var, value in known.items()}

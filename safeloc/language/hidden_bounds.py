@@ -1,12 +1,12 @@
-"""What a clause says without its hidden variables: the parts that read none, and bounds of sums of hidden ones.
+"""Consequences of a clause that read no hidden variable: its visible parts, and comparisons of bounds of hidden sums.
 
-    divided(clause, hidden)     the parts that read nothing hidden, and the bounds
-    compatible(one, other)      what follows where both bound the same hidden sum: no lower bound is above an upper one
-    all_compatible(bounds)      the same of any number of bounds at once, as one short term for each sum
+    divided(clause, hidden)     the parts that read no hidden variable, and the bounds of sums of hidden variables
+    compatible(one, other)      consequences of bounds of the same hidden sum: no lower bound is above an upper one
+    all_compatible(bounds)      the same for any number of bounds at once, as one short term for each sum
 
-A part is a disjunction. Where just one of its members reads something hidden, and it is a comparison that is linear in that,
-the part is a bound, in force where none of the other members holds. Whatever has another form is left out: nothing follows
-from it here.
+A part is a disjunction. If exactly one of its members reads hidden variables, and it is a comparison that is linear in
+them, the part is a bound, in force while none of the other members holds. Parts of any other form are ignored: this module
+derives nothing from them.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Factors = tuple[tuple[NumVar, int], ...]
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A hidden sum is no less than `low`, and no more than `high`, wherever `when` holds.
+    """A bound of a hidden sum: at least `low`, and at most `high`, while `when` holds; None for an end without a bound.
 
     of   the sum: variables with factors that have no common divisor, the first of them positive
     """
@@ -53,16 +53,16 @@ class Bound:
     high: Num | None = None
 
     def of_other(self, of: Factors) -> Bound:
-        """Return the same bound of another sum, its first factor made positive."""
+        """Return the same bound for another sum; if its first factor is negative, sum and bound change their sign."""
         if not of or of[0][1] > 0:
             return Bound(of, self.when, self.low, self.high)
         turned = tuple((var, -factor) for var, factor in of)
-        low, high = (None if end is None else negated(end) for end in (self.high, self.low))
+        low, high = (None if end is None else _negated(end) for end in (self.high, self.low))
         return Bound(turned, self.when, low, high)
 
     @property
     def key(self) -> tuple[object, ...]:
-        """Equal for bounds of the same sum in the same unit; variables are the same if they are one object."""
+        """A key that is equal for bounds of the same sum in the same unit; variables are compared by identity."""
         bound = self.high if self.low is None else self.low
         assert bound is not None
         unit = bound.unit
@@ -71,13 +71,16 @@ class Bound:
 
     @property
     def reads(self) -> list[Var]:
-        """The variables that decide whether it is in force, and where it lies."""
+        """The variables that determine whether the bound is in force, and its value."""
         return variables([one for one in (self.when, self.low, self.high) if one is not None])
 
 
 @dataclass(frozen=True, eq=False)
 class Divided:
-    """The parts of a clause that read nothing hidden, its bounds, and whether it has other parts besides."""
+    """The parts of a clause that read no hidden variable, and its bounds of hidden sums.
+
+    is_whole  all parts of the clause are visible
+    """
 
     visible: Sequence[Bool]
     bounds: Sequence[Bound] = field(default_factory=tuple)
@@ -85,7 +88,7 @@ class Divided:
 
 
 def divided(clause: Bool, hidden: Hidden) -> Divided:
-    """Return what the clause says of what is not hidden, and its bounds of what is."""
+    """Return the parts of the clause that read no hidden variable, and its bounds of hidden sums."""
     visible, bounds, parts = list[Bool](), list[Bound](), list(_parts(clause, hidden))
     for members in parts:
         behind = [one for one in members if _reads(one, hidden)]
@@ -97,7 +100,7 @@ def divided(clause: Bool, hidden: Hidden) -> Divided:
 
 
 def compatible(one: Iterable[Bound], other: Sequence[Bound]) -> list[Bool]:
-    """Return what follows of bounds of the same sum; nothing where no values in range can violate it."""
+    """Return the conditions that follow from bounds of the same sum, without those that hold for all values in range."""
     pairs = [(first, second) for first in one for second in other if first.key == second.key]
     return [part for pair in pairs for low, high in (pair, pair[::-1]) for part in _ordered(low, high)]
 
@@ -108,7 +111,7 @@ def _ordered(lower: Bound, upper: Bound) -> Iterator[Bool]:
 
 
 def all_compatible(bounds: Iterable[Bound]) -> Bool:
-    """Return the condition that no lower bound in force is above an upper one; short, and it does not say which."""
+    """Return the condition that no lower bound in force is above an upper one: one short term that does not name the pair."""
     groups: dict[tuple[object, ...], list[Bound]] = {}
     for one in bounds:
         groups.setdefault(one.key, []).append(one)
@@ -134,7 +137,7 @@ def _reads(term: Bool, hidden: Hidden) -> bool:
 
 
 def _parts(clause: Bool, hidden: Hidden, *, holds: bool = True) -> Iterator[Members]:
-    """The parts of the clause (or of its contrary), each as the members of a disjunction."""
+    """Yield the parts of the clause (of its negation, if `holds` is False), each as the members of a disjunction."""
     match clause:
         case Truth(value) if value is holds:
             return
@@ -152,7 +155,7 @@ def _parts(clause: Bool, hidden: Hidden, *, holds: bool = True) -> Iterator[Memb
 
 
 def _spread(alternatives: Sequence[Sequence[Members]]) -> Iterator[Members]:
-    """A disjunction of conjunctions as parts. Where more than one alternative has several parts, it stays one part."""
+    """Yield the parts of a disjunction of conjunctions; if more than one alternative has several parts, it stays one part."""
     several = [parts for parts in alternatives if len(parts) > 1]
     single = [one for parts in alternatives if len(parts) == 1 for one in parts[0]]
     if not all(alternatives):  # one of them always holds
@@ -164,7 +167,7 @@ def _spread(alternatives: Sequence[Sequence[Members]]) -> Iterator[Members]:
 
 
 def _bounds(member: Bool, when: Bool, hidden: Hidden) -> Iterator[Bound]:
-    """The bounds that a comparison sets, in force where `when` holds."""
+    """Yield the bounds that a comparison sets, in force while `when` holds."""
     holds = not isinstance(member, Not)
     compared = member.inner if isinstance(member, Not) else member
     if not isinstance(compared, Compare) or isinstance(compared.left.unit, Enumeration):
@@ -187,7 +190,7 @@ def _bounds(member: Bool, when: Bool, hidden: Hidden) -> Iterator[Bound]:
 
 
 def _bound(small: Num, great: Num, apart: int, when: Bool, hidden: Hidden) -> Iterator[Bound]:
-    """The bound that `great - small >= apart` sets."""
+    """Yield the bound that `great - small >= apart` sets on a hidden sum, if there is one."""
     found = factors(Sub(great, small, great.unit), hidden)
     if found is None or not found.of:
         return
@@ -196,13 +199,13 @@ def _bound(small: Num, great: Num, apart: int, when: Bool, hidden: Hidden) -> It
     of = tuple((var, sign * factor // common) for var, factor in named)
     rest = found.rest - apart
     if sign > 0:
-        yield Bound(of, when, low=negated(floor_div(rest, common)))
+        yield Bound(of, when, low=_negated(floor_div(rest, common)))
     else:
         yield Bound(of, when, high=floor_div(rest, common))
 
 
-def negated(term: Num) -> Num:
-    """Return the term with the other sign; of what is a difference from 0, what is taken off."""
+def _negated(term: Num) -> Num:
+    """Return the term with the opposite sign; for `0 - x`, return x."""
     match term:
         case Sub(Lit(0, _), inner):
             return inner

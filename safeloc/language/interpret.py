@@ -1,6 +1,6 @@
-"""The reference interpreter: exact, slow, and the oracle every other back end is compared with.
+"""The reference interpreter: exact, slow, and the oracle for all other back ends.
 
-It reads only TransitionSystem and uses Python's unbounded integers; nothing is clipped and nothing is defaulted.
+It reads only TransitionSystem and computes with Python's unbounded integers; it clips no value and fills in no default.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any, assert_never
 
 from safeloc.errors import InputError
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
-from safeloc.language.machine import Any_
+from safeloc.language.first_values import Any_
 from safeloc.language.nodes import (
     TRUE,
     Add,
@@ -42,14 +42,14 @@ Values = dict[Var, Value]
 
 
 def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
-    """Return the value of each term where variables have `values`; KeyError for a variable that has none."""
+    """Return the value of each term for these values of variables; KeyError for a variable without a value."""
     return _program(tuple(terms))(values)
 
 
 class Program:
-    """Terms that are evaluated again and again: their order is worked out once.
+    """Terms prepared for repeated evaluation: the order of evaluation is determined once.
 
-    Every node has a place in a list of values, and a small function that works out its value from those before it.
+    Every node has a place in a list of values, and a small function that computes its value from those before it.
     """
 
     def __init__(self, terms: Iterable[Expr]) -> None:
@@ -57,15 +57,15 @@ class Program:
         order = in_order(self.terms)
         place: dict[Expr, int] = {node: number for number, node in enumerate(order)}
         self._moves = [_move(node, place) for node in order]
-        self._told = [place[term] for term in self.terms]
+        self._results = [place[term] for term in self.terms]
 
     def __call__(self, values: Mapping[Var, Value]) -> list[Value]:
-        """The value of each term; KeyError for a variable that has none."""
+        """Return the value of each term; KeyError for a variable without a value."""
         found: list[Any] = []
         keep = found.append
         for move in self._moves:
             keep(move(found, values))
-        return [found[place] for place in self._told]
+        return [found[place] for place in self._results]
 
 
 _Move = Callable[[list[Any], Mapping[Var, Value]], Value]
@@ -80,12 +80,12 @@ def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
 
 @lru_cache(maxsize=64)
 def _program(terms: tuple[Expr, ...]) -> Program:
-    """The same terms are often asked for state after state."""
+    """Return the program of these terms; cached, because callers evaluate the same terms state after state."""
     return Program(terms)
 
 
 def _move(node: Node, place: Mapping[Expr, int]) -> _Move:
-    """Make the function that computes a node's value from the values of its parts; `of` holds these by place."""
+    """Make the function that computes a node's value from the values of its parts; in it, `of` lists these by place."""
     match node:
         case NumVar() | BoolVar():
             return lambda _, values: values[node]
@@ -109,7 +109,9 @@ def _move(node: Node, place: Mapping[Expr, int]) -> _Move:
         case Add() | Sub() | Mul() | Min() | Max() | Compare():
             return _of_two(node, place[node.left], place[node.right])
         case Past():
-            raise InputError(f"{type(node).__name__} cannot be evaluated here; a property is observed first.")
+            raise InputError(
+                f"{type(node).__name__} reads earlier steps and cannot be evaluated; `observe` the property first."
+            )
         case _:
             assert_never(node)
 
@@ -139,7 +141,7 @@ def _of_two(node: Add | Sub | Mul | Min | Max | Compare, i: int, j: int) -> _Mov
 
 
 def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -> Values:
-    """Return the first state. `chosen` gives values to variables declared ANY (their value nearest zero otherwise).
+    """Return the first state. `chosen` gives values to variables declared ANY; the default is their value nearest zero.
 
     Raises InputError for an unknown name, a value out of range, or a state that `initially` excludes.
     """
@@ -154,7 +156,7 @@ def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -
             values[var] = declared.value if isinstance(declared, Lit) else declared
             if var.name in given and given.pop(var.name) != values[var]:
                 raise InputError(
-                    f"{system.name}: {var.name} starts at {values[var]} by declaration; it cannot be chosen."
+                    f"{system.name}: {var.name} starts at {values[var]} by declaration and cannot be chosen; leave it out."
                 )
     if given:
         raise InputError(
@@ -166,7 +168,7 @@ def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -
 
 
 def admitted(var: Var, value: object) -> Value:
-    """Return the value as this variable holds it (a label becomes its number); InputError if kind or range is wrong."""
+    """Return the value as the variable stores it (a label becomes its number); InputError if kind or range is wrong."""
     if isinstance(var, BoolVar):
         if not isinstance(value, bool):
             raise InputError(f"{var.name}: expected true or false, got {value!r}.")
@@ -181,9 +183,9 @@ def admitted(var: Var, value: object) -> Value:
 
 
 def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Values:
-    """Return one step's inputs by name. Optional ones may be left out (or None); all others must be there.
+    """Return the inputs of one step from a record by name. It may omit optional inputs (or give None), but no others.
 
-    Raises InputError for a missing or unknown name and for what `admitted` refuses.
+    Raises InputError for a missing or unknown name, and for a value that `admitted` refuses.
     """
     left = dict(record)
     values: Values = {}
@@ -222,7 +224,7 @@ def _names(of: Iterable[Var]) -> list[str]:
 def step(
     system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]
 ) -> tuple[Values, dict[NumVar, int]]:
-    """Run one step: return the state after it and, per machine, the number of the transition that fired (0: none)."""
+    """Run one step; return the state after it and, for each machine, the number of the transition that fired (0: none)."""
     known = {**state, **inputs}
     if system not in _STEPS:
         _STEPS[system] = Program([*system.next.values(), *system.fired.values()])
@@ -239,10 +241,10 @@ def taken(
     while_: Bool = TRUE,
     hidden: Container[Var] = (),
 ) -> Iterator[tuple[Step, Values]]:
-    """The steps of a run that goes on from a state, each with the state after it.
+    """Run on from a state; yield each step together with the state after it.
 
-    while_  over state before and inputs: the run ends before the first step that breaks it
-    hidden  state variables that the steps do not show
+    while_  a condition over the state before the step and inputs: the run ends before the first step that breaks it
+    hidden  state variables that the yielded steps omit
     """
     for record in stream:
         inputs = read_inputs(system, record)
@@ -255,20 +257,20 @@ def taken(
 def run(
     system: TransitionSystem, stream: Iterable[Mapping[str, object]], *, first: Mapping[str, Value] | None = None
 ) -> Trace:
-    """Run all steps of `stream`, one mapping of inputs each, and return the Trace; `first` chooses ANY values."""
+    """Run all steps of `stream` (one mapping of inputs each) and return the Trace; `first` chooses ANY values."""
     state = start(system, first)
     return Trace(system, named(state), tuple(one for one, _ in taken(system, state, stream)))
 
 
 def outputs(system: TransitionSystem, state: Mapping[Var, Value]) -> dict[str, Value]:
-    """Return the outputs in a state."""
+    """Return the outputs in a state, by name."""
     if system not in _OUTPUTS:
         _OUTPUTS[system] = Program(system.outputs.values())
     return dict(zip(system.outputs, _OUTPUTS[system](state), strict=True))
 
 
 def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:
-    """Name of the fired variable -> name of the transition."""
+    """Return the name of the transition that fired, by the name of the machine's fired variable."""
     result = {}
     for var, index in fired.items():
         assert isinstance(var.unit, Enumeration)
@@ -277,5 +279,5 @@ def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:
 
 
 def named(values: Mapping[Var, Value], hidden: Container[Var] = ()) -> dict[str, Value]:
-    """The values by name, without those of hidden variables."""
+    """Return the values by name, without those of hidden variables."""
     return {var.name: value for var, value in values.items() if var not in hidden}

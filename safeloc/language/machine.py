@@ -1,103 +1,57 @@
 """A machine and its world: modes, inputs, state, transitions and outputs, and the physical environment.
 
-One step: read the inputs, take the first transition in declared order whose source is the current mode and whose
-guard holds, else stay. All updates read the values before the step. Outputs are terms over the state after it.
+In one step the machine reads the inputs and takes the first transition, in declared order, whose source is the current
+mode and whose guard holds; otherwise it stays. All updates read the values before the step. Outputs are terms over the
+state after it.
 
 A `World` describes the environment. Its ghosts are variables that no device can read, such as the true position. They
-move in every step. No transition and no output reads them; only the world's clauses and properties do.
+move in every step. Transitions and outputs must not read them; the world, `initially`, lemmas and properties may.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
 from safeloc.errors import ModelError, declared_at
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, members
-from safeloc.language.nodes import Value
+from safeloc.language.checks.machine import check, check_shape
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var
+from safeloc.language.first_values import ANY, Any_, Initial
 from safeloc.language.renamed import hint, refuse_old_keywords
+from safeloc.language.transition_table import STAY_NAME, Modes, Transition, current_mode, modes
 from safeloc.language.units import Enumeration
 from safeloc.language.world import World
 
+__all__ = ["ANY", "STAY_NAME", "Any_", "Initial", "Machine", "Model", "Modes", "Transition", "current_mode", "modes"]
 
-class Any_:
-    """Marks an initial value that may be anything in range."""
-
-    def __repr__(self) -> str:
-        return "ANY"
-
-    def __reduce__(self) -> str:
-        return "ANY"
-
-
-ANY: Final = Any_()
-Initial = Value | Lit | Any_
-STAY_NAME: Final = "(stay)"
-
-
-@refuse_old_keywords(ModelError, {"trace": "requirements"})
-@dataclass(frozen=True, eq=False)
-class Transition:
-    """One row of the transition table.
-
-    Transitions of one `rank` must have disjoint guards (an obligation proves it); of two different ranks the lower
-    is tried first. `requirements` holds the ids of the requirements that it implements.
-    """
-
-    name: str
-    source: Lit | tuple[Lit, ...]
-    target: Lit
-    when: Bool = TRUE
-    set: Mapping[Var, Expr | Value] = field(default_factory=dict)
-    requirements: tuple[str, ...] = ()
-    rank: int = 0
-    src: str = field(default_factory=declared_at)
-
-    @property
-    def sources(self) -> tuple[Lit, ...]:
-        """The source modes, always as a tuple."""
-        return (self.source,) if isinstance(self.source, Lit) else self.source
-
-
-@dataclass(frozen=True, slots=True)
-class Modes(Enumeration):
-    """The modes of a machine, with the one variable that holds the current mode."""
-
-    current: NumVar = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        current = NumVar(self.name, self, 0, len(self.members) - 1, None, declared_at())
-        object.__setattr__(self, "current", current)
-
-
-IN_THE_WORLD: Final = {
+_IN_THE_WORLD: Final = {
     "ghosts": "world=World(ghosts=...)",
     "ghost_inputs": "world=World(choices=...)",
     "ghost_moves": "world=World(moves=...)",
     "assumption": "world=World(clauses={name: ...})",
     "clauses": "world=World(clauses={name: ...})",
 }
-OF_THE_MODES: Final = {
+_OF_THE_MODES: Final = {
     "mode_variable": "modes=table alone: current_mode(table) is the variable of every machine with these modes"
 }
 
 
-@refuse_old_keywords(ModelError, {**IN_THE_WORLD, **OF_THE_MODES})
+@refuse_old_keywords(ModelError, {**_IN_THE_WORLD, **_OF_THE_MODES})
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A state machine, and the world around it. `check`ed when built; a ModelError lists all errors.
+    """A state machine, and the world around it. It is checked when built; a ModelError lists all errors.
 
     name         used in catalogue, files and reports
-    modes        what `modes` made; the first one is the initial mode
-    inputs       variables read each step; `Optional` ones may be absent
+    modes        the result of the function `modes`; the first one is the initial mode
+    inputs       variables that the machine reads in each step; `Optional` ones may be absent
     state        variable -> initial value (int, bool, member, or ANY in range)
     outputs      name -> term over state and mode, evaluated after the step
     transitions  the table, in order of priority
     world        ghosts, and assumptions on the inputs; a machine without a world is proved for all inputs in range
     initially    condition on the initial values (over state and ghosts)
-    lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
-    definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
+    lemmas       auxiliary invariants over state and ghosts that help induction; proved themselves, never assumed
+    definitions  names for terms of guards and updates, shown in tables; they change neither the machine nor any proof
     doc          one paragraph for the reader of the report
     """
 
@@ -117,8 +71,6 @@ class Machine:
     fired_name: NumVar = field(init=False)
 
     def __post_init__(self) -> None:
-        from safeloc.language.checks.machine import check, check_shape
-
         check_shape(self)
         fired = Enumeration(f"{self.name}.fired", (STAY_NAME, *(t.name for t in self.transitions)))
         object.__setattr__(self, "mode", current_mode(self.modes))
@@ -126,7 +78,7 @@ class Machine:
         check(self)
 
     def fired(self, *names: str) -> Bool:
-        """In a property: one of the named transitions fired in this step; KeyError for an unknown name."""
+        """Return, for use in a property, that one of these transitions fired in this step; KeyError for an unknown name."""
         table = self.fired_name.unit
         assert isinstance(table, Enumeration)
         unknown = [name for name in names if name not in table.members]
@@ -137,7 +89,7 @@ class Machine:
         return self.fired_name.one_of(*(Lit(table.index(name), table) for name in names))
 
     def stayed(self) -> Bool:
-        """In a property: no transition fired in this step."""
+        """Return, for use in a property, that no transition fired in this step."""
         return self.fired_name.eq(Lit(0, self.fired_name.unit))
 
     def output(self, name: str) -> Num:
@@ -163,32 +115,12 @@ class Machine:
         return self.outputs[name]
 
 
-Parts_ = TypeVar("Parts_", covariant=True)
+_Parts = TypeVar("_Parts", covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Model(Generic[Parts_]):
-    """A machine together with the variables it was built from, for properties to speak about."""
+class Model(Generic[_Parts]):
+    """A machine together with its variables (`own`), which properties of it read."""
 
     machine: Machine
-    own: Parts_
-
-
-def modes(*labels: str) -> tuple[Lit, ...]:
-    """Create the modes of a machine, as constants to write transitions with; the first one is the initial mode.
-
-    The variable of the current mode comes with them: `current_mode`. ModelError if two have one label.
-    """
-    constants, table = members("mode", *labels), Modes("mode", labels)
-    return tuple(Lit(constant.value, table) for constant in constants)
-
-
-def current_mode(modes_: Sequence[Lit]) -> NumVar:
-    """Return the mode variable of the machine with these modes, built or yet to be built; ModelError for other constants."""
-    table = modes_[0].unit
-    if not isinstance(table, Modes):
-        raise ModelError(f"{declared_at()}: {modes_[0].label} is no mode; make modes with modes(...).")
-    return table.current
-
-
-MachineFunction = Callable[..., Machine]
+    own: _Parts

@@ -1,7 +1,7 @@
-"""Properties at run time and on recorded streams, by the same Goal that provers use.
+"""Check of properties at run time and on recordings, by the same Goal that provers use.
 
-Monitor(goal)           step by step, beside a running machine
-check(trace, property)  a recorded trace, afterwards
+Monitor(goal)           checks step by step, beside a running machine
+check(trace, property)  checks a recorded trace afterwards
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, Unknown, Violated
 
 NEVER = "never happened"
-"""The note of what held on a recording, for the cases that did not occur in it."""
+"""Key of the note in a verdict Held that names the cases that did not occur in the recording."""
 
 
 class _NoTruth:
@@ -33,19 +33,19 @@ class _NoTruth:
 
 @dataclass(frozen=True)
 class Holds(_NoTruth):
-    """The property holds so far (for `reachable`: reached)."""
+    """The property holds so far; for `reachable`, the state was reached."""
 
 
 @dataclass(frozen=True)
 class Broken(_NoTruth):
-    """Violated first at this step (0: the first state)."""
+    """The property was first violated at this step (0: the first state)."""
 
     at: int
 
 
 @dataclass(frozen=True)
 class Undecided(_NoTruth):
-    """No statement is possible: the assumption was broken at this step, or the state to reach was not reached."""
+    """No statement is possible: the assumption was broken at this step, or the wanted state is not reached yet."""
 
     at: int
     reason: str
@@ -55,7 +55,7 @@ Status: TypeAlias = Holds | Broken | Undecided
 
 
 class Monitor:
-    """Checks one property while its system runs. A status Broken, or Undecided by a broken assumption, is final."""
+    """Checks one property while its system runs. Broken is final, and so is Undecided after a broken assumption."""
 
     def __init__(self, goal: Goal, first: Mapping[str, Value] | None = None) -> None:
         self.goal, self._number = goal, 0
@@ -66,7 +66,7 @@ class Monitor:
         self._look()
 
     def step(self, inputs: Mapping[str, object]) -> Status:
-        """Check one step, given its inputs by name; InputError for inputs that the interpreter refuses."""
+        """Check one step with these inputs by name, and return the status; InputError for inputs that the interpreter refuses."""
         self._number += 1
         values = {**self._state, **read_inputs(self.goal.system, inputs)}
         moves = self.goal.system.next
@@ -95,12 +95,12 @@ class Monitor:
 
 
 def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
-    """Check the property on a recorded trace; Unknown where the trace breaks the assumption first."""
+    """Check the property on a recorded trace; Unknown if the trace breaks the assumption first."""
     return check_all(trace, [prop])[0]
 
 
 def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Violated | Unknown]:
-    """Check every property on a recorded trace, in one pass. A verdict Held names the cases that never happened."""
+    """Check every property on a recorded trace in one pass. A verdict Held names the cases that never happened."""
     return Checks(trace.system, properties)(trace)
 
 
@@ -108,7 +108,7 @@ Evaluator = Callable[[Mapping[Var, Value]], Sequence[Value]]
 
 
 class Checks:
-    """Properties of a system, to be checked on recorded traces; `program` makes terms into what evaluates them."""
+    """Checks properties of a system on recorded traces; `program` turns terms into a function that evaluates them."""
 
     def __init__(
         self,
@@ -118,21 +118,21 @@ class Checks:
     ) -> None:
         self._goals = [observe(system, prop) for prop in properties]
         self._cases = [(n, one) for n, prop in enumerate(properties) for one in cases(prop)]
-        told = [seen(system, one, f"case {number}") for number, (_, one) in enumerate(self._cases)]
+        observers = [seen(system, one, f"case {number}") for number, (_, one) in enumerate(self._cases)]
         self._watched = watch(system, self._goals).system
-        own = {var: term for one in told for var, term in one.moves.items()}
-        self._first: dict[Var, Value] = dict.fromkeys(own, False)
-        self._moves: dict[Var, Expr] = {**self._watched.next, **own}
+        moves = {var: term for one in observers for var, term in one.moves.items()}
+        self._first: dict[Var, Value] = dict.fromkeys(moves, False)
+        self._moves: dict[Var, Expr] = {**self._watched.next, **moves}
         further = [goal.prop.further_assumption for goal in self._goals]
         self._advance = program([environment(system), *further, *self._moves.values()])
-        self._judge = program([*(goal.good for goal in self._goals), *(one.term for one in told)])
+        self._evaluate = program([*(goal.good for goal in self._goals), *(one.term for one in observers)])
 
     def __call__(self, trace: Trace) -> list[Held | Violated | Unknown]:
         """Return one verdict per property. A verdict Held names the cases that never happened."""
         goals = self._goals
         first = start(self._watched, {var.name: trace.initial[var.name] for var in trace.system.state})
         state: dict[Var, Value] = {**first, **self._first}
-        rows: list[Sequence[Value]] = [self._judge(state)]
+        rows: list[Sequence[Value]] = [self._evaluate(state)]
         broken_at = [len(trace.steps) + 1] * len(goals)
         for number, step in enumerate(trace.steps, 1):
             allowed, *values = self._advance({**state, **read_inputs(self._watched, step.inputs)})
@@ -140,7 +140,7 @@ class Checks:
             for n, goal in enumerate(goals):
                 if not (values[n] and (allowed or goal.prop.unconditional)):
                     broken_at[n] = min(broken_at[n], number)
-            rows.append(self._judge(state))
+            rows.append(self._evaluate(state))
         never: dict[int, list[str]] = {}
         for place, (n, one) in enumerate(self._cases, len(goals)):
             if not any(row[place] for row in rows[: broken_at[n]]):
@@ -152,9 +152,10 @@ class Checks:
 def _verdict(
     trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int, never: Sequence[str]
 ) -> Held | Violated | Unknown:
-    """`broken_at`: the first step that breaks the assumption of the property; later steps are not evidence.
+    """Return the verdict on a property from the values of `good` in each state.
 
-    `never`: the cases that the property speaks of and that did not happen before that.
+    broken_at  the first step that breaks the assumption of the property; later steps are no evidence
+    never      the cases of the property that did not happen before that step
     """
     first = next((number for number, good in enumerate(goods[:broken_at]) if not good), None)
     if goal.prop.kind == "reachable":

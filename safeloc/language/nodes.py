@@ -1,7 +1,7 @@
 """The nodes of the language: two families, `Num` and `Bool`, and a closed set of kinds.
 
-Every back end is a `match` over them that ends in `assert_never`. Nodes are immutable, compare by identity, and have
-no truth value. Units, kinds and ranges are checked when a node is born; errors name the file and line of the
+Every back end is a `match` over these kinds that ends in `assert_never`. Nodes are immutable, compare by identity, and
+have no truth value. The functions that build nodes check units, kinds and ranges; errors name the file and line of the
 declaration.
 
     Num   Lit  NumVar  Add  Sub  Mul  FloorDiv  Min  Max  Choose
@@ -21,7 +21,7 @@ INT64_MIN, INT64_MAX = -(2**63), 2**63 - 1
 
 
 class _Node:
-    """Base of both families: refuses to be used as a Python value."""
+    """Base of both families: refuses every use as a Python value."""
 
     __slots__ = ()
 
@@ -39,7 +39,7 @@ class _Node:
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:
-        from safeloc.language.terms import text  # walking needs the nodes first
+        from safeloc.language.terms import text  # here, since `terms` imports this module
 
         return text(self)  # type: ignore[arg-type] # every node is a Num or a Bool
 
@@ -105,11 +105,11 @@ class Num(_Node):
         return _compare("<=", as_num(other, self.unit), self)
 
     def eq(self, other: Num | int) -> Bool:
-        """Equality as a term."""
+        """Return the condition that both are equal."""
         return _compare("==", self, other)
 
     def ne(self, other: Num | int) -> Bool:
-        """Inequality as a term."""
+        """Return the condition that both differ."""
         return ~self.eq(other)
 
     def one_of(self, *others: Num | int) -> Bool:
@@ -144,7 +144,7 @@ class Bool(_Node):
                 return Not(self)
 
     def implies(self, other: Bool | bool) -> Bool:
-        """False only where this holds and `other` does not."""
+        """Return the term that is false only where this holds and `other` does not."""
         return ~self | other
 
     def iff(self, other: Bool | bool) -> Bool:
@@ -162,13 +162,17 @@ class Lit(Num):
 
     @property
     def label(self) -> str:
-        """The member's name, or the number as text."""
+        """The member's label, or the number as text."""
         return self.unit.members[self.value] if isinstance(self.unit, Enumeration) else str(self.value)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class NumVar(Num):
-    """A variable with an inclusive range; `before` names the variable whose value before the step this is."""
+    """A variable with an inclusive range.
+
+    before  in a property: the state variable whose value before the step this one stands for
+    src     file and line of the declaration
+    """
 
     name: str
     unit: Unit | Enumeration
@@ -206,7 +210,7 @@ class Mul(Num):
 
     @property
     def by_constant(self) -> bool:
-        """Whether one of the two is a constant: then the product is linear."""
+        """True if one of the factors is a constant, so that the product is linear."""
         return isinstance(self.left, Lit) or isinstance(self.right, Lit)
 
 
@@ -221,7 +225,7 @@ class FloorDiv(Num):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Min(Num):
-    """The smaller one."""
+    """The smaller of two numbers."""
 
     left: Num
     right: Num
@@ -230,7 +234,7 @@ class Min(Num):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Max(Num):
-    """The greater one."""
+    """The greater of two numbers."""
 
     left: Num
     right: Num
@@ -239,7 +243,7 @@ class Max(Num):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Choose(Num):
-    """`then` where the condition holds, else `other`."""
+    """The number `then` if the condition holds, else `other`."""
 
     condition: Bool
     then: Num
@@ -272,21 +276,21 @@ class Not(Bool):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class And(Bool):
-    """All parts hold."""
+    """Conjunction: all parts hold."""
 
     parts: tuple[Bool, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Or(Bool):
-    """At least one part holds."""
+    """Disjunction: at least one part holds."""
 
     parts: tuple[Bool, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class ChooseBool(Bool):
-    """`then` where the condition holds, else `other`."""
+    """The truth value `then` if the condition holds, else `other`."""
 
     condition: Bool
     then: Bool
@@ -295,7 +299,7 @@ class ChooseBool(Bool):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Compare(Bool):
-    """left < right, left <= right or left == right."""
+    """A comparison: left < right, left <= right or left == right."""
 
     op: Literal["<", "<=", "=="]
     left: Num
@@ -304,7 +308,7 @@ class Compare(Bool):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Past(Bool):
-    """A pure-past operator; properties only (`spec.observe` turns it into a state variable)."""
+    """A pure-past operator, allowed in properties only (`spec.observe` turns it into a state variable)."""
 
     op: Literal["previous", "once", "since"]
     parts: tuple[Bool, ...]
@@ -320,7 +324,7 @@ Value: TypeAlias = int | bool
 TRUE, FALSE = Truth(True), Truth(False)
 
 
-# ------------------------------------------------------------------ what the operators are made of
+# ------------------------------------------------------------------ functions behind the operators
 
 
 def as_num(value: Num | int, unit: Unit | Enumeration) -> Num:
@@ -348,7 +352,7 @@ def as_bool(value: Bool | bool) -> Bool:
 
 
 def all_of(parts: Iterable[Bool | bool]) -> Bool:
-    """Conjunction; true when there are no parts."""
+    """Return the conjunction; true if there are no parts."""
     kept = [part for part in map(as_bool, parts) if not (isinstance(part, Truth) and part.value)]
     if any(isinstance(part, Truth) for part in kept):
         return FALSE
@@ -356,7 +360,7 @@ def all_of(parts: Iterable[Bool | bool]) -> Bool:
 
 
 def any_of(parts: Iterable[Bool | bool]) -> Bool:
-    """Disjunction; false when there are no parts."""
+    """Return the disjunction; false if there are no parts."""
     kept = [part for part in map(as_bool, parts) if not (isinstance(part, Truth) and not part.value)]
     if any(isinstance(part, Truth) for part in kept):
         return TRUE
@@ -364,7 +368,7 @@ def any_of(parts: Iterable[Bool | bool]) -> Bool:
 
 
 def product(left: Num, right: Num) -> Num:
-    """Return left * right, also of two variables: their ranges must limit it to 64 bits (an obligation proves it)."""
+    """Return left * right, also for two variables: their ranges must limit it to 64 bits (an obligation proves it)."""
     if isinstance(left.unit, Enumeration) or isinstance(right.unit, Enumeration):
         raise UnitError(f"{declared_at()}: arithmetic on an enumeration.")
     if isinstance(left, Lit) and isinstance(right, Lit):
@@ -373,6 +377,7 @@ def product(left: Num, right: Num) -> Num:
 
 
 def arith(kind: type[Add | Sub | Min | Max], left: Num, right: Num | int, fold: Callable[[int, int], int]) -> Num:
+    """Return the operation on two numbers, computed by `fold` if both are constants; UnitError if their units differ."""
     right = as_num(right, left.unit)
     need_same_unit(kind.__name__.lower(), left, right)
     if isinstance(left.unit, Enumeration):
@@ -398,6 +403,7 @@ def _compare(op: Literal["<", "<=", "=="], left: Num, right: Num | int) -> Bool:
 
 
 def need_same_unit(what: str, left: Num, right: Num) -> None:
+    """Raise UnitError if the units differ; `what` is the verb of the message, such as "compare"."""
     if not left.unit.same(right.unit):
         raise UnitError(
             f"{declared_at()}: cannot {what} {left.unit.name} and {right.unit.name}. Convert one with floor_to, ceil_to "

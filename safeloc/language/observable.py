@@ -1,15 +1,16 @@
-"""What of the laws of a world can be seen to hold in operation: by who knows inputs and state, and not the truth.
+"""Observable consequences of a world's laws: conditions that can be checked in operation without knowing the truth.
 
-    seen(system).stated       every clause of every machine, with wires put in
-    seen(system).observables  what follows from them and reads nothing hidden
+    seen(system).stated       every clause of every machine, with wires substituted
+    seen(system).observables  the conditions that follow from the clauses and read no hidden variable
 
-Hidden are the ghosts, but for those that an observer works out, since they start at a known value and move by inputs and by
-each other: "the last distance that was delivered", "a train is in the area". They are the observer's memory.
+An observer knows inputs and on-board state. It can also compute some ghosts, because they start at a known value and move
+only by inputs, on-board state and each other: "the last distance that was delivered", "a train is in the area". These are
+the observer's memory. All other ghosts are hidden.
 
-A clause is observable as a whole where it reads nothing hidden, and in part where some parts of its conjunction do not. Two
-clauses are observable together where both bound the same hidden quantity: two sources that exclude each other cannot both
-hold the truth. If something observable is violated, at least one of its clauses certainly is. The reverse does not hold: a
-clause of which everything observable is seen to hold may be violated all the same.
+A clause is observable as a whole if it reads no hidden variable, and in part if some of its conjuncts read none. Two clauses
+are observable together if both bound the same hidden quantity: two sources whose intervals exclude each other cannot both
+contain the truth. If an observable condition is violated, at least one of its clauses certainly is. The reverse does not
+hold: a clause may be violated although all its observable conditions hold.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from safeloc.language.expr import Bool, Expr, Lit, Var, all_of
+from safeloc.language.first_values import ANY
 from safeloc.language.hidden_bounds import Divided, Hidden, all_compatible, compatible, divided
-from safeloc.language.machine import ANY, Machine
+from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.running_sums import Running, running, steady
 from safeloc.language.system import TransitionSystem
@@ -31,10 +33,10 @@ from safeloc.language.world import Law
 
 @dataclass(frozen=True, eq=False)
 class Stated:
-    """A clause as it stands in a system.
+    """A clause of a machine's world, written over the variables of the system.
 
-    term        over state before the step, inputs, and what stands for state after the step (`Seen.after`)
-    guaranteed  an earlier machine of the composition guarantees it, and that is proved
+    term        over state before the step, inputs, and the variables of `Seen.after` for state after the step
+    guaranteed  earlier machines of the composition guarantee the clause, and this is proved
     """
 
     machine: Machine
@@ -53,9 +55,9 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Observable:
-    """A condition that follows from one clause, or from two together, and that reads nothing hidden.
+    """A condition that follows from one clause, or from two together, and that reads no hidden variable.
 
-    is_whole  it says all that its clause says
+    is_whole  the condition is equivalent to its clause
     """
 
     clauses: tuple[Stated, ...]
@@ -68,14 +70,14 @@ class Observable:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A system as an observer sees it.
+    """A system from the point of view of an observer on board.
 
-    at_once  one short condition: where it holds, nothing observable is violated that reads no memory
-    recalled the same of what does
+    at_once  one short condition: while it holds, no observable condition that reads no memory is violated
+    recalled the conjunction of the observable conditions that read the memory
     hidden   the ghosts that nobody on board can know
-    after    what stands in terms for a state variable after the step -> that variable
-    memory   what an observer works out: ghosts and running sums, where something observable reads them -> next values
-    first    their values at the beginning
+    after    variable that represents a state variable after the step -> that state variable
+    memory   ghosts and running sums that the observer computes and that observable conditions read -> next value
+    first    the first values of the memory
     """
 
     stated: tuple[Stated, ...]
@@ -88,11 +90,11 @@ class Seen:
     first: Mapping[Var, Value]
 
     def of(self, clause: Stated) -> list[Observable]:
-        """Return what is observable of a clause, alone and together with others."""
+        """Return the observable conditions of a clause, alone and together with other clauses."""
         return [one for one in self.observables if clause in one.clauses]
 
     def recalls(self, one: Observable) -> bool:
-        """Return whether it reads the observer's memory."""
+        """Return whether the condition reads the observer's memory."""
         return not self.memory.keys().isdisjoint(variables([one.term]))
 
 
@@ -100,29 +102,29 @@ _SEEN: weakref.WeakKeyDictionary[TransitionSystem, Seen] = weakref.WeakKeyDictio
 
 
 def seen(system: TransitionSystem) -> Seen:
-    """Return the system with ghosts as an observer without them sees it; worked out once."""
+    """Return the view of an observer on board of a system with ghosts; computed once for each system."""
     if system not in _SEEN:
         _SEEN[system] = _seen(system)
     return _SEEN[system]
 
 
 def _seen(system: TransitionSystem) -> Seen:
-    worked_out = _worked_out(system)
-    hidden = system.ghosts - worked_out
+    computable = _computable_ghosts(system)
+    hidden = system.ghosts - computable
     after = {replace(var, name=f"{var.name} after"): var for var in system.state if var not in system.ghosts}
     cut = Substitution({}, _ends(system, after))
     stated = tuple(replace(one, term=cut.bool(one.term)) for one in _stated(system))
     known = {one: divided(one.term, hidden) for one in stated}
     sums = dict(_running(known, system))
     observables = (*_alone(known), *_together(known), *sums)
-    first: dict[Var, Value] = {var: _initial(system, var) for var in system.state if var in worked_out}
+    first: dict[Var, Value] = {var: _initial(system, var) for var in system.state if var in computable}
     moves: dict[Var, Expr] = {var: cut(system.next[var]) for var in first}
     for one in (one for found in sums.values() for one in found):
         first[one.total], moves[one.total] = 0, one.move
     memory = _memory([one.term for one in observables], moves)
     recalling = [one for one in observables if not memory.keys().isdisjoint(variables([one.term]))]
     at_once = _at_once([one for one in observables if one not in recalling], known, frozenset(memory))
-    share = Sharing()  # what conditions and memory have in common is computed once
+    share = Sharing()  # so that parts common to conditions and memory are computed once
     return Seen(
         stated, observables, share.bool(at_once), share.bool(all_of(one.term for one in recalling)), hidden, after,
         {var: share(move) for var, move in memory.items()}, {var: first[var] for var in memory},
@@ -139,13 +141,13 @@ def _stated(system: TransitionSystem) -> Iterator[Stated]:
 
 
 def _ends(system: TransitionSystem, after: Mapping[Var, Var]) -> list[tuple[Expr, Expr]]:
-    """The next values that belong to one variable only, each with what stands for it; of two alike the first."""
+    """Return next values with the variable that represents each: no bare variables or constants, of equal ones the first."""
     ends = [(system.next[var], stands) for stands, var in after.items()]
     return [(term, stands) for term, stands in reversed(ends) if not isinstance(term, Var) and variables([term])]
 
 
-def _worked_out(system: TransitionSystem) -> Hidden:
-    """The ghosts that start at a known value and move by inputs, state on board, and each other."""
+def _computable_ghosts(system: TransitionSystem) -> Hidden:
+    """Return the ghosts that start at a known value and move only by inputs, on-board state, and each other."""
     found = {var for var in system.ghosts if var in system.next and system.initial[var] is not ANY}
     reads = {var: system.ghosts.intersection(variables([system.next[var]])) for var in found}
     while unknown := {var for var in found if not reads[var] <= found}:
@@ -154,14 +156,14 @@ def _worked_out(system: TransitionSystem) -> Hidden:
 
 
 def _initial(system: TransitionSystem, var: Var) -> Value:
-    """Return the value that a variable starts at; it is declared."""
+    """Return the declared first value of a variable."""
     value = system.initial[var]
     assert isinstance(value, (int, Lit))
     return value.value if isinstance(value, Lit) else value
 
 
 def _memory(terms: Iterable[Expr], moves: Mapping[Var, Expr]) -> dict[Var, Expr]:
-    """The part of the memory that the terms read, with what that is worked out from."""
+    """Return the part of the memory that the terms read, directly or through the moves of other memory."""
     read, new = set[Var](), set(variables(terms))
     while new:
         read |= new
@@ -176,7 +178,7 @@ def _alone(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
 
 
 def _together(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
-    """Clauses that bound the same; where several pairs say the same, as machines on one line do of its ends, the first."""
+    """Yield conditions of two clauses that bound the same sum; if pairs give equal conditions (two machines on one line), one."""
     bounding = [one for one, said in known.items() if said.bounds]
     share, met = Sharing(), set[Bool]()
     for one, other in combinations(bounding, 2):
@@ -188,7 +190,7 @@ def _together(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
 
 
 def _running(known: Mapping[Stated, Divided], system: TransitionSystem) -> Iterator[tuple[Observable, list[Running]]]:
-    """Clauses that bound the same but for what wanders: over a run they are compared by running sums."""
+    """Yield conditions of two clauses that bound the same sum except for a wandering error: running sums compare them."""
     bounds = {one: [steady(bound, system.next) for bound in said.bounds] for one, said in known.items()}
     for one, other in combinations([one for one, found in bounds.items() if found], 2):
         found = list(running(bounds[one], bounds[other], (str(one), str(other))))
@@ -197,7 +199,7 @@ def _running(known: Mapping[Stated, Divided], system: TransitionSystem) -> Itera
 
 
 def _at_once(observables: Sequence[Observable], known: Mapping[Stated, Divided], memory: frozenset[Var]) -> Bool:
-    """The condition under which none of them is violated; it may fail where none is, and is never too lax."""
+    """Return a short condition that implies all of these; it may fail although none of them is violated."""
     alone = [one.term for one in observables if len(one.clauses) == 1]
     paired = dict.fromkeys(clause for one in observables if len(one.clauses) > 1 for clause in one.clauses)
     bounds = [bound for clause in paired for bound in known[clause].bounds if memory.isdisjoint(bound.reads)]

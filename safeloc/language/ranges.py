@@ -1,7 +1,7 @@
-"""Interval analysis: between which bounds every term stays while variables stay in their ranges.
+"""Interval analysis: bounds of every term while variables stay in their ranges.
 
-Sound and coarse: each operation is bounded from its parts alone, so a bound may be wider than what can happen,
-never narrower.
+The analysis is sound and coarse: it bounds each operation from the bounds of its parts alone, so a bound may be wider than
+the values that can occur, never narrower.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def bounds(terms: Iterable[Expr]) -> dict[Num, Bounds]:
 
 
 def beyond_int64(terms: Iterable[Expr]) -> list[Num]:
-    """Return the terms whose bounds leave 64 bits: candidates for overflow, to be excluded in another way."""
+    """Return the terms whose bounds exceed 64 bits: candidates for overflow, which a proof has to exclude."""
     return [term for term, (low, high) in bounds(terms).items() if low < INT64_MIN or high > INT64_MAX]
 
 

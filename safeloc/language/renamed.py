@@ -10,60 +10,65 @@ from typing import Any, TypeVar, cast
 
 from safeloc.errors import SafelocError, declared_at
 
-Declaring = TypeVar("Declaring", bound=Callable[..., Any])
+_Declaring = TypeVar("_Declaring", bound=Callable[..., Any])
 
-SIDES = {"over": "margin_above", "under": "margin_below"}
-"""The sides of an interval: `over` was ETCS's under-reading amount, and `under` its over-reading amount."""
+_SIDES = {"over": "margin_above", "under": "margin_below"}
+"""Former and present words for the sides of an interval: `over` was ETCS's under-reading, `under` its over-reading amount."""
 FIELDS = {"mute_limit_cycles": "mute_ms", "integrity_limit_cycles": "integrity_wait_ms"}
-"""Fields of configurations; their figure was a number of cycles, and is a time."""
-PARTED = {
+"""Former and present fields of configurations; the former ones counted cycles, the present ones are times in ms."""
+_PARTED = {
     "fix_protection_mm": ("fix_dilution_permille", "fix_further_mm"),
     "fix_speed_protection_um_s": ("fix_speed_dilution_permille", "fix_speed_further_um_s"),
 }
-"""Inputs that are told in two parts now, since the machine charges the rest itself. The old figure says neither part."""
-_SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(SIDES)})(?=_(?:mm|nm)$)")
+"""Former inputs that two inputs have replaced, since the machine now adds the remaining error itself.
+
+The former value determines neither of the two.
+"""
+_SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(_SIDES)})(?=_(?:mm|nm)$)")
 
 
 def name_now(name: str) -> str:
-    """Return what a variable or an output of that name is called now: `fibre_margin_above_mm` for `fibre_over_mm`."""
-    return _SIDE.sub(lambda found: SIDES[found[1]], name)
+    """Return the present name of a variable or output: `fibre_margin_above_mm` for `fibre_over_mm`."""
+    return _SIDE.sub(lambda found: _SIDES[found[1]], name)
 
 
 def renamed(names: Iterable[str], known: Collection[str]) -> str:
-    """Return `; 'over_mm' is now 'margin_above_mm'` for each former name of one of `known`, to be appended; else ""."""
+    """Return a text to append, `; 'over_mm' is now 'margin_above_mm'`, for the former names among `names`; "" if none."""
     former = [name for name in sorted(names) if name not in known]
     pairs = ((name, name_now(name)) for name in former)
-    told = "".join(f"; {name!r} is now {new!r}" for name, new in pairs if new in known)
-    apart = ((name, parts) for name in former if (parts := parted(name)) and parts[0] in known)
-    return told + "".join(f"; {name!r} is told as {' and '.join(map(repr, parts))} now" for name, parts in apart)
+    one_for_one = "".join(f"; {name!r} is now {new!r}" for name, new in pairs if new in known)
+    replaced = ((name, parts) for name in former if (parts := parted(name)) and parts[0] in known)
+    return one_for_one + "".join(
+        f"; {name!r} is replaced by {' and '.join(map(repr, parts))}" for name, parts in replaced
+    )
 
 
 def parted(name: str) -> tuple[str, ...]:
-    """Return the inputs that have taken the place of a former one; none where none have."""
+    """Return the inputs that have replaced a former one; an empty tuple for any other name."""
     machine, dot, bare = name.rpartition(".")
-    return tuple(machine + dot + part for part in PARTED.get(bare, ()))
+    return tuple(machine + dot + part for part in _PARTED.get(bare, ()))
 
 
 def hint(name: str, known: Collection[str]) -> str:
-    """Return a sentence that suggests the nearest known name, to be appended; "" where nothing is near."""
-    told = renamed([name], known)
-    if told:
-        return f" {told.removeprefix('; ')}."
+    """Return a sentence to append that suggests the nearest known name; "" if no name is near."""
+    new_name = renamed([name], known)
+    if new_name:
+        return f" {new_name.removeprefix('; ')}."
     close = difflib.get_close_matches(name, known, n=1)
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
-def refuse_old_keywords(error: type[SafelocError], renamed: Mapping[str, str]) -> Callable[[Declaring], Declaring]:
-    """Let a function or a class raise `error`, with file and line, where it is called with an old name of `renamed`."""
+def refuse_old_keywords(error: type[SafelocError], renamed: Mapping[str, str]) -> Callable[[_Declaring], _Declaring]:
+    """Make a function or class raise `error`, with file and line, if it is called with an old keyword of `renamed`."""
 
-    def refusing(declaring: Declaring) -> Declaring:
+    def refusing(declaring: _Declaring) -> _Declaring:
         made: Any = declaring
         name = made.__name__
         if isinstance(declaring, type):
             made.__init__ = _guarded(made.__init__, name, error, renamed)
         else:
             made = _guarded(made, name, error, renamed)
-        return cast("Declaring", made)
+        return cast("_Declaring", made)
 
     return refusing
 

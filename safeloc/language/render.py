@@ -1,4 +1,4 @@
-"""Terms as a person reads them: infix, with units on constants, and bounded in length."""
+"""Terms as text for a person: infix, with units on constants, and bounded in length."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from safeloc.language.nodes import (
 )
 from safeloc.language.units import ONE, Enumeration
 
-DEEPEST = 7
+_DEEPEST = 7
 
 
-def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, *, deepest: int = DEEPEST) -> str:
-    """Return the term in infix notation; parts below `deepest` and what exceeds `most` characters become an ellipsis.
+def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, *, deepest: int = _DEEPEST) -> str:
+    """Return the term in infix notation, with an ellipsis for parts nested deeper than `deepest` and beyond `most` characters.
 
-    names: terms that are shown by a name of their own.
+    names  terms that are shown by a name of their own
     """
     text = _Writer(names or {}, deepest).write(term, 0)
     if text.startswith("(") and text.endswith(")") and _closes_at_end(text):

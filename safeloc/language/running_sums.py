@@ -1,11 +1,12 @@
-"""Two measurements of one hidden quantity, compared over a run and not in a single cycle.
+"""Running sums: comparison of two measurements of one hidden quantity over a run, instead of in a single cycle.
 
-A law often leaves a one-off error that wanders within a range and does not add up: in one cycle it may be any part of that
-range, and over a run no more than the whole. So two units that measure the same way are compared by a running sum:
+A law often allows a one-off error that wanders within a range and does not accumulate: its change in one cycle may be any
+part of that range, and over a run never more than the whole range. Two units that measure the same distance are therefore
+compared by a running sum:
 
-    total + (what one says it was at least) - (what the other says it was at most)   <=   both ranges together
+    total + (lower bound by one unit) - (upper bound by the other)   <=   both ranges together
 
-The sum begins anew where it falls below 0, where one of them is silent, and after a breach.
+The sum restarts from 0 if it falls below 0, if one of the units gives no measurement, and after a violation.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ Moves = Mapping[Var, Expr]
 
 @dataclass(frozen=True, eq=False)
 class Steady:
-    """A bound of a sum without the change of what wanders in it; over a run, that change is no more than `range`."""
+    """A bound of a sum, without its wandering errors; over a run, these change the sum by no more than `wanders`."""
 
     bound: Bound
     wanders: int
 
     def over(self, other: Steady, name: str) -> Running | None:
-        """Return the running sum of what this bound has below and the other above; None where it never grows."""
+        """Return the running sum of this lower bound minus the other's upper bound; None if there is none or it never grows."""
         low, high = self.bound.low, other.bound.high
         if low is None or high is None or self.wanders + other.wanders == 0 or least(high - low) >= 0:
             return None
@@ -43,13 +44,13 @@ class Steady:
 
 
 def _in_order(*both: Steady) -> list[Bool]:
-    """When both are in force, whichever comes first, so that both ways share it."""
+    """Return the conditions under which each is in force, in an order that does not depend on the order of arguments."""
     return sorted((one.bound.when for one in both), key=lambda when: [var.name for var in variables([when])])
 
 
 @dataclass(frozen=True, eq=False)
 class Running:
-    """A running sum: what an observer remembers, how that moves, and what holds as long as both laws do."""
+    """A running sum: the observer's variable, its next value, and the condition that holds while both laws do."""
 
     total: NumVar
     move: Num
@@ -57,7 +58,7 @@ class Running:
 
 
 def steady(bound: Bound, moves: Moves) -> Steady:
-    """Return the bound without what wanders in it: a variable that becomes the one it is subtracted from."""
+    """Return the bound without its wandering errors: differences of x and y, where x takes the value of y in the step."""
     of, wanders = dict(bound.of), 0
     for var, factor in bound.of:
         becomes = _becomes(var, bound.when, moves)
@@ -68,7 +69,7 @@ def steady(bound: Bound, moves: Moves) -> Steady:
 
 
 def _becomes(var: NumVar, when: Bool, moves: Moves) -> NumVar | None:
-    """The variable whose value this one has after every step in which `when` holds."""
+    """Return the variable whose value this one takes in every step in which `when` holds; None if there is none."""
     match moves.get(var):
         case NumVar() as after if after is not var:
             return after
@@ -79,14 +80,14 @@ def _becomes(var: NumVar, when: Bool, moves: Moves) -> NumVar | None:
 
 
 def _implies(when: Bool, condition: Bool) -> bool:
-    """Whether all parts of the condition are parts of `when`; another reason is not looked for."""
+    """Return whether all conjuncts of the condition are conjuncts of `when`; other implications are not recognized."""
     share = Sharing()
     known = set(conjuncts(share.bool(when)))
     return known.issuperset(conjuncts(share.bool(condition)))
 
 
 def running(one: Sequence[Steady], other: Sequence[Steady], names: tuple[str, str]) -> Iterator[Running]:
-    """Yield the running sums of two clauses, both ways."""
+    """Yield the running sums of two clauses, in both directions."""
     for first in one:
         for second in other:
             if first.bound.key == second.bound.key and not _is_constant(first) and not _is_constant(second):
@@ -96,6 +97,6 @@ def running(one: Sequence[Steady], other: Sequence[Steady], names: tuple[str, st
 
 
 def _is_constant(one: Steady) -> bool:
-    """A figure that is always in force measures nothing: no run is compared with it."""
+    """Return whether the bound is a fixed figure that is always in force: it is no measurement to compare."""
     bound = one.bound.high if one.bound.low is None else one.bound.low
     return isinstance(one.bound.when, Truth) and isinstance(bound, Lit)

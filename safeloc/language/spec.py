@@ -1,15 +1,17 @@
-"""Properties: what must hold, and how a property becomes a few extra state variables.
+"""Properties, and their compilation into a few extra state variables (observers).
 
-A property is a term over the state AFTER the step, `before(x)` / `was(x)` for the state before it, the step's
-inputs, and `machine.fired(...)`. `always` requires a term that reads state only of the first state as well.
-Past operators and `within` look over steps, and the first state is no step: `previous(p)` is false in the first step, and
-what holds in the first state alone is no trigger and no answer. To speak of it, say `always(trigger.implies(...))` of
-states, or let the trigger read the state before the step (`before`, `was`), which in the first step is the first state.
+A property is a term over the state AFTER the step, the state before it (`before(x)`, `was(x)`), the step's inputs, and
+`machine.fired(...)`. A term of `always` that reads state only has to hold in the first state too.
+
+Past operators and `within` are evaluated over steps, and the first state is no step: `previous(p)` is false in the first
+step, and a condition that holds in the first state alone is no trigger and no response. To state something about the first
+state, use `always(trigger.implies(...))` over state only, or let the trigger read the state before the step (`before`,
+`was`), which in the first step is the first state.
 
     always(p)  never(p)  within(n, trigger, response)  reachable(p)      once(p)  since(p, q)  previous(p)
 
-`observe` compiles a property into a Goal: the same system with observer variables, and a term `good` over its
-state. Provers, the monitor, Hypothesis and replay all read that one Goal, so they cannot disagree on its meaning.
+`observe` compiles a property into a Goal: the same system with observer variables, and a term `good` over its state.
+Provers, the monitor, Hypothesis and replay all read this one Goal, so they cannot disagree on its meaning.
 """
 
 from __future__ import annotations
@@ -29,24 +31,24 @@ from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.language.units import COUNT
 
-RENAMED = {"given": "further_assumption", "trace": "requirements"}
+_RENAMED = {"given": "further_assumption", "trace": "requirements"}
 NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 @dataclass(frozen=True, eq=False)
 class Property:
     """A named requirement on every run (or, for `reachable`, on some run).
 
-    kind                always: `term` holds in every step; within: each `term` is followed by `response` in at most
-                        `steps` further steps; reachable: some run comes to `term`
+    kind                always: `term` holds in every step; within: after each step with `term`, `response` holds in the
+                        same step or at most `steps` later; reachable: `term` holds at some point of some run
     further_assumption  assumed in every step besides the machine's own assumption, over state before, inputs and ghosts;
                         reported with the verdict
     statement           the requirement in words
     requirements        ids of the requirements that it verifies
     assumption          the assumption of the proof, in words
     helper              within: a lemma over state and the number of steps waited, proved together with the property
-    unconditional       required for ALL inputs in range, also where the environment breaks the assumption
+    unconditional       required for ALL inputs in range, also if the environment violates the assumption
     kept_by             in a composition: the machine on which it is proved, and the property in that machine's terms
                         (Composition.inherited)
     """
@@ -70,14 +72,14 @@ class Property:
 
     @property
     def relies_on(self) -> str:
-        """Return in words the assumption of the verdict: the machine's, and the property's further one."""
+        """The assumption of the verdict in words: the machine's assumption, and the property's further one."""
         if self.further_assumption is TRUE:
             return NO_ASSUMPTION if self.unconditional else self.assumption
         further = f"further assumption in every step: {text(self.further_assumption)}"
         return further if self.unconditional or not self.assumption else f"{self.assumption}; {further}"
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def always(
     name: str,
     term: Bool,
@@ -88,7 +90,7 @@ def always(
     assumption: str = "",
     unconditional: bool = False,
 ) -> Property:
-    """`term` holds in every step (and at the start, if it reads state only)."""
+    """Require that `term` holds in every step, and in the first state too if it reads state only."""
     return Property(
         name,
         "always",
@@ -101,7 +103,7 @@ def always(
     )
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def never(
     name: str,
     term: Bool,
@@ -112,7 +114,7 @@ def never(
     assumption: str = "",
     unconditional: bool = False,
 ) -> Property:
-    """`term` holds in no step."""
+    """Require that `term` holds in no step, nor in the first state if it reads state only."""
     return Property(
         name,
         "always",
@@ -125,7 +127,7 @@ def never(
     )
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def within(
     name: str,
     steps: int,
@@ -139,9 +141,9 @@ def within(
     helper: Callable[[NumVar], Bool] | None = None,
     unconditional: bool = False,
 ) -> Property:
-    """After each step with `trigger`, `response` holds in the same step or at most `steps` later.
+    """Require that after each step with `trigger`, `response` holds in the same step or at most `steps` later.
 
-    The first state is no step: a trigger that only it meets asks for nothing. PropertyError if `steps` is negative.
+    The first state is no step: a trigger that holds only there requires nothing. PropertyError if `steps` is negative.
     """
     return Property(
         name,
@@ -158,7 +160,7 @@ def within(
     )
 
 
-@refuse_old_keywords(PropertyError, RENAMED)
+@refuse_old_keywords(PropertyError, _RENAMED)
 def reachable(
     name: str,
     term: Bool,
@@ -169,7 +171,7 @@ def reachable(
     assumption: str = "",
     unconditional: bool = False,
 ) -> Property:
-    """Some run comes to `term`; a proof of it is a witness stream."""
+    """Require that some run reaches `term`; the proof is a witness, the inputs of such a run."""
     return Property(
         name,
         "reachable",
@@ -182,38 +184,38 @@ def reachable(
     )
 
 
-def earlier(term: Expr) -> Expr:
-    """Return the value that a term over state variables had before the step (`before` and `was` for whole terms)."""
+def _earlier(term: Expr) -> Expr:
+    """Return the value that a term over state variables had before the step: `before` and `was` for whole terms."""
     twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term])}
     return Substitution(twins)(term)
 
 
 def earlier_num(term: Num) -> Num:
-    """Return the same for a numeric term."""
-    result = earlier(term)
+    """Return the value that a numeric term over state variables had before the step."""
+    result = _earlier(term)
     assert isinstance(result, Num)
     return result
 
 
 def earlier_bool(term: Bool) -> Bool:
-    """Return the same for a truth-valued term."""
-    result = earlier(term)
+    """Return the truth value that a term over state variables had before the step."""
+    result = _earlier(term)
     assert isinstance(result, Bool)
     return result
 
 
 def previous(term: Bool) -> Bool:
-    """`term` held in the step before; false in the first step."""
+    """Return the condition that `term` held in the step before; it is false in the first step."""
     return Past("previous", (term,))
 
 
 def once(term: Bool) -> Bool:
-    """`term` holds now or held in some earlier step."""
+    """Return the condition that `term` holds now or held in some earlier step."""
     return Past("once", (term,))
 
 
 def since(term: Bool, start: Bool) -> Bool:
-    """`start` held in some step up to now, and `term` in every step after it up to now."""
+    """Return the condition that `start` held in some step up to now, and `term` in every step after it up to now."""
     return Past("since", (term, start))
 
 
@@ -221,9 +223,12 @@ def since(term: Bool, start: Bool) -> Bool:
 class Goal:
     """A system with observer variables and the state term `good`.
 
-    For `always` and `within`, every run must keep `good`; for `reachable`, some run must break it.
-    `helper` is proved together with `good`. `observers` are the added state variables; `prop` and `original` are where it came
-    from. `plain` is the system without observers under what the property relies on: what its runs are runs of.
+    good       for `always` and `within`, true in every state of every run; for `reachable`, false in some state of some run
+    prop       the property from which the goal was made
+    observers  the added state variables
+    original   the system before
+    plain      the system without observers, under the assumption of the property: its runs are the runs of the goal
+    helper     proved together with `good`
     """
 
     system: TransitionSystem
@@ -236,7 +241,7 @@ class Goal:
 
 
 def observe(system: TransitionSystem, prop: Property) -> Goal:
-    """Compile the property into extra state on `system`. PropertyError if it reads what the system does not have."""
+    """Compile the property into observer variables on `system`. PropertyError if it reads a variable that it must not."""
     check_system(system)
     observer, waiting = _Observer(system, prop.name), waiting_for(prop)
     helper = prop.helper(waiting) if waiting is not None and prop.helper is not None else None
@@ -250,14 +255,17 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
 
 
 def waiting_for(prop: Property) -> NumVar | None:
-    """Return the variable that counts steps since an unanswered trigger; it is `steps` + 1 once the answer is late."""
+    """Return the variable that counts steps from a trigger without a response (0: none open; `steps` + 1: too late).
+
+    None for a property of another kind than `within`.
+    """
     if prop.kind != "within":
         return None
     return NumVar(f"observer.{prop.name}.0.waiting", COUNT, 0, prop.steps + 1, None, prop.src)
 
 
 def _relied_on(system: TransitionSystem, prop: Property) -> TransitionSystem:
-    """The system under what the property relies on; the very same one where that is the system's own assumption."""
+    """Return the system under the assumption of the property; the same object if this is the system's own assumption."""
     if not prop.unconditional:
         return (
             system
@@ -274,7 +282,7 @@ def _is_initially(var: Var, value: Value) -> Bool:
 
 
 class _Observer:
-    """Builds observer variables; terms handed over are over after-state, before-state, inputs and fired."""
+    """Builds the observer variables of a property, whose terms read state after and before the step, inputs and fired."""
 
     def __init__(self, system: TransitionSystem, name: str) -> None:
         self.system, self._prefix = system, name
@@ -319,7 +327,7 @@ class _Observer:
         return var
 
     def _now(self, term: Bool) -> Bool:
-        """The term over state before the step and inputs, past operators replaced by observer variables."""
+        """Rewrite a term over state before the step and inputs, with observer variables for past operators."""
         for node in in_order([term]):
             if node not in self._lifted:
                 self._lifted[node] = self._lift(node)
@@ -346,7 +354,7 @@ class _Observer:
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """One system with the observers of several goals: `goods` maps a property to its state term."""
+    """One system with the observers of several goals."""
 
     system: TransitionSystem
     goals: tuple[Goal, ...]
@@ -354,7 +362,7 @@ class Watch:
 
 
 def watch(system: TransitionSystem, goals: Sequence[Goal]) -> Watch:
-    """Combine all goals on one system, whose assumption stays unchanged. PropertyError if two of them share a name."""
+    """Combine all goals on one system, whose assumption stays unchanged. PropertyError if observers of two share a name."""
     check_watching(goals)
     moves, initial, observers = dict(system.next), dict(system.initial), list[Var]()
     terms = [system.init]

@@ -1,8 +1,8 @@
-"""A number as a sum of multiples: of some variables and a rest, or of whatever it is made of.
+"""Decomposition of a number into a sum of multiples.
 
-factors(term, of)   variable -> factor, and the rest that reads none of them
-atoms(term)         the terms that it is the sum of multiples of
-least(term)         a lower bound, where equal parts that stand on both sides of a difference cancel
+factors(term, of)   variable -> factor for the variables `of`, and a rest that reads none of them
+atoms(term)         term -> factor for the smallest terms of the sum, and a constant
+least(term)         a lower bound; equal terms on both sides of a difference cancel
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from safeloc.language.terms import variables
 
 @dataclass(frozen=True, eq=False)
 class Sum:
-    """The sum of `of` (variable -> factor, none 0) and `rest`, which reads none of the variables asked for."""
+    """A sum of variables with factors (`of`: variable -> factor, none 0), and a `rest` that reads none of the variables."""
 
     of: Mapping[NumVar, int]
     rest: Num
 
 
 def factors(term: Num, of: Container[Var]) -> Sum | None:
-    """Return the term as a sum over the variables asked for; None where it is not linear in them."""
+    """Return the term as a sum over the variables `of`; None if it is not linear in them."""
     if isinstance(term, NumVar) and term in of:
         return Sum({term: 1}, Lit(0, term.unit))
     if not any(var in of for var in variables([term])):
@@ -61,14 +61,14 @@ def _together(one: Mapping[NumVar, int], other: Mapping[NumVar, int]) -> dict[Nu
 
 
 def least(term: Num) -> int:
-    """Return a number that the term is never below while variables stay in their ranges."""
+    """Return a lower bound of the term while variables stay in their ranges."""
     found, constant = atoms(term)
     within = bounds(found)
     return constant + sum(factor * within[atom][0 if factor > 0 else 1] for atom, factor in found.items())
 
 
 def atoms(term: Num) -> tuple[dict[Num, int], int]:
-    """Return the terms that sums, differences and multiples are made of, each with its factor, and a constant."""
+    """Return the terms, each with its factor, and the constant that the term is the sum of."""
     match term:
         case Lit(value, _):
             return {}, value

@@ -1,10 +1,10 @@
-"""Lowering: a machine as one functional next-state map.
+"""Lowering: translation of a machine into one next-value term for each state variable.
 
 Modes, priorities and staying put become terms. Every back end and every prover reads only TransitionSystem.
 
     lower(machine)                      one machine, ghosts included
-    without_ghosts(system)              what runs on board: no environment, no assumption
-    composition.compose(...)            several machines, wired output to input, as one
+    without_ghosts(system)              the on-board system: no environment, no assumption
+    composition.compose(...)            several machines, wired output to input, as one system
 """
 
 from __future__ import annotations
@@ -29,21 +29,24 @@ from safeloc.language.expr import (
     between,
     ite,
 )
-from safeloc.language.machine import ANY, Initial, Machine, Transition
+from safeloc.language.first_values import ANY, Initial
+from safeloc.language.machine import Machine
 from safeloc.language.nodes import ChooseBool
 from safeloc.language.renamed import hint
 from safeloc.language.terms import Sharing, Substitution, conjuncts, variables
+from safeloc.language.transition_table import Transition
 from safeloc.language.units import Enumeration
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One machine of a composition: facts proved of it alone carry over while its wired inputs stay in their ranges.
+    """One machine of a composition. Facts proved for it in isolation carry over as long as its wired inputs stay in range.
 
-    alone  the machine by itself
-    into   rewrites terms over its state into terms of the composition
-    heard  the condition that all wired inputs are in range, over the composition's state before the step and inputs
-    owed   the ranges of its wired ghosts, and the part of its assumption that the machines before it discharge
+    alone       the machine by itself
+    into        rewrites terms over its state into terms of the composition
+    heard       the condition that its wired inputs are in range, over the composition's state before the step and inputs
+    owed        the conditions that the machines before it have to guarantee: the ranges of its wired ghosts, and the
+                discharged part of its assumption
     clauses     every clause of its world by name, over the composition's state before the step and inputs
     guaranteed  names of the clauses that the machines before it guarantee
     """
@@ -57,38 +60,40 @@ class Part:
 
     @property
     def assumed(self) -> dict[str, Bool]:
-        """The clauses that no machine before it guarantees, by name."""
+        """The clauses that the composition assumes, since no machine before it guarantees them; by name."""
         return {name: term for name, term in self.clauses.items() if name not in self.guaranteed}
 
     @property
     def machine(self) -> Machine:
-        """The machine as it was declared."""
+        """The machine as declared."""
         return self.alone.machines[0]
 
     @property
     def name(self) -> str:
-        """The machine's own name; `alone` has the composition's in front, since proofs hold for this configuration."""
+        """The machine's own name. That of `alone` starts with the composition's, since proofs hold for this configuration."""
         return self.machine.name
 
 
 @dataclass(frozen=True, eq=False)
 class TransitionSystem:
-    """State, inputs and next values. Ranges of variables are implied; `assume` adds the assumption on the environment.
+    """A transition system: state, inputs, and a next-value term for each state variable.
+
+    Variables stay in their ranges implicitly; `assume` is the assumption on the environment besides.
 
     init      the condition on the first state, without the ranges
-    next      state variable -> term over state before and inputs
-    assume    term over state before and inputs; TRUE for an on-board system
+    next      state variable -> term over state before the step and inputs
+    assume    term over state before the step and inputs; TRUE for an on-board system
     outputs   name -> term over state (after the step)
-    fired     name variable of a machine -> term for the transition that fires (0: none)
+    fired     fired variable of a machine -> term for the number of the transition that fires (0: none)
     lemmas    name -> term over state, to be proved and then used
     ghosts    the variables of the environment, a subset of state and inputs
-    initial   state variable -> its declared first value, ANY where open
+    initial   state variable -> its declared first value, ANY if left open
     optionals the inputs that may be absent
-    machines  the machines from which it was made
+    machines  the machines from which the system was made
     parts     of a composition: one Part per machine
-    whole     of a machine of a composition, by itself: the composition's name
     stages    of a composition: the state variables of each machine, in the order of the step; only back ends that write
               the step machine by machine read it, and they compute `next` whatever it contains
+    whole     of one machine of a composition by itself: the composition's name
     """
 
     name: str
@@ -148,7 +153,7 @@ def lower(machine: Machine) -> TransitionSystem:
 
 
 def _exclusive_guards(machine: Machine) -> dict[Transition, Bool]:
-    """Source mode and guard of each transition; order does the rest."""
+    """Return the condition of each transition: its source mode and guard; the order of transitions adds the priority."""
     return {
         t: machine.mode.one_of(*t.sources) & t.when if len(t.sources) < len(machine.modes) else t.when
         for t in machine.transitions
@@ -156,7 +161,7 @@ def _exclusive_guards(machine: Machine) -> dict[Transition, Bool]:
 
 
 def _chain(guards: Mapping[Transition, Bool], values: Mapping[Transition, Expr | int | bool], stay: Expr) -> Expr:
-    """First enabled transition's value, else `stay`. All chains share the same guard terms, in the same order."""
+    """Return the value of the first enabled transition, else `stay`. All chains share the same guard terms in one order."""
     result = stay
     for t in reversed(list(guards)):
         value = values[t]
@@ -187,7 +192,7 @@ def _initial_terms(initial: Mapping[Var, Initial]) -> list[Bool]:
 
 
 def canonical(var: NumVar) -> int:
-    """Return the value that stands in an absent optional input: the one nearest zero."""
+    """Return the value that an absent optional input holds: the one nearest zero."""
     return min(max(0, var.low), var.high)
 
 
@@ -214,7 +219,7 @@ def absent_is_canonical(optionals: Sequence[Optional]) -> Bool:
 
 
 def without_ghosts(system: TransitionSystem) -> TransitionSystem:
-    """Return the system as it runs on board; of `initially`, what reads no ghost."""
+    """Return the system that runs on board; of `init` it keeps the conditions that read no ghost."""
     kept = tuple(var for var in system.state if var not in system.ghosts)
     initial = {var: system.initial[var] for var in kept}
     return replace(
@@ -233,7 +238,7 @@ def without_ghosts(system: TransitionSystem) -> TransitionSystem:
 
 
 def first_without_the_world(system: TransitionSystem) -> Bool:
-    """Return `init` without conditions that tie the machine to ghosts: a machine on board does not know its true start.
+    """Return `init` without the conditions that relate on-board state to ghosts: on board the true start is unknown.
 
     A condition over ghosts alone stays, since it does not restrict the machine.
     """

@@ -1,4 +1,4 @@
-"""Walking terms: in order, what they read, rewriting, sharing, and writing them out."""
+"""Functions over terms: traversal in order, variables, rewriting, sharing of equal parts, and text."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from safeloc.language.nodes import (
 
 
 def children(node: Expr) -> tuple[Expr, ...]:
-    """Return the terms a node is made of."""
+    """Return the operands of a node."""
     return CHILDREN[type(node)](node)
 
 
@@ -44,7 +44,7 @@ def _none(_: Expr) -> tuple[Expr, ...]:
 
 
 _OPERANDS, _CHOICE, _PARTS = attrgetter("left", "right"), attrgetter("condition", "then", "other"), attrgetter("parts")
-CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, since nothing is asked as often
+CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, since no function is called more often
     **dict.fromkeys((Lit, NumVar, Truth, BoolVar), _none),
     **dict.fromkeys((Choose, ChooseBool), _CHOICE),
     **dict.fromkeys((And, Or, Past), _PARTS),
@@ -55,15 +55,15 @@ CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, si
 
 
 def in_order(roots: Iterable[Expr], done: Container[Expr] = frozenset()) -> list[Node]:
-    """Return every node below `roots` once, parts before wholes; without recursion, so depth is no limit.
+    """Return every node below `roots` once, operands first; without recursion, so that terms may be deep.
 
-    done  nodes to leave out, with all that is below them
+    done  nodes to leave out, with all nodes below them
     """
     return [node for node, _ in _with_parts(roots, done)]
 
 
 def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node, tuple[Expr, ...]]]:
-    """The same, each node with the terms that it is made of."""
+    """Return every node below `roots` once, operands first, each node with its operands."""
     seen: set[Expr] = set()
     order: list[Any] = []
     stack: list[Any] = [*reversed(list(roots))]
@@ -71,7 +71,7 @@ def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node
     while stack:
         node = stack.pop()
         kind = type(node)
-        if kind is tuple:  # a whole, left behind when its parts were put on the stack
+        if kind is tuple:  # a node whose operands were pushed before: all of them are done
             order.append(node)
         elif node not in seen and node not in done:
             seen.add(node)
@@ -85,7 +85,7 @@ def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node
 
 
 def conjuncts(term: Bool) -> Iterator[Bool]:
-    """The parts of a conjunction, of its conjunctions, and so on, in order; the term itself if it is none."""
+    """Yield the parts of nested conjunctions, in order; the term itself if it is no conjunction."""
     stack = [term]
     while stack:
         part = stack.pop()
@@ -96,14 +96,14 @@ def conjuncts(term: Bool) -> Iterator[Bool]:
 
 
 def variables(roots: Iterable[Expr]) -> list[Var]:
-    """Return the distinct variables below `roots`, in first-use order."""
+    """Return the distinct variables below `roots`, in order of first use."""
     return [node for node in in_order(roots) if isinstance(node, Var)]
 
 
 class Substitution:
-    """Replaces variables by terms; shared sub-terms stay shared across all the terms it is applied to.
+    """Replaces variables by terms; shared sub-terms stay shared across all terms to which it is applied.
 
-    whole  terms that are replaced as a unit; their parts are not visited
+    whole  pairs of a term and its replacement: such a term is replaced as a unit, and its parts are not visited
     """
 
     def __init__(self, replacements: Mapping[Var, Expr], whole: Iterable[tuple[Expr, Expr]] = ()) -> None:
@@ -123,7 +123,7 @@ class Substitution:
         return result
 
     def __call__(self, term: Expr) -> Expr:
-        """The term after replacement."""
+        """Return the term after replacement."""
         done = self._done
         for node, parts in _with_parts([term], done):
             done[node] = _made_of(node, parts, tuple([done[part] for part in parts]))
@@ -138,13 +138,13 @@ class Sharing:
         self._done: dict[Expr, Expr] = {}
 
     def __call__(self, term: Expr) -> Expr:
-        """The term with equal parts shared, also with every term that was handed over before."""
+        """Return the term with equal parts shared, also with all terms of earlier calls."""
         done = self._done
         for node, parts in _with_parts([term], done):
             now = tuple([done[part] for part in parts])
             shape = _shape(node, now)
             kept = self._kept.get(shape)
-            if kept is None:  # else there is an equal node already, and making another one is spared
+            if kept is None:  # otherwise an equal node exists already, and no other one is made
                 kept = _made_of(node, parts, now)
                 if kept is not node:
                     shape = _shape(kept, children(kept))
@@ -153,17 +153,17 @@ class Sharing:
         return done[term]
 
     def num(self, term: Num) -> Num:
-        """Return the same for a numeric term."""
+        """Return the numeric term with equal parts shared."""
         return _n(self(term))
 
     def bool(self, term: Bool) -> Bool:
-        """Return the same for a truth-valued term."""
+        """Return the truth-valued term with equal parts shared."""
         return _b(self(term))
 
 
 def alike(left: Expr, right: Expr) -> bool:
-    """Return whether two terms have the same structure; variables are compared by identity, or by what `before`
-    names."""
+    """Return whether two terms have the same structure; variables are compared by identity, values before the step by
+    the variable that they belong to."""
     share = Sharing()
     twins: dict[Var, Expr] = {}
     for var in variables([left, right]):
@@ -174,7 +174,7 @@ def alike(left: Expr, right: Expr) -> bool:
 
 
 def _shape(term: Expr, parts: tuple[Expr, ...]) -> tuple[object, ...]:
-    """Return the key of a node: two nodes with shared parts are equal if their keys are."""
+    """Return the key of a node: two nodes with shared parts are equal exactly if their keys are."""
     if TYPE_CHECKING:
         assert isinstance(term, Node)
     match term:
@@ -195,12 +195,12 @@ def _shape(term: Expr, parts: tuple[Expr, ...]) -> tuple[object, ...]:
 
 
 def _made_of(node: Node, parts: tuple[Expr, ...], now: tuple[Expr, ...]) -> Expr:
-    """The node, made of what its parts are now."""
+    """Return the node with the operands `now` in place of `parts`; the node itself if they are the same."""
     return node if [*map(id, now)] == [*map(id, parts)] else rebuilt(node, now)
 
 
 def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
-    """Return the node with other parts (of the same kinds); the node itself where they are the same."""
+    """Return the node with other operands of the same kinds; the node itself if they are the same."""
     if [*map(id, parts)] == [*map(id, children(node))]:
         return node
     match node:
@@ -239,7 +239,7 @@ def _b(term: Expr) -> Bool:
 
 
 def text(term: Expr, most: int = 200) -> str:
-    """Return an S-expression of the term; after `most` nodes the rest is "...", since shared parts are written out each time."""
+    """Return an S-expression of the term, with "..." after `most` nodes, since it writes shared parts out each time."""
     return _Writer(most).write(term)
 
 

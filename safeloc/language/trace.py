@@ -1,4 +1,4 @@
-"""A recorded run: the first state, then inputs, fired transition, state and outputs of every step."""
+"""A recorded run: the first state, then the inputs, fired transitions, state and outputs of every step."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from safeloc.language.units import Enumeration
 
 @dataclass(frozen=True)
 class Step:
-    """One step. Keys are variable and output names; enumerations are numbers (see `shown`)."""
+    """One step of a run, with the state and outputs after it. Keys are names; members of enumerations are numbers."""
 
     inputs: Mapping[str, Value]
     fired: Mapping[str, str]
@@ -23,18 +23,18 @@ class Step:
 
 @dataclass(frozen=True)
 class Trace:
-    """A run of `system`."""
+    """A run of `system`: the first state and all steps."""
 
     system: TransitionSystem
     initial: Mapping[str, Value]
     steps: tuple[Step, ...]
 
     def stream(self) -> list[dict[str, Value]]:
-        """Return the inputs of every step, with absent optional inputs left out: what `replay` takes."""
+        """Return the inputs of every step, without absent optional inputs, as `interpret.run` takes them."""
         return [present_inputs(self.system, step.inputs) for step in self.steps]
 
     def table(self, limit: int = 60) -> str:
-        """Return the last `limit` steps as plain text, one line a step."""
+        """Return the first state and the last `limit` steps as plain text, one line a step."""
         lines = [f"   0  start  {_row(self.system, self.initial)}"]
         for number, step in enumerate(self.steps, 1):
             fired = ", ".join(name for name in step.fired.values())
@@ -44,14 +44,14 @@ class Trace:
 
 
 def present_inputs(system: TransitionSystem, inputs: Mapping[str, Value]) -> dict[str, Value]:
-    """Return inputs of one step without presence flags and without the values of absent optional inputs."""
+    """Return the inputs of one step without presence flags and without absent optional inputs."""
     hidden = {option.present.name for option in system.optionals}
     hidden |= {option.value.name for option in system.optionals if not inputs[option.present.name]}
     return {name: value for name, value in inputs.items() if name not in hidden}
 
 
 def shown(var: Var, value: Value) -> str:
-    """Return a value as a person reads it: a member's label, or the number."""
+    """Return a value as text for a person: a member's label, true or false, or the number."""
     if isinstance(var, NumVar) and isinstance(var.unit, Enumeration):
         return var.unit.members[value] if value < len(var.unit.members) else f"{value}, no member"
     return str(value).lower() if isinstance(value, bool) else str(value)

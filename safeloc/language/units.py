@@ -1,7 +1,7 @@
 """Units of whole-number quantities, and enumerations.
 
-A unit is a scale times powers of metre, second and count. Two units are the same when dimension and scale
-agree: `MM_S * MS` is a micrometre, not a millimetre, and has to be converted on purpose.
+A unit is a scale times powers of metre, second and count. Two units are the same if dimension and scale agree: the product
+of MM_S and MS is a micrometre, not a millimetre, and has to be converted explicitly.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Unit:
     scale: Fraction = Fraction(1)
 
     def __hash__(self) -> int:
-        """By what is hashed fast, unlike a fraction."""
+        """Return a hash without the scale, since hashing a fraction is slow."""
         return hash((self.name, self.length, self.time, self.count))
 
     def same(self, other: Unit | Enumeration) -> bool:
@@ -32,11 +32,11 @@ class Unit:
 
     @property
     def dimension(self) -> tuple[int, int, int]:
-        """Powers of (metre, second, count)."""
+        """The powers of (metre, second, count)."""
         return (self.length, self.time, self.count)
 
     def times(self, other: Unit) -> Unit:
-        """Return the unit of a product; a named unit of the table below where one fits."""
+        """Return the unit of a product; a unit of NAMED_UNITS if one fits."""
         length, time, count = self.length + other.length, self.time + other.time, self.count + other.count
         scale = self.scale * other.scale
         for unit in NAMED_UNITS:
@@ -47,7 +47,7 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Enumeration:
-    """A finite set of named values, held as 0, 1, 2 ...; only equality is defined on it."""
+    """A finite set of named values, stored as 0, 1, 2 ...; they can be compared for equality only."""
 
     name: str
     members: tuple[str, ...]
@@ -57,7 +57,7 @@ class Enumeration:
         return self is other or self == other
 
     def index(self, member: str) -> int:
-        """Return the number that stands for `member`; ValueError if there is none of that name."""
+        """Return the number of a member; ValueError for an unknown name."""
         return self.members.index(member)
 
 
@@ -82,7 +82,7 @@ NAMED_UNITS = (ONE, COUNT, PPM, PER_MILLE, NM, UM, MM, CM, M, MS, S, UM_S, MM_S,
 
 
 def per(small: Unit, large: Unit) -> int:
-    """How many of the smaller unit make one of the larger; ValueError where that is no whole number."""
+    """Return how many of the smaller unit make one of the larger; ValueError if this is no whole number."""
     ratio = large.scale / small.scale
     if small.dimension != large.dimension or ratio.denominator != 1:
         raise ValueError(f"one {large.name} is no whole number of {small.name}")
@@ -90,5 +90,6 @@ def per(small: Unit, large: Unit) -> int:
 
 
 NM_PER_UM, NM_PER_MM, UM_PER_MM, MM_PER_M = per(NM, UM), per(NM, MM), per(UM, MM), per(MM, M)
+NM_PER_M, UM_PER_M, PPM_PER_ONE = per(NM, M), per(UM, M), per(PPM, ONE)
 US_PER_MS, US_PER_S, MS_PER_S = per(US, MS), per(US, S), per(MS, S)
-"""For figures that are no terms; terms are converted by `exact_to`, `floor_to` and `ceil_to`."""
+"""Factors between units for plain numbers; terms are converted by `exact_to`, `floor_to` and `ceil_to`."""

@@ -1,7 +1,7 @@
 """Verdicts: the result of a prover, a test or a replay for one property, with its evidence.
 
-There is no truth value: read it by `match`, or call `require_proved`. Verdicts are ordered from worst to best,
-Violated < Unknown < Vacuous < NotAsked < Held < Proved; a report's headline is the worst.
+A verdict has no truth value: read it by `match`, or call `require_proved`. The order from worst to best is
+Violated < Unknown < Vacuous < NotAsked < Held < Proved; the headline of a report is the worst.
 """
 
 from __future__ import annotations
@@ -26,11 +26,13 @@ class _NoTruth:
 
 @dataclass(frozen=True, eq=False)
 class Proved(_NoTruth):
-    """Holds on every stream that obeys the assumption, without a bound on its length.
+    """The property holds on every stream that obeys the assumption, of whatever length.
 
-    For `reachable`, `witness` is a run that gets there, and there is no invariant. `rechecked` names what confirmed it
-    (cvc5, interpreter); `certificates` maps file name -> SMT-LIB2 text.
-    `by_construction` says what needed no solver and why, such as divisors that are positive constants.
+    invariant        the inductive invariant; None for `reachable`
+    rechecked        the programs that confirmed the result (cvc5, interpreter)
+    certificates     file name -> SMT-LIB 2 text
+    witness          for `reachable`, a run that reaches the state
+    by_construction  the part that needed no solver, and why, such as divisors that are positive constants
     """
 
     invariant: Bool | None
@@ -44,9 +46,9 @@ class Proved(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class Violated(_NoTruth):
-    """A run breaks the property; its trace has been replayed in the interpreter.
+    """A run violates the property; its trace was replayed in the interpreter.
 
-    `trace` is None only where no run is the evidence (something `reachable` proved unreachable; `reason` says so).
+    `trace` is None only if the evidence is no run: a `reachable` state was proved unreachable, as `reason` states.
     """
 
     trace: Trace | None
@@ -56,7 +58,7 @@ class Violated(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class Unknown(_NoTruth):
-    """Undecided within the limits; no violation up to `depth` steps (-1: not even that)."""
+    """The property is undecided within the limits; no violation exists up to `depth` steps (-1: no depth was completed)."""
 
     reason: str
     depth: int = -1
@@ -64,9 +66,9 @@ class Unknown(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class Vacuous(_NoTruth):
-    """Vacuously true: a case of the property never happens, or runs under its assumption come to a dead end.
+    """The property is vacuously true: one of its cases never happens, or runs under its assumption reach a dead end.
 
-    `trace` is a run into the dead end, where that is the reason.
+    `trace` is a run into the dead end, if that is the reason.
     """
 
     reason: str
@@ -75,14 +77,14 @@ class Vacuous(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class NotAsked(_NoTruth):
-    """Nothing was declared to be proved, such as in a module without properties; this never counts as proved."""
+    """Nothing to prove was declared, for example in a module without properties; this never counts as proved."""
 
     reason: str
 
 
 @dataclass(frozen=True, eq=False)
 class Held(_NoTruth):
-    """Not violated in the runs that were made: evidence, no proof."""
+    """The property was not violated in the runs that were made: this is evidence and no proof."""
 
     engine: str
     runs: int
@@ -117,12 +119,12 @@ WORST_FIRST = ("violated", "unknown", "vacuous", "not asked", "held", "proved")
 
 
 def worst(words: Iterable[str]) -> str:
-    """Return the worst of several verdict words; `not asked` when there are none."""
+    """Return the worst of several verdict words; `not asked` if there are none."""
     return min(words, key=WORST_FIRST.index, default="not asked")
 
 
 def require_proved(verdict: Verdict) -> Proved:
-    """Return the verdict, if it is Proved; NotProvedError with the evidence otherwise."""
+    """Return the verdict if it is Proved; otherwise raise NotProvedError with the evidence."""
     match verdict:
         case Proved():
             return verdict

@@ -1,37 +1,35 @@
 """The environment of a machine: ghosts such as the true position, and the laws that sensors and neighbours obey.
 
-A world knows the inputs of its machine and the configuration, and nothing that the machine computes. A law that reads the
-machine's state would follow the machine wherever a wrong edit leads it, and prove it right. State that no transition sets is
-configuration: a figure of the site, open in the proof.
+A world may read the inputs of its machine and the configuration, but nothing that the machine computes: a law that reads
+the machine's state would change along with a wrong edit of the machine, and the proof could still succeed. State that no
+transition sets is configuration: a figure of the site, which the proof leaves open.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from safeloc.language.expr import Bool, Expr, Var, all_of
-
-if TYPE_CHECKING:
-    from safeloc.language.machine import Initial
+from safeloc.language.first_values import Initial
 
 Owner = Literal["", "supplier", "infrastructure", "operator", "nobody"]
 
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A clause with what an assessor asks of it: a safety-related application condition.
+    """A clause with the data that an assessor needs: a safety-related application condition.
 
     term       the condition in each step
     statement  the law in one sentence
-    figures    names of the configured figures in it, such as "marker_accuracy_mm": value, unit and source stand there
+    figures    names of the configured figures in it, such as "marker_accuracy_mm"; the configuration has value, unit, source
     source     the origin of the law: "[S] ..." read, "[D] ..." derived, "[M] ..." from memory
-    owner      the party that ensures it: the supplier of the device, the infrastructure manager, or the operator; nobody where
-               it excludes nothing: a definition, or arithmetic that solvers find slowly by themselves
-    check      how it can be checked in operation: a monitor, maintenance, a type test
-    shares     why the term has a part in common with what the machine computes: the machine may be wrong in that part, and
-               the law then moves with it. `safeloc list shared` shows each common part with this reason, or that there is none
+    owner      the party that ensures the law: the supplier of the device, the infrastructure manager, or the operator;
+               nobody if it excludes nothing: a definition, or arithmetic that solvers find slowly by themselves
+    check      a way to check the law in operation: a monitor, maintenance, a type test
+    shares     the reason why the term has a part in common with a term of the machine: an error in that part changes both.
+               `safeloc list shared` shows each common part with this reason, or that there is none
     """
 
     term: Bool
@@ -51,8 +49,8 @@ class World:
     choices  variables that the world chooses freely in each step, within their ranges; only moves and clauses read them
     moves    ghost variable -> its next value
     clauses  name -> condition in each step, over inputs, and ghosts and choices before the step. All of them together
-             are the assumption that proofs rest on. A composition can have its earlier machines guarantee one by name
-    reads_machine  why a clause or a move reads what the machine computes; without a reason it is refused
+             are the assumption of every proof. In a composition, earlier machines can guarantee a clause by its name
+    reads_machine  the reason why a clause or a move reads state that the machine computes; without it this is refused
     """
 
     ghosts: Mapping[Var, Initial] = field(default_factory=dict)
@@ -63,7 +61,7 @@ class World:
 
     @property
     def laws(self) -> dict[str, Law]:
-        """Every clause by name, as a Law; one declared as a bare term has no further fields."""
+        """Every clause by name, as a Law; a clause declared as a bare term has empty fields."""
         return {name: one if isinstance(one, Law) else Law(one) for name, one in self.clauses.items()}
 
     @property
@@ -73,7 +71,7 @@ class World:
 
     @property
     def assumption(self) -> Bool:
-        """All clauses together."""
+        """The conjunction of all clauses."""
         return all_of(self.terms.values())
 
     @property

@@ -1,7 +1,7 @@
 """Declarations of pictures of recorded runs, by the names of inputs, state and outputs.
 
-A declaration only; safeloc.report draws it. A machine of the user may declare the same pictures for its own signals.
-All signals are in mm and mm/s unless stated otherwise; the true position is that of the recording, or the ghost in nm.
+This module only declares pictures; safeloc.report draws them. A user's own machine may declare the same pictures for its
+signals. All signals are in mm and mm/s unless stated otherwise; the true position is that of the recording, or the ghost in nm.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ ThingKind = Literal["balise", "reflector", "marker"]
 
 @dataclass(frozen=True)
 class Read:
-    """Names that a picture reads.
+    """The names of the signals that a picture reads.
 
-    inputs    inputs, which may be absent at times
+    inputs    inputs that may be absent
     always    inputs that are never absent
     reported  outputs or state
     """
@@ -34,12 +34,12 @@ class Read:
 
 @dataclass(frozen=True)
 class Things:
-    """Things beside the line that the inputs of a run tell of.
+    """Balises, reflectors or markers that the inputs of a run report.
 
-    at      optional input: where such a thing stands
-    label   input whose value names it
-    zone    inputs: where its view zone begins and ends, in mm before it; None for a thing that is passed over
-    called  recording (file name without ending) -> place -> what a drawing of that line calls it
+    at      optional input with the place
+    label   input with the name
+    zone    inputs with begin and end of the view zone, in mm before the place; None for things that are passed over
+    called  recording (file name without ending) -> place -> name in the drawing of that line
     """
 
     kind: ThingKind
@@ -51,7 +51,7 @@ class Things:
 
 @dataclass(frozen=True)
 class Deviation:
-    """Deviation of the reported position over distance, with the interval and the tolerable error (source 001, fig. 1)."""
+    """A picture of the reported position's error over distance, with interval and tolerable error (source 001, fig. 1)."""
 
     title: str
     reported: Reported
@@ -68,9 +68,9 @@ class Deviation:
 
 @dataclass(frozen=True)
 class StopSignals:
-    """Inputs that tell of one stop point, and the number by which it is selected.
+    """The inputs of one stop point, and the number that selects it.
 
-    called  recording (file name without ending) -> what a drawing of that platform calls it
+    called  recording (file name without ending) -> name in the drawing of that platform
     """
 
     number: int
@@ -83,12 +83,12 @@ class StopSignals:
 @refuse_old_keywords(ModelError, {"under": "below", "over": "above"})
 @dataclass(frozen=True)
 class Approach:
-    """Speed over distance to the stop point, with orders and stop window (source 001, fig. 2).
+    """A picture of speed over distance to the stop point, with orders and stop window (source 001, fig. 2).
 
-    position, above, below, valid  the interval that comes with the run
-    braking, idle                  members of the order: to brake, and none while no stop is pending
-    brake_mm_s2, reaction_ms, speed_error_mm_s   from these the speed at which braking is due, at each distance
-    period_ms                      time of a step, for the strip over time
+    position, above, below, valid  the interval in the recording
+    braking, idle                  members of the order: to brake, and no order because no stop is pending
+    brake_mm_s2, reaction_ms, speed_error_mm_s   figures for the curve of the speed at which braking has to begin
+    period_ms                      duration of a step, for the strip over time
     """
 
     title: str
@@ -120,12 +120,12 @@ class Approach:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """The route of that number, which may be the true one.
+    """The signals of one possible route.
 
-    possible      output
-    low, high     outputs: where the vehicle would be on it
-    place, model  inputs: the reflector that the map has on it, nearest to where the sighting puts it
-    course        input: which way it takes where a turn is seen
+    possible      output: the route is still possible
+    low, high     outputs: bounds of the position on it
+    place, model  inputs: the mapped reflector on it nearest to the sighted one
+    course        input: straight on or turning off, on this route, at a turn that the radar sees
     """
 
     number: int
@@ -139,7 +139,7 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Sighting:
-    """Signals of a sighting: optional input with the range, inputs with its error, the model and the turn."""
+    """The signals of a sighting: optional input with the range, inputs with its error, the model and the turn."""
 
     range: str
     error: str
@@ -162,7 +162,7 @@ class PlanTrack:
 
 @dataclass(frozen=True)
 class PlanMark:
-    """Something on the plan; `model` of a reflector."""
+    """A switch, balise or reflector on the plan; `model` is that of a reflector."""
 
     kind: PlanKind
     name: str
@@ -174,7 +174,7 @@ class PlanMark:
 
 @dataclass(frozen=True)
 class TrackPlan:
-    """A line as a drawing: lanes are numbered from the top; `routes` says of each route's number what it is called."""
+    """The drawing of a line. Lanes are numbered from the top; `routes`: number of a route -> its name."""
 
     line: str
     routes: Mapping[int, str]
@@ -185,9 +185,9 @@ class TrackPlan:
 
 @dataclass(frozen=True)
 class Recognition:
-    """Picture of the possible routes over the distance run, below the plan of the line (source 001, fig. 3).
+    """A picture of the possible routes over the distance run, below the plan of the line (source 001, fig. 3).
 
-    plan  recording (file name without ending) -> its line; it is called only where a picture is drawn
+    plan  recording (file name without ending) -> plan of its line; called only if the picture is drawn
     """
 
     title: str
@@ -200,15 +200,15 @@ class Recognition:
     @property
     def reads(self) -> Read:
         """The names that it reads."""
-        told = [name for one in self.hypotheses for name in (one.possible, one.low, one.high)]
+        possible = [name for one in self.hypotheses for name in (one.possible, one.low, one.high)]
         of_map = [name for one in self.hypotheses for name in (one.model, one.course)]
         inputs = (self.sighting.range, self.sighting.start, *(one.place for one in self.hypotheses))
-        return Read(inputs, (self.sighting.model, self.sighting.turned, *of_map), (*told, self.mode))
+        return Read(inputs, (self.sighting.model, self.sighting.turned, *of_map), (*possible, self.mode))
 
 
 @dataclass(frozen=True)
 class Stanford:
-    """Error of the reported position against the margin stated for it, with the alarm limit (Stanford diagram)."""
+    """A Stanford diagram: error of the reported position over its reported margin, with the alert limit."""
 
     title: str
     reported: Reported
@@ -222,7 +222,7 @@ class Stanford:
 
 @dataclass(frozen=True)
 class Standing:
-    """One of several like parts: the enumeration that says what it is, and the number that says whose."""
+    """One of several equal channels: the enumeration with its state, and the number of its owner."""
 
     signal: str
     called: str
@@ -230,9 +230,9 @@ class Standing:
 
 @dataclass(frozen=True)
 class Standings:
-    """Picture of the state of each channel along the run, such as satellites by channel.
+    """A picture of the state of each channel along the run, such as satellites by channel.
 
-    names  a number of `called` -> its name; 0 is no one
+    names  a number of `called` -> name of the owner; 0 stands for none
     """
 
     title: str
@@ -267,7 +267,7 @@ class TrueEnds:
 
 @dataclass(frozen=True)
 class VirtualSection:
-    """A virtual section of a recording, and from which of its steps on it was in which state."""
+    """A virtual section of a recording. `states`: (step, state from that step on)."""
 
     low_mm: int
     high_mm: int
@@ -278,12 +278,14 @@ class VirtualSection:
 class LoudFibre:
     """The loudness of each piece of a fibre in each stretch of time.
 
-    says        the scene and the outcome that is expected, in words
-    first_ms    time of the recording's first step; `step_ms` of each, `steps_per_column` of them in a column
-    rows        of pieces of `row_mm`, from the fibre's beginning on: a hexadecimal digit for each column, in steps of
-                `level_cdb` over quiet, f and louder; a dot where nothing was told
-    sections    localization sections as they are; `marks`: places with names
-    virtual     virtual sections beside the one that the machine as it ships has: each is independent of the others
+    says        the scene and its expected outcome, in words
+    first_ms    time of the recording's first step
+    step_ms, steps_per_column   duration of a step, and steps in a column
+    rows        one for each piece of `row_mm`, from the fibre's beginning on: a hexadecimal digit for each column, in steps
+                of `level_cdb` over quiet (f: this or louder); a dot if nothing was reported
+    sections    true localization sections
+    marks       places with names
+    virtual     virtual sections besides the only one of the shipped machine; each is independent of the others
     """
 
     title: str
@@ -301,7 +303,7 @@ class LoudFibre:
 
 
 @dataclass(frozen=True)
-class Interval:
+class NamedInterval:
     """A reported interval with its name in the legend."""
 
     name: str
@@ -320,17 +322,17 @@ class SectionState:
 
 @dataclass(frozen=True)
 class Waterfall:
-    """Amplitude of a fibre over distance and time, with trains, intervals and sections over it (issue 4).
+    """A picture of a fibre's amplitude over distance and time, with trains, intervals and sections over it.
 
-    loud      recording (file name without ending) -> what was heard there; it is called only where a picture is drawn
+    loud      recording (file name without ending) -> loudness of its fibre; called only if the picture is drawn
     sections  virtual sections of the machine itself
-    signals   outputs that tell of position signals
-    modes     states and outputs, enumerations or truth values, that stand in strips below, by their labels
+    signals   outputs with position signals
+    modes     label -> state or output (enumeration or truth value) in a strip below
     """
 
     title: str
     loud: Callable[[str], LoudFibre | None]
-    intervals: tuple[Interval, ...]
+    intervals: tuple[NamedInterval, ...]
     sections: tuple[SectionState, ...] = ()
     signals: tuple[str, ...] = ()
     modes: Mapping[str, str] = field(default_factory=lambda: {"mode": "mode"})
@@ -345,12 +347,12 @@ class Waterfall:
 
 @dataclass(frozen=True)
 class Refusals:
-    """A verdict by which something is rejected, withdrawn or withheld.
+    """A verdict that rejects, withdraws or withholds something.
 
-    of      whose verdict it is, as the table names it
-    signal  the enumeration that tells it
-    fine    members by which nothing is refused
-    also    outputs or state that say more while it is refused, such as which two exclude each other
+    of      owner of the verdict, as named in the table
+    signal  enumeration with the verdict
+    fine    members that refuse nothing
+    also    outputs or state with details of a refusal, such as which two sources exclude each other
     """
 
     of: str
@@ -361,21 +363,21 @@ class Refusals:
 
 @dataclass(frozen=True)
 class Sources:
-    """The intervals of several sources over time, each about the truth, with what they have in common (issue 6).
+    """A picture of the intervals of several sources over time, relative to the true position, and their intersection.
 
-    period_ms  time of a step
-    fused      what is passed on; while it is not valid the vehicle is restrictive
-    lead       enumeration: which source leads
-    beside     what is read along the line, drawn where the front end passes it
-    refusals   the verdicts that make up the table of what was rejected
-    says       recording (file name without ending) -> what is to come of it; it is called only where a picture is drawn
+    period_ms  duration of a step
+    fused      interval that is passed on; while it is not valid the vehicle is in the restrictive state
+    lead       enumeration: the leading source
+    beside     things read along the line, drawn where the front end passes them
+    refusals   verdicts for the table of rejections
+    says       recording (file name without ending) -> expected outcome; called only if the picture is drawn
     """
 
     title: str
     period_ms: int
     fused: Reported
     lead: str
-    sources: tuple[Interval, ...]
+    sources: tuple[NamedInterval, ...]
     beside: tuple[Things, ...] = ()
     refusals: tuple[Refusals, ...] = ()
     says: Callable[[str], str] | None = None
@@ -384,23 +386,23 @@ class Sources:
     def reads(self) -> Read:
         """The names that it reads."""
         intervals = [name for one in self.sources for name in one.reported.outputs]
-        told = [name for one in self.refusals for name in (one.signal, *one.also)]
+        verdicts = [name for one in self.refusals for name in (one.signal, *one.also)]
         inputs = [name for things in self.beside for name in (things.at, things.label)]
-        return Read(tuple(inputs), reported=(*self.fused.outputs, self.lead, *intervals, *told))
+        return Read(tuple(inputs), reported=(*self.fused.outputs, self.lead, *intervals, *verdicts))
 
 
 Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall | Sources
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:
-    """List in words the signals that the picture reads and the system does not have; empty if all exist."""
+    """Return sentences on signals that the picture reads and the system does not have; empty if all exist."""
     reads, optional = picture.reads, {option.value.name for option in system.optionals}
     inputs = {var.name for var in system.inputs}
-    told = {var.name for var in system.state} | set(system.outputs)
+    known = {var.name for var in system.state} | set(system.outputs)
     wrong = [
         f"no input {name!r}{renamed([name], inputs)}" for name in (*reads.inputs, *reads.always) if name not in inputs
     ]
     wrong += [f"input {name!r} may be absent" for name in reads.always if name in optional]
     return wrong + [
-        f"no output or state {name!r}{renamed([name], told)}" for name in reads.reported if name not in told
+        f"no output or state {name!r}{renamed([name], known)}" for name in reads.reported if name not in known
     ]

@@ -1,10 +1,10 @@
-"""Certificates in a report folder: packed, one file a claim, and what several claims rely on once a machine.
+"""The packed certificates of a report folder: one file for each claim, and one for texts that several claims share.
 
-    certificates/CLAIM.tar.xz     texts that this claim alone rests on
-    certificates/MACHINE.tar.xz   texts that several claims of the machine rest on
+    certificates/CLAIM.tar.xz     texts that only this claim needs
+    certificates/MACHINE.tar.xz   texts that several claims of the machine need
 
-Each is an ordinary archive (`tar xf FILE`) of SMT-LIB2 texts; the name of a text ends in the digest of what is in it,
-and its header names the texts that it relies on. report.json says of each file which texts it holds.
+Each file is an ordinary archive (`tar xf FILE`) of SMT-LIB2 texts. The name of a text ends in the digest of its content, and
+its header names the texts that it relies on. report.json lists the texts of each file.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Archives = dict[str, dict[str, str]]
 
 
 def archives(findings: Sequence[Finding]) -> Archives:
-    """Return what is to be written, file by file; InputError where one name stands for two texts."""
+    """Return the texts of each file; InputError if two different texts have the same name."""
     claims: dict[str, list[Finding]] = {}
     texts: dict[str, str] = {}
     taken: dict[str, str] = {}
@@ -50,7 +50,7 @@ def archives(findings: Sequence[Finding]) -> Archives:
 
 
 def write_archives(folder: Path, found: Archives) -> None:
-    """Write the files, two at a time."""
+    """Write the files, in two threads."""
     with ThreadPoolExecutor(2) as threads:
         for _ in threads.map(partial(_write, folder), found.items()):
             pass
@@ -62,7 +62,7 @@ def _write(folder: Path, one: tuple[str, Mapping[str, str]]) -> None:
 
 
 def _archive(texts: Mapping[str, str]) -> bytes:
-    """An archive without times and owners: equal texts give equal bytes."""
+    """Return an archive without times and owners, so that equal texts give equal bytes."""
     content = io.BytesIO()
     with tarfile.open(fileobj=content, mode="w", format=tarfile.PAX_FORMAT) as archive:
         for name, text in texts.items():
@@ -85,9 +85,11 @@ class Texts:
 
 
 def read_archives(folder: Path, expected: Mapping[str, Sequence[str]]) -> Texts:
-    """Read every file in the folder of certificates; `expected`: the names in each, as the report has them.
+    """Read every file in the folder of certificates.
 
-    A file that is damaged, missing, or holds something else gives none of its texts, and is told.
+    expected   file -> names of its texts, according to the report
+
+    A file that is damaged, missing or has other texts is listed as damaged, and none of its texts is returned.
     """
     found = Texts()
     present = {path.name: path for path in sorted(folder.glob(f"*{SUFFIX}"))}
@@ -95,7 +97,7 @@ def read_archives(folder: Path, expected: Mapping[str, Sequence[str]]) -> Texts:
         try:
             texts = _read(folder / file)
             if set(texts) != {*expected.get(file, ())}:
-                raise InputError(f"{folder / file}: holds other certificates than report.json says.")
+                raise InputError(f"{folder / file}: its certificates are not those listed in report.json.")
             found.texts |= texts
         except InputError as error:
             found.damaged[file] = str(error)
@@ -103,7 +105,7 @@ def read_archives(folder: Path, expected: Mapping[str, Sequence[str]]) -> Texts:
 
 
 def _read(path: Path) -> dict[str, str]:
-    """Name -> text of one archive. InputError for anything that is none, or holds a name twice."""
+    """Return the texts of one archive by name. InputError for any other file, and for a name that occurs twice."""
     texts: dict[str, str] = {}
     try:
         with tarfile.open(fileobj=io.BytesIO(read_packed(path)), mode="r:") as archive:

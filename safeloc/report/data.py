@@ -26,15 +26,15 @@ from safeloc.report.machines import machine_data
 from safeloc.report.pictures import pictures_data
 
 SCHEMA = "safeloc-report/4"
-SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
+_SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 NOT_ASKED: Mapping[str, Any] = MappingProxyType({})
-MOST_CELLS = 10_000  # values of a witness that stand in the data; the localizer has 500 in every step
+MOST_CELLS = 10_000  # most values of a witness in the data; the localizer has 500 in every step
 
 
 def schema() -> dict[str, Any]:
     """Return the published JSON schema."""
-    loaded: dict[str, Any] = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
+    loaded: dict[str, Any] = json.loads(_SCHEMA_FILE.read_text(encoding="utf-8"))
     return loaded
 
 
@@ -44,10 +44,10 @@ def report_data(
     evidence: Mapping[str, Any] = NOT_ASKED,
     strengths: Strengths | None = None,
 ) -> dict[str, Any]:
-    """Return everything that was found, as JSON-ready data.
+    """Return the complete report as JSON-ready data.
 
-    evidence   target's name -> what its proofs rest on (safeloc.report.proof_evidence), where that was asked
-    strengths  how strongly each requirement is shown, where that was asked
+    evidence   target's name -> proof cores and effects of broken clauses (safeloc.report.proof_evidence), if available
+    strengths  strength of the evidence for each requirement, if available
     """
     targets = list(targets)
     traced = traceability(targets)
@@ -86,7 +86,7 @@ def _conditions(targets: Sequence[Target]) -> dict[str, int]:
 
 
 def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dict[str, Any]]:
-    """Every finding; of a proved claim, also what it shares with the machine that it judges."""
+    """Return every finding; that of a property also notes the sub-terms that it shares with its machine."""
     shared = {target.name: _shared(target) for target in targets}
     rows = [result_data(finding) for finding in findings]
     for row in rows:
@@ -96,7 +96,7 @@ def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dic
 
 
 def _shared(target: Target) -> dict[str, str]:
-    """Id of a claim -> the sizes of the sub-terms that it has in common with what the machine computes."""
+    """Return, by the id of a claim, the sizes of the sub-terms that it shares with the machine."""
     sizes: dict[str, list[int]] = {}
     for one in shared_terms(target):
         sizes.setdefault(one.of, []).append(one.nodes)
@@ -108,7 +108,7 @@ def _shared(target: Target) -> dict[str, str]:
 
 
 def versions() -> dict[str, str]:
-    """Return versions of everything a verdict depends on, and a digest of safeloc's own files."""
+    """Return the versions of all packages that a verdict depends on, and a digest of safeloc's own files."""
     found = {"python": platform.python_version(), "platform": platform.platform(), "source digest": source_digest()}
     for name in VERSIONED:
         try:
@@ -119,7 +119,7 @@ def versions() -> dict[str, str]:
 
 
 def result_data(finding: Finding) -> dict[str, Any]:
-    """Return one finding."""
+    """Return one finding as data."""
     return {
         "id": finding.id,
         "machine": finding.machine,
@@ -153,8 +153,9 @@ def _confirmation(finding: Finding) -> dict[str, Any]:
 
 
 def _left(finding: Finding) -> dict[str, str]:
-    """A note in the place of a long witness, or of one of a machine by itself, whose variables the page does not know: its
-    stream is in a file of its own, and most readers never look at it.
+    """Return a note that replaces a long witness, or one of a single machine, whose variables the page does not know.
+
+    Such a witness is only in the folder of traces.
     """
     trace = finding.result.witness if isinstance(finding.result, Proved) else None
     if trace is not None and trace.system.whole:
@@ -196,7 +197,7 @@ def _trace(finding: Finding) -> Trace | None:
 
 
 def trace_data(trace: Trace | None, truth_mm: Sequence[int | None] = ()) -> dict[str, Any] | None:
-    """First state, and per step the inputs that were present, what fired, the state and the outputs; null for one that is absent."""
+    """Return first state and steps: inputs that were present, transitions, state, and outputs (null if absent)."""
     if trace is None:
         return None
     steps = [

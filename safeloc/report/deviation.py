@@ -36,18 +36,18 @@ from safeloc.report.drawing import (
     upright_axis,
     word,
 )
+from safeloc.report.recorded_run import RecordedRun, Series
 from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.thinning import Point, Span, pieces, spans
-from safeloc.report.told import Series, Told
 from safeloc.report.violations import head, violations
 
-WHOLE, ENLARGED, BETWEEN = 230, 150, 44
-ENLARGED_WHERE = 6
-"""The enlarged panel is there where the narrowest interval is less than the tolerable error by more than this factor."""
+_WHOLE, ENLARGED, BETWEEN = 230, 150, 44
+_ENLARGED_WHERE = 6
+"""There is an enlarged panel if the tolerable error is more than this many times the narrowest margin."""
 
 
-class Thing(NamedTuple):
-    """Something beside the line: where, what it is called, and its view zone."""
+class _Thing(NamedTuple):
+    """Something beside the line: kind, position, name, and view zone."""
 
     kind: str
     at_mm: int
@@ -55,8 +55,8 @@ class Thing(NamedTuple):
     zone: tuple[int, int] | None
 
 
-class Off(NamedTuple):
-    """One step: place, deviation (None where the truth is not known), and the bounds that the interval sets to it, mm."""
+class _Off(NamedTuple):
+    """One step in mm: position, deviation (None if the truth is unknown), and the bounds of the deviation by the interval."""
 
     place: float
     deviation: float | None
@@ -65,83 +65,83 @@ class Off(NamedTuple):
 
     @property
     def wrong(self) -> bool:
-        """The interval misses the truth."""
+        """Return whether the interval misses the truth."""
         return self.deviation is not None and not self.low <= self.deviation <= self.high
 
 
 @dataclass(frozen=True)
-class Offs:
-    """A run as places and deviations."""
+class _Offs:
+    """A run as positions and deviations."""
 
     one: Deviation
-    told: Told
+    recorded: RecordedRun
 
     @cached_property
-    def steps(self) -> list[Off | None]:
-        """Each step; None where nothing is reported."""
-        made: list[Off | None] = []
-        for step, truth in zip(self.told.trace.steps, self.truth, strict=True):
+    def steps(self) -> list[_Off | None]:
+        """Each step; None if nothing is reported."""
+        made: list[_Off | None] = []
+        for step, truth in zip(self.recorded.trace.steps, self.truth, strict=True):
             ends = self.one.reported.interval_mm(step.outputs)
             if ends is None:
                 made.append(None)
                 continue
             position = step.outputs[self.one.reported.position]
             off = None if truth is None else position - truth
-            made.append(Off(position if truth is None else truth, off, position - ends[1], position - ends[0]))
+            made.append(_Off(position if truth is None else truth, off, position - ends[1], position - ends[0]))
         return made
 
     @cached_property
     def truth(self) -> Series:
-        """The truth, mm."""
-        return self.told.truth(self.one.reported.truth)
+        """The true position of each step in mm."""
+        return self.recorded.truth(self.one.reported.truth)
 
     @property
     def places(self) -> Series:
-        """The true position, or the reported one where the truth is unknown."""
+        """The true positions, or the reported ones if the truth is unknown."""
         pairs = zip(self.truth, self.steps, strict=True)
         return [truth if truth is not None or off is None else off.place for truth, off in pairs]
 
     @property
-    def reported(self) -> list[Off]:
-        """The steps in which something is reported."""
+    def reported(self) -> list[_Off]:
+        """The steps with a reported position."""
         return [off for off in self.steps if off is not None]
 
     @property
     def narrowest(self) -> float:
-        """Half the narrowest interval, mm."""
+        """The least of the greater margins of all steps, mm."""
         return min((max(off.high, -off.low) for off in self.reported), default=0.0)
 
 
-def deviation_picture(one: Deviation, told: Told) -> str:
-    """Return the drawing; empty for a run without any place."""
-    offs = Offs(one, told)
+def deviation_picture(one: Deviation, recorded: RecordedRun) -> str:
+    """Return the drawing; empty for a run without any position."""
+    offs = _Offs(one, recorded)
     places = [place for place in offs.places if place is not None]
     if not places:
         return ""
     axis = across(places)
     furthest = max([one.tolerance_mm, *(max(abs(off.low), off.high, abs(off.deviation or 0)) for off in offs.reported)])
-    upper = Axis(-furthest * 1.1, furthest * 1.1, head(told) + WHOLE, head(told))
+    upper = Axis(-furthest * 1.1, furthest * 1.1, head(recorded) + _WHOLE, head(recorded))
     made = [_panel(offs, axis, upper, "deviation in m"), _tolerance(one, upper)]
     bottom = upper.begin
-    if 0 < offs.narrowest * ENLARGED_WHERE < one.tolerance_mm:
+    if 0 < offs.narrowest * _ENLARGED_WHERE < one.tolerance_mm:
         near = Axis(-4 * offs.narrowest, 4 * offs.narrowest, bottom + BETWEEN + ENLARGED, bottom + BETWEEN)
-        made.append(_clipped(told.name, near, _panel(offs, axis, near, "")))
+        made.append(_clipped(recorded.name, near, _panel(offs, axis, near, "")))
         made.append(upright_axis(near, "enlarged, in m"))
         bottom = near.begin
-    things = [thing for thing in _things(one, told) if axis.holds(thing.at_mm)]
+    things = [thing for thing in _things(one, recorded) if axis.holds(thing.at_mm)]
     made += [_along(things, axis, bottom + 60), _lines(things, axis, upper.end, bottom)]
-    modes, members = told.words(one.mode), told.members(one.mode)
+    modes, members = recorded.words(one.mode), recorded.members(one.mode)
     strip_at = bottom + 104
     made.append(strip(axis, offs.places, modes, members, strip_at, "mode"))
     made.append(across_axis(axis, strip_at + TALL + 8, "distance along the line in m"))
-    made.append(violations(told, offs.places, axis, bottom))
+    made.append(violations(recorded, offs.places, axis, bottom))
     first, y = legend(_keys(offs, things), strip_at + TALL + 66)
     second, y = legend(strip_legend(modes, members), y, "mode")
-    return picture([*made, first, second], y, f"{one.title}, recording {told.name}")
+    return picture([*made, first, second], y, f"{one.title}, recording {recorded.name}")
 
 
-def _panel(offs: Offs, axis: Axis, height: Axis, label: str) -> str:
-    """Interval, deviation, what is not reported and what is wrong, over one scale."""
+def _panel(offs: _Offs, axis: Axis, height: Axis, label: str) -> str:
+    """Draw interval, deviation, stretches without a report, and wrong intervals, at one scale."""
     grid = upright_axis(height, label) if label else ""
     inside = [None if off is None else _span(axis, height, off) for off in offs.steps]
     run = [
@@ -154,12 +154,12 @@ def _panel(offs: Offs, axis: Axis, height: Axis, label: str) -> str:
     return grid + _silence(offs, axis, height) + shaded + zero + line(pieces(run), "", kind="deviation") + wrong
 
 
-def _span(axis: Axis, height: Axis, off: Off) -> Span:
+def _span(axis: Axis, height: Axis, off: _Off) -> Span:
     return Span(axis.at(off.place), height.at(off.high), height.at(off.low))
 
 
-def _wrong(offs: Offs, axis: Axis, height: Axis) -> list[Point]:
-    """One cross at most in eight units across, with the first."""
+def _wrong(offs: _Offs, axis: Axis, height: Axis) -> list[Point]:
+    """Return the places of crosses for wrong intervals, at most one in eight units across."""
     found: dict[int, Point] = {}
     for off in offs.reported:
         if off.wrong and off.deviation is not None:
@@ -168,8 +168,8 @@ def _wrong(offs: Offs, axis: Axis, height: Axis) -> list[Point]:
     return list(found.values())
 
 
-def _silence(offs: Offs, axis: Axis, height: Axis) -> str:
-    """Draw the stretches without a report: a matter of availability, not of safety."""
+def _silence(offs: _Offs, axis: Axis, height: Axis) -> str:
+    """Draw the stretches without a report, which cost availability, not safety."""
     steps = zip(offs.places, offs.steps, strict=True)
     silent = [None if off is not None or place is None else Span(axis.at(place), 0, 0) for place, off in steps]
     top, size = height.end, height.begin - height.end
@@ -194,25 +194,25 @@ def _clipped(name: str, height: Axis, drawn: str) -> str:
     return f'<clipPath id="clip-{plain}">{area}</clipPath><g clip-path="url(#clip-{plain})">{drawn}</g>'
 
 
-# ------------------------------------------------------------------ what stands beside the line
+# ------------------------------------------------------------------ things beside the line
 
 
-def _things(one: Deviation, told: Told) -> Iterator[Thing]:
+def _things(one: Deviation, recorded: RecordedRun) -> Iterator[_Thing]:
     for things in one.things:
-        yield from _of_kind(things, told)
+        yield from _of_kind(things, recorded)
 
 
-def _of_kind(things: Things, told: Told) -> Iterator[Thing]:
-    """Each place once, as the run tells of it first."""
-    called, done = things.called.get(told.name, {}), set[int]()
-    for given in told.given:
+def _of_kind(things: Things, recorded: RecordedRun) -> Iterator[_Thing]:
+    """Yield each place once, with its first values in the run."""
+    called, done = things.called.get(recorded.name, {}), set[int]()
+    for given in recorded.given:
         at = given.get(things.at)
         if at is None or at in done:
             continue
         done.add(at)
-        label = told.word(things.label, given[things.label]) if things.label in given else ""
+        label = recorded.word(things.label, given[things.label]) if things.label in given else ""
         words = f"{called[at]} ({label})" if at in called else label
-        yield Thing(things.kind, at, words, _zone(things, given, at))
+        yield _Thing(things.kind, at, words, _zone(things, given, at))
 
 
 def _zone(things: Things, given: Mapping[str, Value], at: int) -> tuple[int, int] | None:
@@ -222,8 +222,8 @@ def _zone(things: Things, given: Mapping[str, Value], at: int) -> tuple[int, int
     return at - given[begin], at - given[end]
 
 
-def _along(things: list[Thing], axis: Axis, y: float) -> str:
-    """The track, and everything beside it."""
+def _along(things: list[_Thing], axis: Axis, y: float) -> str:
+    """Draw the track, and everything beside it."""
     made = [word(LEFT - 8, y + 4, "track", anchor="end")]
     made.append(f'<path d="M{LEFT} {y:.1f}H{RIGHT}" class="ink track" stroke-width="3"/>')
     for thing in things:
@@ -241,18 +241,18 @@ def _side(x: float) -> str:
     return "end" if x > RIGHT - 60 else "start" if x < LEFT + 60 else "middle"
 
 
-def _lines(things: list[Thing], axis: Axis, top: float, bottom: float) -> str:
+def _lines(things: list[_Thing], axis: Axis, top: float, bottom: float) -> str:
     colours = {"balise": ORANGE, "reflector": SKY, "marker": ORANGE}
     return "".join(
         upright(axis.at(thing.at_mm), top, bottom, colours[thing.kind], kind=f"at-{thing.kind}") for thing in things
     )
 
 
-def _keys(offs: Offs, things: list[Thing]) -> list[Swatch]:
+def _keys(offs: _Offs, things: list[_Thing]) -> list[Swatch]:
     keys = [stroke_swatch("", "deviation: reported position less true position")]
     keys.append(
         box_swatch(
-            BLUE, "where the reported interval allows it: down by the margin above, up by the margin below", faint=True
+            BLUE, "allowed by the reported interval: down by the margin above, up by the margin below", faint=True
         )
     )
     keys.append(stroke_swatch(RED, f"tolerable error, {metres(offs.one.tolerance_mm)}", "9 4"))

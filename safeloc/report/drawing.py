@@ -1,7 +1,7 @@
-"""Pieces of a drawing as SVG text: axes, lines, bands, strips, marks, legends. Lengths in units of the page.
+"""Pieces of a drawing as SVG text: axes, lines, bands, strips, marks, legends. Lengths are in units of the page.
 
-Colours are those of Okabe and Ito, told apart also by the colour-blind; nothing is told by colour alone: what has a
-colour has its name or its number beside it.
+The colours are those of Okabe and Ito, which colour-blind readers can distinguish. Nothing is shown by colour alone:
+everything coloured has its name or its number beside it.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 from safeloc.report.thinning import Point, Span, thinned, thinned_band
 
-WIDTH, LEFT, RIGHT = 1_000, 150, 985
-"""Width of a picture, and where its axis begins and ends."""
+_WIDTH, LEFT, RIGHT = 1_000, 150, 985
+"""Width of a picture, and the begin and end of its axis."""
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BROWN, GREY = (
     "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#7f6a3f", "#98a1a9",
 )  # fmt: skip
 PALETTE = (GREY, BLUE, ORANGE, SKY, PURPLE, GREEN, RED, BROWN, "#c9b458")
 DARK = (BLUE, BROWN)
-"""Colours of the palette that ask for white letters."""
+"""Colours of the palette on which letters are white."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ def number(value: float) -> str:
 
 
 def wide(text: str) -> float:
-    """Return the width of a text, nearly: capital letters are wider."""
+    """Estimate the width of a text: capital letters are wider."""
     return sum(8.6 if letter.isupper() or letter == "_" else 6.4 for letter in text)
 
 
 def metres(value_mm: float, digits: int = 0) -> str:
-    """Such as `180 m`."""
+    """Return a length in metres, such as `180 m`."""
     return f"{value_mm / 1_000:.{digits}f} m".replace("-", "\N{MINUS SIGN}")
 
 
@@ -87,7 +87,7 @@ def word(x: float, y: float, text: str, *, anchor: str = "start", soft: bool = F
 
 
 def across_axis(axis: Axis, y: float, label: str, *, unit: float = 1_000, top: float | None = None) -> str:
-    """Return ticks and numbers below `y`, grid lines up to `top`, and the label at the end; `unit` values make one."""
+    """Return ticks and numbers below `y`, grid lines up to `top`, and the label at the end; values are divided by `unit`."""
     scaled = Axis(axis.low / unit, axis.high / unit, axis.begin, axis.end)
     made = [f'<path d="M{axis.begin:.1f} {y:.1f}H{axis.end:.1f}" class="ink" stroke-width="1"/>']
     for tick in scaled.ticks:
@@ -111,7 +111,7 @@ def upright_axis(axis: Axis, label: str, *, unit: float = 1_000) -> str:
 
 
 def line(stretches: Iterable[Sequence[Point]], colour: str, *, kind: str, width: float = 1.8, dash: str = "") -> str:
-    """Return stretches of a line; one of a single point is a dot. `colour` empty is that of the text."""
+    """Return the stretches of a line; one with a single point is a dot. An empty `colour` means that of text."""
     paint = f'stroke="{colour}"' if colour else ""
     broken = f' stroke-dasharray="{dash}"' if dash else ""
     made = []
@@ -127,7 +127,7 @@ def line(stretches: Iterable[Sequence[Point]], colour: str, *, kind: str, width:
 
 
 def band(stretches: Iterable[Sequence[Span]], colour: str, *, kind: str) -> str:
-    """Shaded bands; a single span is three units wide, or nobody would see it."""
+    """Return shaded bands; a single span is three units wide, so that it can be seen."""
     made = []
     for stretch in stretches:
         shown = thinned_band(stretch)
@@ -153,7 +153,7 @@ def upright(x: float, top: float, bottom: float, colour: str, *, kind: str, dash
 
 
 def cross(x: float, y: float, *, kind: str, size: float = 6) -> str:
-    """Return a cross where something is wrong or comes to its end."""
+    """Return a cross, which marks something wrong or the end of something."""
     arms = f"M{x - size:.1f} {y - size:.1f}l{2 * size} {2 * size}m0 {-2 * size}l{-2 * size} {2 * size}"
     return f'<path d="{arms}" stroke="{RED}" stroke-width="2.6" fill="none" class="{kind}"/>'
 
@@ -177,7 +177,7 @@ class Swatch:
 
 
 def legend(entries: Sequence[Swatch], y: float, label: str = "") -> tuple[str, float]:
-    """Return entries in rows, beginning at `y`, with what they are of beside them; and where the next thing may stand."""
+    """Return the entries in rows from `y` on, with the label beside them, and the `y` below them."""
     x, made = float(LEFT), [word(LEFT - 8, y + 4, label, anchor="end", soft=True)]
     for entry in entries:
         needed = 32 + wide(entry.words) + 18
@@ -202,6 +202,6 @@ def picture(parts: Iterable[str], height: float, title: str) -> str:
     """Return the whole drawing; the title is read out by screen readers."""
     label = html.escape(title)
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0f}" width="{WIDTH}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height:.0f}" width="{_WIDTH}" '
         f'height="{height:.0f}" role="img" aria-label="{label}" class="picture">{"".join(parts)}</svg>'
     )

@@ -1,6 +1,6 @@
-"""Terms written out in full, however large: parts that occur more than once are named and written once.
+"""Terms written in full, whatever their size: parts that occur more than once are named and written once.
 
-A term is a graph. As one line of text, the updates of a machine would fill books; shortened, they are no evidence.
+A term is a graph. As single lines of text, the updates of a machine would fill books; shortened, they would be no evidence.
 """
 
 from __future__ import annotations
@@ -13,22 +13,22 @@ from safeloc.language.nodes import BoolVar, Expr, Lit, NumVar, Truth
 from safeloc.language.render import infix
 from safeloc.language.terms import Sharing, children, in_order
 
-UNBOUNDED = 10**9
-A_FEW_LINES = 600
-SHORT = 24
-"""A part of no more characters is written where it stands."""
+_UNBOUNDED = 10**9
+_A_FEW_LINES = 600
+_SHORT = 24
+"""A part of at most so many characters is not named, but written in place."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """`name` stands for `text`."""
+    """A named part of a term."""
 
     name: str
     text: str
 
 
 class Exact:
-    """Writes the given terms; `lines` are the named parts, each before it is used."""
+    """The given terms as text; `lines` are the named parts, each before its first use."""
 
     def __init__(self, terms: Mapping[str, Expr], definitions: Mapping[str, Expr]) -> None:
         share = Sharing()
@@ -43,18 +43,18 @@ class Exact:
         for node in order:
             if isinstance(node, (Lit, NumVar, BoolVar, Truth)) or (node not in given and uses[id(node)] < 2):
                 continue
-            text = infix(node, UNBOUNDED, self._names, deepest=UNBOUNDED)
-            if node in given or len(text) > SHORT:
+            text = infix(node, _UNBOUNDED, self._names, deepest=_UNBOUNDED)
+            if node in given or len(text) > _SHORT:
                 self._names[node] = given.get(node, f"#{len(lines) + 1}")
                 lines.append(Line(self._names[node], text))
         self.lines = tuple(lines)
         self.texts = {
-            name: infix(root, UNBOUNDED, self._names, deepest=UNBOUNDED)
+            name: infix(root, _UNBOUNDED, self._names, deepest=_UNBOUNDED)
             for name, root in zip(terms, roots, strict=True)
         }
 
     def spelled(self, term: Expr) -> str:
-        """Return the term with nothing but the model's own definitions by name, unless that fills more than a few lines."""
+        """Return a term in which only the definitions of the model are named; other parts too if it fills many lines."""
         whole = self._share(term)
-        text = infix(whole, A_FEW_LINES, self._given, deepest=UNBOUNDED)
-        return infix(whole, UNBOUNDED, self._names, deepest=UNBOUNDED) if text.endswith("…") else text
+        text = infix(whole, _A_FEW_LINES, self._given, deepest=_UNBOUNDED)
+        return infix(whole, _UNBOUNDED, self._names, deepest=_UNBOUNDED) if text.endswith("…") else text

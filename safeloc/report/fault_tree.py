@@ -1,4 +1,4 @@
-"""The minimal cut sets as a picture: the top event, and under it every breach, or two of them together, that leads to it."""
+"""A picture of the minimal cut sets: the top event, and every breach, or pair of breaches, that leads to it."""
 
 from __future__ import annotations
 
@@ -9,24 +9,26 @@ from safeloc.assurance.evidence.cut_sets import TOP, CutSets
 from safeloc.proof.cores.clauses import ClauseId
 from safeloc.report.drawing import GREY, ORANGE, RED
 
-WIDTH, LEFT, ROW, BOX = 1_000, 250, 34, 26
-LETTERS = 96
-"""So many letters of a line have room in a box."""
+_WIDTH, LEFT, ROW, BOX = 1_000, 250, 34, 26
+_LETTERS = 96
+"""Number of letters that fit into a box."""
 
 
 def fault_tree(title: str, sets: CutSets, numbers: Mapping[ClauseId, str]) -> str:
-    """Return the picture as SVG text: cut sets in red, what is not decided in grey with a question mark."""
+    """Return the picture as SVG text: cut sets of one clause in red, of two in orange, undecided ones in grey or orange."""
     rows = [(one, RED, "") for one in sets.found] + [(one, GREY, " (not decided)") for one in sets.undecided]
     height = ROW * (max(len(rows), 1) + 2)
     parts = [_text(20, 24, title, "bold"), *_top(height)]
     if not rows:
-        parts.append(_text(LEFT, 2 * ROW, "no breach of one clause, nor of two that were asked, leads to it", "normal"))
+        parts.append(
+            _text(LEFT, 2 * ROW, "no breach of one clause, or of two clauses as far as checked, leads to it", "normal")
+        )
     for number, (clauses, colour, note) in enumerate(rows, 1):
         parts += _row(number * ROW + 12, clauses, colour, note, numbers)
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" role="img" '
         f'font-family="sans-serif" font-size="13"><title>{html.escape(title)}: {TOP}</title>'
-        f'<rect width="{WIDTH}" height="{height}" fill="#ffffff"/>{"".join(parts)}</svg>'
+        f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>{"".join(parts)}</svg>'
     )
 
 
@@ -42,12 +44,12 @@ def _top(height: int) -> Iterator[str]:
 
 def _row(y: float, clauses: Sequence[ClauseId], colour: str, note: str, numbers: Mapping[ClauseId, str]) -> list[str]:
     words = " AND ".join(f"{numbers[one]} {one.name}" for one in clauses) + note
-    told = words if len(words) <= LETTERS else f"{words[: LETTERS - 1]}…"
+    shown = words if len(words) <= _LETTERS else f"{words[: _LETTERS - 1]}…"
     middle = y + BOX / 2
     edge = colour if len(clauses) == 1 else ORANGE
     return [
         f'<line x1="210" y1="{middle:g}" x2="{LEFT - 10}" y2="{middle:g}" stroke="#333333"/>',
-        f"<g><title>{html.escape(words)}</title>{_box(LEFT - 10, y, WIDTH - LEFT, BOX, edge)}{_text(LEFT, y + 18, told, 'normal')}</g>",
+        f"<g><title>{html.escape(words)}</title>{_box(LEFT - 10, y, _WIDTH - LEFT, BOX, edge)}{_text(LEFT, y + 18, shown, 'normal')}</g>",
     ]
 
 

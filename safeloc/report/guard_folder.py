@@ -23,20 +23,20 @@ from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot
 from safeloc.report.guard_words import WORDS
 
-TEMPLATE = Path(__file__).with_name("guard.html.jinja")
-STYLE = Path(__file__).with_name("page.html.jinja")
-JUDGEMENTS = "judgements.jsonl"
+_TEMPLATE = Path(__file__).with_name("guard.html.jinja")
+_STYLE = Path(__file__).with_name("page.html.jinja")
+_JUDGEMENTS = "judgements.jsonl"
 
 
 def write_guard_folder(
     folder: Path, judgements: Sequence[Judgement], tracks: Tracks, config: GuardConfig, stream: str
 ) -> Path:
-    """Write page and judgements, and return the path of the page. InputError where the folder cannot be written."""
+    """Write page and judgements, and return the path of the page. InputError if the folder cannot be written."""
     page = folder / "index.html"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         lines = (json.dumps(as_data(judgement)) + "\n" for judgement in judgements)
-        (folder / JUDGEMENTS).write_text("".join(lines), encoding="utf-8")
+        (folder / _JUDGEMENTS).write_text("".join(lines), encoding="utf-8")
         page.write_text(guard_page(judgements, tracks, config, stream), encoding="utf-8")
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
@@ -48,7 +48,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     name = Path(stream).name
     counts = counted(judgements)
-    return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+    return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(
         style=Markup(_style()),
         name=name,
         total=len(judgements),
@@ -59,14 +59,14 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
         plot=Markup(guard_plot(list(_moments(judgements, tracks)), config.tolerance_mm, f"intervals of {name}")),
         figures=list(figures(config)),
         law=machine(config).doc,
-        judgements=JUDGEMENTS,
+        judgements=_JUDGEMENTS,
         version=version("safeloc"),
     )
 
 
 def _style() -> str:
-    """The style of every report."""
-    text = STYLE.read_text(encoding="utf-8")
+    """Return the style sheet of all reports."""
+    text = _STYLE.read_text(encoding="utf-8")
     return text[text.index("<style>") + len("<style>") : text.index("</style>")]
 
 
@@ -75,13 +75,13 @@ def _way(tracks: Tracks) -> Iterable[str]:
 
 
 def _map(judgements: Iterable[Judgement], tracks: Tracks, title: str) -> str:
-    """The whole line, also where only a route on it is guarded."""
+    """Draw the entire line, even if only a route on it is guarded."""
     plane = Projector(tracks.topology.line)
     return guard_map(plane.courses(), _way(tracks), list(_spots(judgements, plane, tracks.crs)), title)
 
 
 def _spots(judgements: Iterable[Judgement], plane: Projector, crs: str) -> Iterator[Spot]:
-    """Every fix that has a place on the map."""
+    """Yield every fix with a place on the map."""
     for one in judgements:
         if one.place is not None:
             assert one.delivery.x is not None and one.delivery.y is not None
@@ -89,7 +89,7 @@ def _spots(judgements: Iterable[Judgement], plane: Projector, crs: str) -> Itera
 
 
 def _moments(judgements: Iterable[Judgement], tracks: Tracks) -> Iterator[Moment]:
-    """Deliveries over time; one that is late stands where it came. Without a route a place is on a way while one is held."""
+    """Yield deliveries by their time of arrival. Without a route, a position counts only while the guard has a way."""
     start: int | None = None
     now = 0
     for one in judgements:

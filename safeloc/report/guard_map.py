@@ -11,12 +11,12 @@ from safeloc.report.drawing import GREY, RIGHT, Axis, Swatch, legend, line, metr
 from safeloc.report.guard_words import PASSED, WORDS, mark
 from safeloc.report.thinning import Point
 
-LEFT, TALLEST, LEAST, MARGIN = 15, 640, 240, 25
-Course = Sequence[tuple[float, float]]
+_LEFT, TALLEST, LEAST, MARGIN = 15, 640, 240, 25
+_Course = Sequence[tuple[float, float]]
 
 
 class Spot(NamedTuple):
-    """A fix in the plane, metres, and what became of it."""
+    """A fix in the plane, in metres, and the reason why it was passed on or withheld."""
 
     east: float
     north: float
@@ -24,8 +24,8 @@ class Spot(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Frame:
-    """The part of the plane that is shown, at one scale both ways."""
+class _Frame:
+    """The part of the plane that is shown, at the same scale in both directions."""
 
     east: Axis
     north: Axis
@@ -40,12 +40,12 @@ class Frame:
 
     @property
     def scale(self) -> float:
-        """Units of the page a metre."""
+        """Units of the page per metre."""
         return (self.east.end - self.east.begin) / (self.east.high - self.east.low)
 
 
-def guard_map(courses: Mapping[str, Course], way: Iterable[str], spots: Sequence[Spot], title: str) -> str:
-    """Return the drawing of all spots; empty where there are none."""
+def guard_map(courses: Mapping[str, _Course], way: Iterable[str], spots: Sequence[Spot], title: str) -> str:
+    """Return the drawing of all spots; empty if there are none."""
     if not spots:
         return ""
     frame = _frame([(spot.east, spot.north) for spot in spots])
@@ -64,35 +64,35 @@ def _name(title: str) -> str:
     return "map-" + "".join(letter if letter.isalnum() else "-" for letter in title)
 
 
-def _frame(places: Sequence[tuple[float, float]]) -> Frame:
-    """All places with room around them, as tall as one scale asks for, within what a page shows well."""
+def _frame(places: Sequence[tuple[float, float]]) -> _Frame:
+    """Return a frame around all places, with a margin; its height follows from the scale, within limits."""
     east, north = [place[0] for place in places], [place[1] for place in places]
     width, height = max(max(east) - min(east), 50.0) * 1.06, max(max(north) - min(north), 50.0) * 1.06
-    across = RIGHT - LEFT
+    across = RIGHT - _LEFT
     scale = min(across / width, TALLEST / height)
     tall = max(height * scale, LEAST)
     mid_east, mid_north = (max(east) + min(east)) / 2, (max(north) + min(north)) / 2
     half_east, half_north = across / scale / 2, tall / scale / 2
-    return Frame(
-        Axis(mid_east - half_east, mid_east + half_east, LEFT, RIGHT),
+    return _Frame(
+        Axis(mid_east - half_east, mid_east + half_east, _LEFT, RIGHT),
         Axis(mid_north - half_north, mid_north + half_north, MARGIN + tall, MARGIN),
     )
 
 
-def _tracks(courses: Iterable[Course], frame: Frame, colour: str, width: float) -> str:
-    """Courses that come into the frame; what lies outside is cut off by the page."""
+def _tracks(courses: Iterable[_Course], frame: _Frame, colour: str, width: float) -> str:
+    """Draw the courses that touch the frame; the page clips the parts outside."""
     shown = [course for course in courses if _comes_in(course, frame)]
     return line([[frame.at(*point) for point in course] for course in shown], colour, kind="track", width=width)
 
 
-def _comes_in(course: Course, frame: Frame) -> bool:
+def _comes_in(course: _Course, frame: _Frame) -> bool:
     east, north = [point[0] for point in course], [point[1] for point in course]
     apart = max(east) < frame.east.low or min(east) > frame.east.high
     return not (apart or max(north) < frame.north.low or min(north) > frame.north.high)
 
 
-def _marks(spots: Sequence[Spot], frame: Frame) -> str:
-    """A mark for each spot, one at most for a reason in a unit of the page; withheld ones on top."""
+def _marks(spots: Sequence[Spot], frame: _Frame) -> str:
+    """Draw a mark for each spot, at most one per reason and unit of the page; withheld ones on top."""
     found: dict[tuple[int, int, str], str] = {}
     for spot in sorted(spots, key=lambda one: one.reason != PASSED):
         at = frame.at(spot.east, spot.north)
@@ -100,11 +100,11 @@ def _marks(spots: Sequence[Spot], frame: Frame) -> str:
     return "".join(found.values())
 
 
-def _scale_bar(frame: Frame) -> str:
-    """A length of the map, and where north is."""
+def _scale_bar(frame: _Frame) -> str:
+    """Draw the scale bar, with the direction of north."""
     length = next(one for one in (5000, 2000, 1000, 500, 200, 100, 50, 20, 10, 5) if one * frame.scale <= 260)
-    y, end = frame.north.begin + 14, LEFT + length * frame.scale
-    bar = f'<path d="M{LEFT} {y - 4:.1f}v8m0 -4H{end:.1f}m0 -4v8" class="ink" fill="none"/>'
+    y, end = frame.north.begin + 14, _LEFT + length * frame.scale
+    bar = f'<path d="M{_LEFT} {y - 4:.1f}v8m0 -4H{end:.1f}m0 -4v8" class="ink" fill="none"/>'
     return bar + word(end + 8, y + 4, f"{metres(length * 1000)}, north is up")
 
 

@@ -1,4 +1,4 @@
-"""A guarded run over time: where the vehicle is along its way, and the interval around the middle of it."""
+"""A guarded run over time: the interval along the way, and below it the deviation of fixes from its middle."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from safeloc.report.drawing import (
 from safeloc.report.guard_words import PASSED, WORDS, mark
 from safeloc.report.thinning import Span, spans
 
-Value = Callable[["Moment"], float | None]
-UPPER, LOWER, BETWEEN, TOP = 250, 230, 44, 40
+_Value = Callable[["Moment"], float | None]
+_UPPER, LOWER, BETWEEN, TOP = 250, 230, 44, 40
 
 
 @dataclass(frozen=True)
 class Moment:
-    """One delivery: ms since the first, what became of it, the fix and the interval along the way, mm."""
+    """One delivery: ms since the first, the reason of its judgement, and fix and interval along the way in mm."""
 
     time_ms: int
     reason: str
@@ -40,17 +40,17 @@ class Moment:
 
     @property
     def middle(self) -> float | None:
-        """Of the interval."""
+        """The middle of the interval."""
         return None if self.interval_mm is None else sum(self.interval_mm) / 2
 
     @property
     def half(self) -> float:
-        """Half the width of the interval; 0 where there is none."""
+        """Half the width of the interval; 0 without one."""
         return 0.0 if self.interval_mm is None else (self.interval_mm[1] - self.interval_mm[0]) / 2
 
 
 def guard_plot(moments: Sequence[Moment], tolerance_mm: int, title: str) -> str:
-    """Return the drawing; empty where nothing was delivered that has a time."""
+    """Return the drawing; empty if no delivery has a time."""
     if not moments:
         return ""
     last = max(moment.time_ms for moment in moments)
@@ -73,11 +73,11 @@ def _places(moments: Sequence[Moment]) -> Axis:
     known += [end for one in moments if one.interval_mm is not None for end in one.interval_mm]
     low, high = min(known, default=0.0), max(known, default=1_000.0)
     room = (high - low) * 0.03 or 1_000.0
-    return Axis(low - room, high + room, TOP + UPPER, TOP)
+    return Axis(low - room, high + room, TOP + _UPPER, TOP)
 
 
 def _run(moments: Sequence[Moment], across: Axis, upper: Axis) -> str:
-    """The interval where it is known."""
+    """Draw the known intervals."""
     there = [
         None if one.interval_mm is None
         else Span(across.at(one.time_ms), upper.at(one.interval_mm[0]), upper.at(one.interval_mm[1]))
@@ -87,7 +87,7 @@ def _run(moments: Sequence[Moment], across: Axis, upper: Axis) -> str:
 
 
 def _around(moments: Sequence[Moment], across: Axis, near: Axis) -> str:
-    """The interval around its own middle."""
+    """Draw the intervals around their middles."""
     there = [
         None if one.interval_mm is None else Span(across.at(one.time_ms), near.at(-one.half), near.at(one.half))
         for one in moments
@@ -102,15 +102,15 @@ def _beside_middle(moment: Moment) -> float | None:
 
 
 def _bounds(near: Axis, tolerance_mm: int) -> str:
-    """The tolerable error."""
+    """Draw the tolerable error."""
     return "".join(
         f'<path d="M{LEFT} {near.at(side * tolerance_mm):.1f}H{RIGHT}" class="ink" stroke-width="1" stroke-dasharray="5 4"/>'
         for side in (-1, 1)
     )
 
 
-def _spots(moments: Sequence[Moment], across: Axis, height: Axis, value: Value) -> str:
-    """The fixes, one at most for a reason in a unit of the page; one beyond the edge stands at the edge."""
+def _spots(moments: Sequence[Moment], across: Axis, height: Axis, value: _Value) -> str:
+    """Draw the fixes, at most one per reason and unit of the page; one beyond the edge is drawn at the edge."""
     found: dict[tuple[int, int, str], str] = {}
     for one in sorted(moments, key=lambda each: each.reason != PASSED):
         at = value(one)
@@ -121,7 +121,7 @@ def _spots(moments: Sequence[Moment], across: Axis, height: Axis, value: Value) 
 
 
 def _silence(moments: Sequence[Moment], across: Axis, height: Axis) -> str:
-    """Times without an interval that is within the tolerance."""
+    """Draw the stretches without an interval."""
     made = []
     for silent, run in _stretches(moments):
         if silent:
@@ -140,7 +140,7 @@ def _stretches(moments: Sequence[Moment]) -> Iterator[tuple[bool, tuple[int, int
 
 def _keys(moments: Sequence[Moment]) -> list[Swatch]:
     keys = [
-        box_swatch(BLUE, "interval that the vehicle is in", faint=True),
+        box_swatch(BLUE, "interval that contains the vehicle", faint=True),
         stroke_swatch("", "tolerable error", "5 4", 1),
     ]
     keys.append(box_swatch(GREY, "no interval is reported", faint=True))

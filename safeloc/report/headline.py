@@ -1,7 +1,7 @@
 """The headline of a page or a terminal: one sentence about all findings, and the number of each verdict.
 
-`all holds` appears only if properties were declared and proved. Results that only held on recordings or in tests are named
-so, as is a report without any property.
+`all holds` requires that properties were declared and proved. If results only held on recordings or in tests, or if there was
+no property, the headline says so.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from safeloc.language.verdict import WORST_FIRST, worst
 
-COUNTED = {
+_COUNTED = {
     "proved": "proved",
     "held": "held in tests and replays",
     "not asked": "not asked",
@@ -20,27 +20,27 @@ COUNTED = {
     "unknown": "undecided",
     "violated": "violated",
 }
-"""Verdict -> the word for it after a number, from best to worst."""
+"""Verdict -> words for it after a number, from best to worst."""
 ALWAYS_COUNTED = ("proved", "held", "unknown", "violated")
 BEST_FIRST = tuple(reversed(WORST_FIRST))
 
 
 @dataclass(frozen=True)
-class Said:
+class KindAndVerdict:
     """The fields of one finding that a headline needs: its kind and its verdict."""
 
     kind: str
     verdict: str
 
 
-def counted(found: Sequence[Said], always: Sequence[str] = ()) -> str:
+def counted(found: Sequence[KindAndVerdict], always: Sequence[str] = ()) -> str:
     """Count each verdict that occurs, and those in `always`, such as `21 proved, 1 undecided`."""
     number = Counter(one.verdict for one in found)
-    return ", ".join(f"{number[word]} {COUNTED[word]}" for word in BEST_FIRST if number[word] or word in always)
+    return ", ".join(f"{number[word]} {_COUNTED[word]}" for word in BEST_FIRST if number[word] or word in always)
 
 
-def headline(found: Sequence[Said]) -> str:
-    """Return the sentence; never better than the worst verdict."""
+def headline(found: Sequence[KindAndVerdict]) -> str:
+    """Return the sentence, which is never better than the worst verdict."""
     match worst(one.verdict for one in found):
         case "violated":
             return "violated"
@@ -54,14 +54,14 @@ def headline(found: Sequence[Said]) -> str:
             return _good(found)
 
 
-def _not_asked(found: Sequence[Said]) -> str:
+def _not_asked(found: Sequence[KindAndVerdict]) -> str:
     if any(one.verdict != "not asked" for one in found):
         return "not asked: at least one machine had no property to check"
     return "not asked: there was no property to check"
 
 
-def _good(found: Sequence[Said]) -> str:
-    """Return the headline if no verdict is bad: all holds if anything was proved, else the kind of evidence."""
+def _good(found: Sequence[KindAndVerdict]) -> str:
+    """Return the headline if no verdict is bad: `all holds` if anything was proved, else the kind of evidence."""
     if any(one.verdict == "proved" for one in found):
         return "all holds"
     kinds, number = {one.kind for one in found}, len(found)

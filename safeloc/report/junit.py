@@ -1,6 +1,6 @@
 """Findings as JUnit XML, for continuous integration servers.
 
-Violated is a failure; unknown, vacuous and not asked are errors: none of them is good news.
+Violated is a failure; unknown, vacuous and not asked are errors.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding
 
 
 def to_junit(findings: Sequence[Finding]) -> str:
-    """Return one test case a finding, grouped by machine."""
+    """Return XML with one test case for each finding, grouped by machine."""
     root = ElementTree.Element("testsuites", name="safeloc")
     for machine in dict.fromkeys(finding.machine for finding in findings):
         own = [finding for finding in findings if finding.machine == machine]

@@ -1,6 +1,6 @@
-"""A machine as the report shows it, as JSON-ready data: modes, transitions, variables, assumption, configuration.
+"""A machine as JSON-ready data for the report: modes, transitions, variables, assumption, configuration.
 
-Nothing is shortened: terms are written out in full (safeloc.report.exact), so that what was verified can be read.
+Terms are written in full (safeloc.report.exact), so that a reader can see exactly what was verified.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from safeloc.report.exact import Exact
 
 
 def machine_data(target: Target) -> dict[str, Any]:
-    """Return everything the page says of a target apart from verdicts."""
+    """Return everything on a target that the page shows, except verdicts."""
     system = target.system
     signals: dict[str, Expr] = {var.name: var for var in (*system.state, *system.inputs)} | dict(system.outputs)
     return {
@@ -45,14 +45,14 @@ def machine_data(target: Target) -> dict[str, Any]:
 
 
 def _configuration(target: Target) -> Any:
-    """Return the machine's configuration, so that it can be rebuilt; dates in a user's file become text."""
+    """Return the machine's configuration, from which it can be rebuilt; dates in a user's file become text."""
     if target.config is not None:
         return target.config.model_dump(mode="json")
     return None if target.given is None else json.loads(json.dumps(target.given, default=str))
 
 
 def _signal(term: Expr) -> dict[str, Any]:
-    """Unit and member names, so that a trace can be read without the machine."""
+    """Return unit and labels, which make a trace readable without the machine."""
     if not isinstance(term, Num):
         return {"unit": "", "members": []}
     if isinstance(term.unit, Enumeration):
@@ -83,7 +83,7 @@ def _part(machine: Machine) -> dict[str, Any]:
 
 
 def _clauses(machine: Machine, exact: Exact) -> Iterator[dict[str, Any]]:
-    """Every law of the world with its term in parts, whose it is, and what of the machine's own it reads."""
+    """Yield every law of the world with its term in parts, its owner, and the values of the machine that it reads."""
     read = read_of_machine(machine)
     for name, law in machine.world.laws.items():
         yield {
@@ -104,7 +104,7 @@ def _conjuncts(term: Bool) -> Sequence[Expr]:
 
 @dataclass(frozen=True)
 class _Update:
-    """A term that a variable is set to, and the numbers of the transitions that set it so."""
+    """A term to which a variable is set, and the numbers of the transitions that do so."""
 
     variable: str
     term: Expr
@@ -141,7 +141,7 @@ def _row(t: Transition, guard: str) -> dict[str, Any]:
 
 
 def _variables(machine: Machine, texts: Mapping[str, str]) -> list[dict[str, str]]:
-    """Inputs, state with its first value, the environment's ghosts with their moves, and outputs with their terms."""
+    """Return inputs, state with first values, ghosts with their moves, and outputs with their terms."""
     rows = [_variable("input", var.name, var) for var in input_variables(machine)]
     rows += [_variable("state", var.name, var, first=_first(var, value)) for var, value in machine.state.items()]
     for var, value in machine.world.ghosts.items():
@@ -157,7 +157,7 @@ def _first(var: Var, value: object) -> str:
 
 
 def _variable(kind: str, name: str, term: Expr, text: str = "", first: str = "") -> dict[str, str]:
-    """Name, unit and range (of an output the bounds that its parts allow), its term, and its first value."""
+    """Return name, unit, range (for an output: bounds derived from its term), term and first value."""
     row = {"name": name, "kind": kind, "unit": "", "range": "true, false", "first": first, "term": text}
     if not isinstance(term, Num):
         return row

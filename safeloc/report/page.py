@@ -1,7 +1,7 @@
-"""The report as an HTML page, from the report's data alone: text in, text out.
+"""The report as an HTML page, made from the report's data alone.
 
-A small report is one page that stands alone. Of a large one the page holds what is looked at first; the rest are parts,
-each a script beside it (`page.js` opens them), unless one single page is asked for.
+A small report is one self-contained page. The page of a large one holds the overview; the other parts are scripts beside it,
+which `page.js` opens, unless a single page is wanted.
 """
 
 from __future__ import annotations
@@ -20,47 +20,47 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, Said, counted, headline
+from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.streams.gzipped import name_of
 
-HERE = Path(__file__).parent
+_HERE = Path(__file__).parent
 PARTS = "page"
-"""The folder, beside the page, of what it loads."""
+"""The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
-"""Characters of a page that has no parts: it opens within a second."""
-LONGEST_NAME = 150
-MANY_ROWS = 4
-"""More transitions than that, on which a claim rests, are told by their number."""
-LONGEST_RUN, LAST_STEPS = 40, 20
-"""A longer run is folded but for its last steps."""
-SUMMARY: Mapping[str, tuple[str, ...]] = {
+"""Most characters of a page without parts: such a page opens within a second."""
+_LONGEST_NAME = 150
+_MANY_ROWS = 4
+"""If a claim rests on more transitions, only their number is shown."""
+_LONGEST_RUN, LAST_STEPS = 40, 20
+"""Of a longer run, only the last steps are shown unfolded."""
+_SUMMARY: Mapping[str, tuple[str, ...]] = {
     "properties": ("property",),
     "obligations and lemmas": ("obligation", "lemma"),
     "property tests": ("test",),
     "replayed recordings": ("replay",),
 }
-Data = Mapping[str, Any]
+_Data = Mapping[str, Any]
 
 
-def to_pages(data: Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
-    """Return the page and its parts by file name; no parts where it is small, or `single`."""
+def to_pages(data: _Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
+    """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
     rendering = _Rendering(data)
     whole = rendering.page()
     return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
 
 
-def to_html(data: Data) -> str:
-    """Return the whole page of what `report_data` returned, or of a report that was read back."""
+def to_html(data: _Data) -> str:
+    """Return the complete page for the result of `report_data`, or for a report that was read from a folder."""
     return _Rendering(data).page()
 
 
 class _Rendering:
     """The templates and their data."""
 
-    def __init__(self, data: Data) -> None:
+    def __init__(self, data: _Data) -> None:
         self._environment = Environment(
-            loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+            loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
         )  # fmt: skip
         results = data["results"]
         machines = {machine["name"]: machine for machine in data["machines"]}
@@ -71,8 +71,8 @@ class _Rendering:
         files = file_names([*machines, *(row["machine"] for row in results)])
         self._given: dict[str, Any] = {
             "data": data,
-            "headline": headline(_said(results)),
-            "counted": counted(_said(results), ALWAYS_COUNTED),
+            "headline": headline(_verdicts(results)),
+            "counted": counted(_verdicts(results), ALWAYS_COUNTED),
             "undecided": [row for row in results if row["verdict"] == "unknown"],
             "empty": [row for row in results if row["verdict"] in ("vacuous", "not asked")],
             "violated": [
@@ -82,12 +82,12 @@ class _Rendering:
         }
 
     def page(self) -> str:
-        """All in one page."""
+        """Return one self-contained page."""
         machines = [{**one, "beside": ""} for one in self._machines]
         return self._filled("page", **self._given, machines=machines, items_beside="", made="", script="")
 
     def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
-        """The page that loads its parts, and these by file name; all carry the digest of the whole page."""
+        """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
         made = hashlib.sha256(whole.encode()).hexdigest()[:16]
         files = file_names(["beside", "trace back", *(one["name"] for one in self._machines)])
         html = {
@@ -103,7 +103,7 @@ class _Rendering:
             machines=[{**one, "beside": f"{PARTS}/{files[one['name']]}.js"} for one in self._machines],
             items_beside=f"{PARTS}/{files['trace back']}.js",
             made=made,
-            script=Markup((HERE / "page.js").read_text(encoding="utf-8")),  # our own text
+            script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),  # our own text
         )
         return page, parts
 
@@ -112,17 +112,17 @@ class _Rendering:
 
 
 def _part(name: str, made: str, html: str) -> str:
-    """A script that hands over a part: its name, the report that it is of, and its HTML packed with gzip, in base64."""
+    """Return a script with a part: its name, the digest of its report, and its HTML, packed with gzip, in base64."""
     content = base64.b64encode(gzip.compress(html.encode(), mtime=0)).decode()
     return f"safelocPart({json.dumps(name)}, {json.dumps(made)}, {json.dumps(content)});\n"
 
 
 def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
-    """Return a file name for each finding's trace: readable, and never the same for two, also where case does not count."""
+    """Return a readable file name for each id. Two names always differ, even if the file system ignores case."""
     names: dict[str, str] = {}
     taken: set[str] = set()
     for one in dict.fromkeys(finding_ids):
-        plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in one)[:LONGEST_NAME]
+        plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in one)[:_LONGEST_NAME]
         name = next(name for name in _numbered(plain) if name.casefold() not in taken)
         taken.add(name.casefold())
         names[one] = name
@@ -134,8 +134,8 @@ def _numbered(plain: str) -> Iterator[str]:
     yield from (f"{plain}-{number}" for number in count(2))
 
 
-def _shown_before(machines: Sequence[Data]) -> dict[tuple[str, int], str]:
-    """(target, number of its part) -> the target under which the very same machine is shown already."""
+def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
+    """Return, for a target and the number of its part, the earlier target that shows an identical machine."""
     first: dict[str, str] = {}
     again: dict[tuple[str, int], str] = {}
     for machine in machines:
@@ -146,18 +146,18 @@ def _shown_before(machines: Sequence[Data]) -> dict[tuple[str, int], str]:
     return again
 
 
-def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, int], str]) -> dict[str, Any]:
+def _machine(machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str]) -> dict[str, Any]:
     own = [_named(row) for row in results if row["machine"] == machine["name"]]
     evidence = [row for row in own if row["kind"] in ("test", "replay")]
     return {
         **machine,
         "rows": [row for row in own if row["kind"] == "property"],
-        "evidence": runs_table(evidence),
+        "evidence": _runs_table(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
-        "counts": [(name, _counted(own, kinds)) for name, kinds in SUMMARY.items()],
+        "counts": [(name, _counted(own, kinds)) for name, kinds in _SUMMARY.items()],
         "parts": [
             {
                 **part,
@@ -169,8 +169,8 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
     }
 
 
-def _rests(evidence: Data | None) -> dict[str, Any] | None:
-    """What each claim rests on as rows of a table, and the picture of the cut sets; None where it was not asked."""
+def _rests(evidence: _Data | None) -> dict[str, Any] | None:
+    """Return the cores of all claims as rows of a table, and the picture of the cut sets; None without evidence."""
     if evidence is None:
         return None
     return {
@@ -180,8 +180,8 @@ def _rests(evidence: Data | None) -> dict[str, Any] | None:
     }
 
 
-def _core(one: Data) -> dict[str, Any]:
-    """Rows by their number where there are many; else elements by name."""
+def _core(one: _Data) -> dict[str, Any]:
+    """Return the core of a claim by kinds of elements; of many rows, only the number."""
     named: dict[str, list[str]] = {"clause": [], "contract": [], "lemma": [], "range": [], "row": []}
     for element in one["rests_on"]:
         named[element["kind"]].append(element["name"])
@@ -190,28 +190,28 @@ def _core(one: Data) -> dict[str, Any]:
         **one,
         "clauses": named["clause"],
         "others": [*named["contract"], *named["lemma"], *named["range"]],
-        "rows": f"{len(rows)} of {one['rows_of']}" if len(rows) > MANY_ROWS else "; ".join(rows),
+        "rows": f"{len(rows)} of {one['rows_of']}" if len(rows) > _MANY_ROWS else "; ".join(rows),
         "open_names": [element["name"] for element in one["undecided"]],
     }
 
 
-def _said(rows: Sequence[Data]) -> list[Said]:
-    return [Said(row["kind"], row["verdict"]) for row in rows]
+def _verdicts(rows: Sequence[_Data]) -> list[KindAndVerdict]:
+    return [KindAndVerdict(row["kind"], row["verdict"]) for row in rows]
 
 
-def _counted(rows: Sequence[Data], kinds: Sequence[str]) -> str:
-    """Such as `21 proved, 1 unknown`."""
+def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:
+    """Return the number of each verdict, such as `21 proved, 1 unknown`."""
     found = Counter(row["verdict"] for row in rows if row["kind"] in kinds)
     return ", ".join(f"{found[verdict]} {verdict}" for verdict in BEST_FIRST if found[verdict]) or "none"
 
 
-def _named(row: Data) -> dict[str, Any]:
-    """`notes_text` groups tests that were made in the same runs."""
+def _named(row: _Data) -> dict[str, Any]:
+    """Return the row with a short name and with `notes_text`, by which tests of the same runs are grouped."""
     return {**row, "name": row["id"].split("/", 2)[-1], "notes_text": json.dumps(row["notes"])}
 
 
-def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
-    """Return tests and replays as one table: a row a statement, a column a campaign or recording, a cell its result."""
+def _runs_table(rows: Sequence[_Data]) -> dict[str, Any]:
+    """Return tests and replays as one table: a row for each statement, a column for the tests and for each recording."""
     sources = list(dict.fromkeys(_source(row) for row in rows))
     statements: dict[str, dict[str, Any]] = {}
     for row in rows:
@@ -223,12 +223,12 @@ def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
     return {"sources": [(source, steps[source]) for source in sources], "rows": list(statements.values())}
 
 
-def _source(row: Data) -> str:
+def _source(row: _Data) -> str:
     return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else "property tests"
 
 
-def _requirements(data: Data) -> dict[str, Any]:
-    """Rows of the machines in this report, and of those that something in it names; the others are only counted."""
+def _requirements(data: _Data) -> dict[str, Any]:
+    """Return the requirements of machines in this report and of its results; the others are only counted."""
     present = {
         name for machine in data["machines"] for name in (machine["name"], *(p["name"] for p in machine["parts"]))
     }
@@ -241,8 +241,8 @@ def _requirements(data: Data) -> dict[str, Any]:
     }
 
 
-def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
-    """(what, verdict): each property, and whatever did not hold; tests and replays that held as a number."""
+def _shown_by(rows: Sequence[_Data]) -> list[tuple[str, str]]:
+    """Return name and verdict of each property and of everything that did not hold; of tests that held, the number."""
     single = [row for row in rows if row["kind"] == "property" or row["verdict"] not in ("proved", "held")]
     listed = [(row["id"].replace("/property/", ": "), row["verdict"]) for row in single]
     for kind, word in (("test", "property tests"), ("replay", "replays")):
@@ -251,7 +251,7 @@ def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
     return listed
 
 
-def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, Any]:
+def _violated(row: _Data, machine: _Data, files: Mapping[str, str]) -> dict[str, Any]:
     trace = row["trace"]
     charts = "" if trace is None else trace_charts(trace, machine)
     steps = [] if trace is None else trace_rows(trace, machine["signals"])
@@ -259,6 +259,6 @@ def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, A
         "row": row,
         "charts": Markup(charts),  # our own text, every label in it is escaped
         "steps": steps,
-        "groups": [steps] if len(steps) <= LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
+        "groups": [steps] if len(steps) <= _LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
         "file": f"traces/{files[row['machine']]}.json.xz --run {shlex.quote(row['id'])}",
     }

@@ -1,4 +1,4 @@
-"""The track plan of a line, drawn over the same distance as what stands below it."""
+"""The track plan of a line, drawn over the same distance axis as the panels below it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from safeloc.railway.pictures import PlanMark, TrackPlan
 from safeloc.report.drawing import BLUE, GREY, SKY, Axis, cross, line, triangle, word
 from safeloc.report.thinning import Point
 
-LANE, HEAD = 74, 30
+_LANE, HEAD = 74, 30
 
 
 class Seen(NamedTuple):
-    """The stated route, places of the reflectors seen on it, and how far the vehicle came; mm from the common start."""
+    """The stated route, the places of reflectors seen on it, and the farthest position of the vehicle; mm from the start."""
 
     route: int | None
     places: frozenset[int]
@@ -25,11 +25,11 @@ class Seen(NamedTuple):
 
 def plan_height(plan: TrackPlan) -> float:
     """Return the height of the plan on the page."""
-    return plan.lanes * LANE + HEAD
+    return plan.lanes * _LANE + HEAD
 
 
 def plan_drawing(plan: TrackPlan, axis: Axis, top: float, seen: Seen) -> str:
-    """Return tracks, the stated route wide under them, and everything beside them with its name."""
+    """Draw the tracks, the stated route as a wide line below them, and everything beside them with its name."""
     made = []
     for track in plan.tracks:
         points = [Point(axis.at(at), _y(top, lane)) for at, lane in track.points]
@@ -44,7 +44,7 @@ def plan_drawing(plan: TrackPlan, axis: Axis, top: float, seen: Seen) -> str:
 
 
 def _leaves_down(plan: TrackPlan, mark: PlanMark) -> bool:
-    """A track goes on from there to a lane below, where the name would be written otherwise."""
+    """Return whether a track leads from the mark to a lane below, where the name would otherwise be written."""
     place = (mark.at_mm, mark.lane)
     ends = [
         (track.points[0], track.points[-1]) for track in plan.tracks if place in (track.points[0], track.points[-1])
@@ -53,7 +53,7 @@ def _leaves_down(plan: TrackPlan, mark: PlanMark) -> bool:
 
 
 def _y(top: float, lane: float) -> float:
-    return top + HEAD / 2 + LANE / 2 + lane * LANE
+    return top + HEAD / 2 + _LANE / 2 + lane * _LANE
 
 
 def _mark(mark: PlanMark, axis: Axis, top: float, seen: Seen, down: bool) -> str:
@@ -67,7 +67,7 @@ def _mark(mark: PlanMark, axis: Axis, top: float, seen: Seen, down: bool) -> str
 
 
 def _reflector(mark: PlanMark, x: float, y: float, seen: Seen) -> str:
-    """A diamond with the model in it, its name above, on a ramp beside it; crossed out if it was passed unseen."""
+    """Draw a diamond with the model in it and the name above, or beside it on a ramp; crossed out if passed unseen."""
     ramp = mark.lane != int(mark.lane)
     x, middle = (x + 18, y - 4) if ramp else (x, y - 14)
     found = seen.route in mark.routes and mark.at_mm in seen.places

@@ -1,17 +1,17 @@
-"""A small line chart as SVG text: whole-number series over steps, one band, one scale."""
+"""A small line chart as SVG text: series over steps, with one band and one scale."""
 
 from __future__ import annotations
 
 import html
 from collections.abc import Mapping, Sequence
 
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 860, 270, 120, 34, 34
-COLOURS = ("#1f6fb2", "#c4472b", "#3a8f4d", "#8a5bb0", "#9a7b1c")
+_WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 860, 270, 120, 34, 34
+_COLOURS = ("#1f6fb2", "#c4472b", "#3a8f4d", "#8a5bb0", "#9a7b1c")
 
-Series = Sequence[float | None]
+_Series = Sequence[float | None]
 
 
-def line_chart(title: str, unit: str, lines: Mapping[str, Series], band: tuple[Series, Series] | None = None) -> str:
+def line_chart(title: str, unit: str, lines: Mapping[str, _Series], band: tuple[_Series, _Series] | None = None) -> str:
     """Return lines by name over steps 0, 1, 2 ...; `band` is shaded between its lower and upper series. None is a gap."""
     every = [v for series in [*lines.values(), *(band or ())] for v in series if v is not None]
     length = max((len(series) for series in lines.values()), default=0)
@@ -20,19 +20,19 @@ def line_chart(title: str, unit: str, lines: Mapping[str, Series], band: tuple[S
     scale = _Scale(min(every), max(every), length)
     body = [_band(scale, *band)] if band else []
     for index, (name, series) in enumerate(lines.items()):
-        colour = COLOURS[index % len(COLOURS)]
+        colour = _COLOURS[index % len(_COLOURS)]
         body.append(f'<path d="{_path(scale, series)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
         body += [_dot(scale, step, value, colour) for step, value in _lone(series)]
         body.append(_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
-    frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
+    frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{_WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
     marks = [_mark(scale, value, unit) for value in (scale.low, (scale.low + scale.high) / 2, scale.high)]
     ends = [
         _text(LEFT, 13, title),
         _text(LEFT, HEIGHT - 12, "step 0"),
-        _text(WIDTH - 70, HEIGHT - 12, f"step {length - 1}"),
+        _text(_WIDTH - 70, HEIGHT - 12, f"step {length - 1}"),
     ]
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {HEIGHT}" role="img" '
         f'aria-label="{html.escape(title)}" class="chart">{frame}{"".join(marks)}{"".join(body)}{"".join(ends)}</svg>'
     )
 
@@ -43,14 +43,14 @@ class _Scale:
         self.low, self.high, self._length = low - pad, high + pad, length
 
     def x(self, step: int) -> float:
-        return LEFT + (WIDTH - LEFT - 10) * step / (self._length - 1)
+        return LEFT + (_WIDTH - LEFT - 10) * step / (self._length - 1)
 
     def y(self, value: float) -> float:
         share = (value - self.low) / (self.high - self.low)
         return HEIGHT - BOTTOM - share * (HEIGHT - BOTTOM - TOP - 4)
 
 
-def _path(scale: _Scale, series: Series) -> str:
+def _path(scale: _Scale, series: _Series) -> str:
     text, pen_up = "", True
     for step, value in enumerate(series):
         if value is None:
@@ -65,8 +65,8 @@ def _dot(scale: _Scale, step: int, value: float, colour: str) -> str:
     return f'<circle cx="{scale.x(step):.1f}" cy="{scale.y(value):.1f}" r="3" fill="{colour}"/>'
 
 
-def _lone(series: Series) -> list[tuple[int, float]]:
-    """Values between two gaps: a line would not show them."""
+def _lone(series: _Series) -> list[tuple[int, float]]:
+    """Return single values between two gaps, which a line would not show."""
     around = [None, *series, None]
     return [
         (step, value)
@@ -75,8 +75,8 @@ def _lone(series: Series) -> list[tuple[int, float]]:
     ]
 
 
-def _band(scale: _Scale, lower: Series, upper: Series) -> str:
-    """The shaded band, interrupted where it is None."""
+def _band(scale: _Scale, lower: _Series, upper: _Series) -> str:
+    """Return the shaded band; None is a gap."""
     text, run = "", list[tuple[int, float, float]]()
     for step, (low, high) in enumerate([*zip(lower, upper, strict=True), (None, None)]):
         if low is not None and high is not None:
@@ -90,7 +90,7 @@ def _band(scale: _Scale, lower: Series, upper: Series) -> str:
 
 
 def _widened(scale: _Scale, run: Sequence[tuple[int, float, float]]) -> list[tuple[float, float, float]]:
-    """Steps as places on the page; a run of one step is four wide, or nobody would see it."""
+    """Return steps as places on the page; a single step is four units wide, so that it can be seen."""
     places = [(scale.x(step), low, high) for step, low, high in run]
     if len(run) > 1:
         return places
@@ -100,7 +100,7 @@ def _widened(scale: _Scale, run: Sequence[tuple[int, float, float]]) -> list[tup
 
 def _mark(scale: _Scale, value: float, unit: str) -> str:
     y = scale.y(value)
-    return f'<line x1="{LEFT}" x2="{WIDTH - 10}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>' + _text(
+    return f'<line x1="{LEFT}" x2="{_WIDTH - 10}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>' + _text(
         4, y + 4, f"{value:,.0f} {unit}".replace(",", " ")
     )
 

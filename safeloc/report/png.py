@@ -1,4 +1,4 @@
-"""A small picture of few colours as PNG, and as an address that a page holds in itself."""
+"""A small picture of few colours as PNG, and as a data URL for a self-contained page."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import zlib
 from collections.abc import Sequence
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
-BITS, BY_PALETTE = 8, 3
-MOST_COLOURS = 256
+_BITS, BY_PALETTE = 8, 3
+_MOST_COLOURS = 256
 Colour = tuple[int, int, int]
 
 
 def png(rows: Sequence[bytes], palette: Sequence[Colour]) -> bytes:
-    """Return rows from the top, a byte the number of a pixel's colour. ValueError for rows that make no picture of the
-    palette."""
+    """Return the PNG of rows from the top; a byte is the number of a pixel's colour. ValueError for rows of different
+    lengths, and for a colour that the palette does not have."""
     width = len(rows[0]) if rows else 0
     if not width or any(len(row) != width for row in rows):
-        raise ValueError("a picture has rows of one length, and at least one pixel.")
-    if not len(palette) <= MOST_COLOURS or max(map(max, rows)) >= len(palette):
-        raise ValueError(f"a picture has up to {MOST_COLOURS} colours, and no pixel of another one.")
-    head = struct.pack(">IIBBBBB", width, len(rows), BITS, BY_PALETTE, 0, 0, 0)
+        raise ValueError("a picture needs rows of equal length, and at least one pixel.")
+    if not len(palette) <= _MOST_COLOURS or max(map(max, rows)) >= len(palette):
+        raise ValueError(f"a picture has up to {_MOST_COLOURS} colours, and each pixel is one of them.")
+    head = struct.pack(">IIBBBBB", width, len(rows), _BITS, BY_PALETTE, 0, 0, 0)
     data = zlib.compress(b"".join(b"\0" + row for row in rows), 9)
     parts = (
         (b"IHDR", head),
@@ -33,7 +33,7 @@ def png(rows: Sequence[bytes], palette: Sequence[Colour]) -> bytes:
 
 
 def data_address(image: bytes) -> str:
-    """Return the image as an address without any file."""
+    """Return the image as a data URL."""
     return "data:image/png;base64," + base64.b64encode(image).decode("ascii")
 
 

@@ -1,4 +1,4 @@
-"""What the proofs of a target rest on, and what becomes of it when a clause is broken, as data for the report."""
+"""The proof cores of a target, and the effects of broken clauses, as data for the report."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from safeloc.target import Target
 def evidence_data(target: Target, cores: Sequence[Core], effects: Sequence[Effect]) -> dict[str, Any]:
     """Return the cores of all claims, the effects of broken clauses, and the picture of the cut sets ("" without an interval)."""
     sets = cut_sets(effects)
-    told = as_data(target, cores, whole=True)
+    data = as_data(target, cores, whole=True)
     found = {
-        "cores": [{**one, "rows_of": _row_count(target, one["kept_by"])} for one in told["cores"]],
-        "needed_by_none": told["needed_by_none"],
+        "cores": [{**one, "rows_of": _row_count(target, one["kept_by"])} for one in data["cores"]],
+        "needed_by_none": data["needed_by_none"],
         "faults": faults_data(target, effects, sets),
         "picture": "" if holds_truth(target) is None else fault_tree(target.name, sets, numbered(target.system)),
     }
@@ -31,5 +31,5 @@ def evidence_data(target: Target, cores: Sequence[Core], effects: Sequence[Effec
 
 
 def _row_count(target: Target, kept_by: str) -> int:
-    """How many rows the machine has on which the claim was proved."""
+    """Return the number of rows of the machine on which the claim was proved."""
     return sum(len(machine.transitions) for machine in target.machines if kept_by in ("", machine.name))

@@ -1,4 +1,4 @@
-"""Picture of the possible routes over the distance run, with the reasons that excluded others (source 001, fig. 3)."""
+"""Picture of the possible routes over the distance run, with the reasons that excluded the others (source 001, fig. 3)."""
 
 from __future__ import annotations
 
@@ -34,34 +34,36 @@ from safeloc.report.drawing import (
     word,
 )
 from safeloc.report.plan import Seen, plan_drawing, plan_height
+from safeloc.report.recorded_run import RecordedRun, Series
 from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.thinning import Point
-from safeloc.report.told import Series, Told
 from safeloc.report.violations import head, violations
 
-ROW = 26
+_ROW = 26
 
 
-class Refuted(NamedTuple):
-    """A route that ceases to be possible: the step (from 0 on), and what was seen then against what the route has."""
+class _Refuted(NamedTuple):
+    """The end of a route's possibility: the step (from 0), and the reason: what was seen, and what the route has instead."""
 
     step: int
     why: str
 
 
 @dataclass(frozen=True)
-class Hunt:
-    """A run as places (mm from the common start), possible routes and refutations."""
+class _Hunt:
+    """A run as positions (mm from the common start), possible routes and refutations."""
 
     one: Recognition
-    told: Told
+    recorded: RecordedRun
     plan: TrackPlan | None
 
     @cached_property
     def places(self) -> Series:
-        """The true distance; where it is not known, the middle of everything possible."""
-        truth = self.told.truth(self.one.truth)
-        return [self._middle(row) if true is None else true for true, row in zip(truth, self.told.rows, strict=True)]
+        """The true distance of each step, or the middle of all possible intervals if it is unknown."""
+        truth = self.recorded.truth(self.one.truth)
+        return [
+            self._middle(row) if true is None else true for true, row in zip(truth, self.recorded.rows, strict=True)
+        ]
 
     def _middle(self, row: Mapping[str, Value]) -> float | None:
         ends = [row[name] for one in self.one.hypotheses if row[one.possible] for name in (one.low, one.high)]
@@ -70,82 +72,82 @@ class Hunt:
     @cached_property
     def counts(self) -> list[int]:
         """The number of possible routes after each step."""
-        return [sum(bool(row[one.possible]) for one in self.one.hypotheses) for row in self.told.rows]
+        return [sum(bool(row[one.possible]) for one in self.one.hypotheses) for row in self.recorded.rows]
 
     @property
     def stated(self) -> int | None:
-        """The number of the only route that is possible at the end."""
-        last = [one.number for one in self.one.hypotheses if self.told.rows[-1][one.possible]]
+        """The number of the only route that is possible at the end; None if there is none or more than one."""
+        last = [one.number for one in self.one.hypotheses if self.recorded.rows[-1][one.possible]]
         return last[0] if len(last) == 1 else None
 
     @property
     def missed(self) -> Seen:
-        """Places of reflectors that were seen, and how far the vehicle came, on the stated route."""
+        """The reflectors seen on the stated route, and the farthest position of the vehicle."""
         route = next((one for one in self.one.hypotheses if one.number == self.stated), None)
         furthest = max((place for place in self.places if place is not None), default=0.0)
-        seen = {given[route.place] for given in self.told.given if route is not None and route.place in given}
+        seen = {given[route.place] for given in self.recorded.given if route is not None and route.place in given}
         return Seen(self.stated, frozenset(seen), furthest)
 
-    def refutations(self, route: Hypothesis) -> Iterator[Refuted]:
-        """Return each time the route ceases to be possible."""
-        possible = self.told.flags(route.possible)
+    def refutations(self, route: Hypothesis) -> Iterator[_Refuted]:
+        """Yield each step in which the route ceases to be possible."""
+        possible = self.recorded.flags(route.possible)
         for step in range(1, len(possible)):
             if possible[step - 1] and not possible[step]:
-                yield Refuted(step, self._why(route, step))
+                yield _Refuted(step, self._why(route, step))
 
     def _why(self, route: Hypothesis, step: int) -> str:
-        given, seen = self.told.given[step], self.one.sighting
+        given, seen = self.recorded.given[step], self.one.sighting
         if seen.start in given:
             return "a new start"
-        fired = ", ".join(self.told.trace.steps[step].fired.values())
+        fired = ", ".join(self.recorded.trace.steps[step].fired.values())
         if self.counts[step] == 0:
             return f"all given up: {fired}"
         if seen.range in given:
-            before = self.told.rows[step - 1]
+            before = self.recorded.rows[step - 1]
             return self._not_there(route, given, (before[route.low] + before[route.high]) / 2)
-        turned, course = (self.told.word(name, given[name]) for name in (seen.turned, route.course))
+        turned, course = (self.recorded.word(name, given[name]) for name in (seen.turned, route.course))
         return f"turned {turned}, this route goes {course}"
 
     def _not_there(self, route: Hypothesis, given: Mapping[str, Value], about: float) -> str:
         seen = self.one.sighting
-        model, away = self.told.word(seen.model, given[seen.model]), given[seen.range]
+        model, away = self.recorded.word(seen.model, given[seen.model]), given[seen.range]
         at = f"about {metres(about + away)}"
         if route.place not in given:
             return f"reflector {model} seen at {at}: none of model {model} on this route"
-        other = self.told.word(route.model, given[route.model])
+        other = self.recorded.word(route.model, given[route.model])
         nearest = f"the nearest {other} of this route is at {metres(given[route.place])}"
         return f"reflector {model} seen at {at}: {nearest}"
 
 
-def recognition_picture(one: Recognition, told: Told) -> str:
-    """Return the drawing; empty for a run without any place."""
-    hunt = Hunt(one, told, one.plan(told.name))
+def recognition_picture(one: Recognition, recorded: RecordedRun) -> str:
+    """Return the drawing; empty for a run without any position."""
+    hunt = _Hunt(one, recorded, one.plan(recorded.name))
     places = [place for place in hunt.places if place is not None]
     if not places:
         return ""
     plan = hunt.plan
     ends = [] if plan is None else [float(at) for track in plan.tracks for at, _ in track.points]
     axis = across([*places, *ends])
-    top = head(told)
+    top = head(recorded)
     y = top + (0 if plan is None else plan_height(plan))
     made = list[str]()
     if plan is not None:
         made.append(plan_drawing(plan, axis, top, hunt.missed))
-    bottom = y + (len(one.hypotheses) + 2) * ROW
+    bottom = y + (len(one.hypotheses) + 2) * _ROW
     made += [_switches(plan, axis, y, bottom), _sightings(hunt, axis, y)]
     for number, route in enumerate(one.hypotheses, 1):
-        made.append(_route(hunt, route, axis, y + number * ROW))
-    modes, members = told.words(one.mode), told.members(one.mode)
-    made.append(strip(axis, hunt.places, modes, members, bottom - ROW, "mode"))
+        made.append(_route(hunt, route, axis, y + number * _ROW))
+    modes, members = recorded.words(one.mode), recorded.members(one.mode)
+    made.append(strip(axis, hunt.places, modes, members, bottom - _ROW, "mode"))
     made.append(across_axis(axis, bottom + 4, "distance from the common start in m"))
-    made.append(violations(told, hunt.places, axis, bottom))
+    made.append(violations(recorded, hunt.places, axis, bottom))
     first, y = legend(strip_legend(modes, members), bottom + 62, "mode")
     second, y = legend(_keys(hunt), y)
-    return picture([*made, first, second], y, f"{one.title}, recording {told.name}")
+    return picture([*made, first, second], y, f"{one.title}, recording {recorded.name}")
 
 
 def _switches(plan: TrackPlan | None, axis: Axis, top: float, bottom: float) -> str:
-    """Each switch drawn down through the strips: that is where routes part."""
+    """Draw a line down through the strips at each switch, where routes part."""
     marks = () if plan is None else plan.marks
     return "".join(
         upright(axis.at(mark.at_mm), top, bottom, GREY, kind="at-switch", dash="1 3")
@@ -154,22 +156,25 @@ def _switches(plan: TrackPlan | None, axis: Axis, top: float, bottom: float) -> 
     )
 
 
-def _sightings(hunt: Hunt, axis: Axis, y: float) -> str:
+def _sightings(hunt: _Hunt, axis: Axis, y: float) -> str:
     """Draw the strip of the reflector model in view."""
     seen = hunt.one.sighting
-    words = [hunt.told.word(seen.model, given[seen.model]) if seen.range in given else "" for given in hunt.told.given]
+    words = [
+        hunt.recorded.word(seen.model, given[seen.model]) if seen.range in given else ""
+        for given in hunt.recorded.given
+    ]
     places = [place if said else None for place, said in zip(hunt.places, words, strict=True)]
-    return strip(axis, places, words, hunt.told.members(seen.model), y, "reflector in view")
+    return strip(axis, places, words, hunt.recorded.members(seen.model), y, "reflector in view")
 
 
-def _route(hunt: Hunt, route: Hypothesis, axis: Axis, y: float) -> str:
-    """One route: where it is possible, where it is the only one, and where it is refuted by what."""
+def _route(hunt: _Hunt, route: Hypothesis, axis: Axis, y: float) -> str:
+    """Draw one route: where it is possible, where it is the only one, and where and why it is refuted."""
     label = f"route {route.number}"
     if hunt.plan is not None and route.number in hunt.plan.routes:
         label += f" {hunt.plan.routes[route.number]}"
     words = [
         None if not possible else "only" if count == 1 else "possible"
-        for possible, count in zip(hunt.told.flags(route.possible), hunt.counts, strict=True)
+        for possible, count in zip(hunt.recorded.flags(route.possible), hunt.counts, strict=True)
     ]
     made = [word(LEFT - 8, y + TALL - 6, label, anchor="end", style=_bold(route.number == hunt.stated))]
     made.append(f'<path d="M{LEFT} {y + TALL / 2:.1f}H{RIGHT}" class="grid"/>')
@@ -188,8 +193,8 @@ def _bold(wanted: bool) -> str:
     return "font-weight:700" if wanted else ""
 
 
-def _bars(hunt: Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str, float, float]]:
-    """List the bars of a route: a text, with its start and end on the page."""
+def _bars(hunt: _Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str, float, float]]:
+    """Yield the bars of a route: a text, with start and end on the page."""
     begin: float | None = None
     last = 0.0
     for step, said in enumerate(words):
@@ -206,7 +211,7 @@ def _bars(hunt: Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str
         last = x
 
 
-def _refutation(x: float, y: float, number: int, refuted: Refuted, place: float) -> str:
+def _refutation(x: float, y: float, number: int, refuted: _Refuted, place: float) -> str:
     text = f"{metres(place)}: {refuted.why}"
     right = x + 12 + wide(text) < RIGHT
     said = word(x + 12 if right else x - 12, y + 4, text, anchor="start" if right else "end", style=_on_bar(right))
@@ -214,15 +219,15 @@ def _refutation(x: float, y: float, number: int, refuted: Refuted, place: float)
 
 
 def _on_bar(right: bool) -> str:
-    """Words left of the cross stand on the bar, which is light in every scheme."""
+    """Return the style of words: left of the cross they are on the bar, which is light in every colour scheme."""
     return "" if right else "fill:#101418"
 
 
-def _keys(hunt: Hunt) -> list[Swatch]:
+def _keys(hunt: _Hunt) -> list[Swatch]:
     keys = [
         box_swatch(SKY, "route is possible"),
         box_swatch(GREEN, "it is the only possible one"),
-        Swatch(cross(13, 0, kind="key"), "refuted, and by what"),
+        Swatch(cross(13, 0, kind="key"), "refuted, with the reason"),
     ]
     if hunt.plan is not None:
         keys.append(Swatch(diamond(13, 0, kind="key"), "reflector and its model; filled: seen on the stated route"))

@@ -6,44 +6,44 @@ from collections.abc import Sequence
 
 from safeloc.railway.pictures import Standings
 from safeloc.report.drawing import across, across_axis, legend, picture
+from safeloc.report.recorded_run import RecordedRun, Series
 from safeloc.report.strips import TALL, strip, strip_legend
-from safeloc.report.told import Series, Told
 from safeloc.report.violations import head, violations
 
-APART = TALL + 8
+_APART = TALL + 8
 
 
-def standings_picture(one: Standings, told: Told) -> str:
-    """Return the drawing; empty for a run without any known place."""
-    places = _places(one, told)
+def standings_picture(one: Standings, recorded: RecordedRun) -> str:
+    """Return the drawing; empty for a run without any known position."""
+    places = _places(one, recorded)
     known = [place for place in places if place is not None]
     if not known:
         return ""
-    axis, top = across(known), head(told)
-    words = {row: told.words(row.signal) for row in one.rows}
-    made, members = [], told.members(one.rows[0].signal)
+    axis, top = across(known), head(recorded)
+    words = {row: recorded.words(row.signal) for row in one.rows}
+    made, members = [], recorded.members(one.rows[0].signal)
     for number, row in enumerate(one.rows):
-        made.append(strip(axis, places, words[row], members, top + APART * number, _label(told, row.called, one)))
-    bottom = top + APART * len(one.rows)
+        made.append(strip(axis, places, words[row], members, top + _APART * number, _label(recorded, row.called, one)))
+    bottom = top + _APART * len(one.rows)
     made.append(across_axis(axis, bottom + 4, "distance along the line in m"))
-    made.append(violations(told, places, axis, bottom))
+    made.append(violations(recorded, places, axis, bottom))
     said = [name for row in one.rows for name in words[row]]
     drawn, y = legend(strip_legend(said, members), bottom + 62)
-    return picture([*made, drawn], y, f"{one.title}, recording {told.name}")
+    return picture([*made, drawn], y, f"{one.title}, recording {recorded.name}")
 
 
-def _places(one: Standings, told: Told) -> Series:
-    """The truth; without it what is reported, with gaps while nothing is."""
-    truth = told.truth(one.reported.truth)
-    reported = [one.reported.interval_mm(step.outputs) for step in told.trace.steps]
-    positions = [step.outputs[one.reported.position] for step in told.trace.steps]
+def _places(one: Standings, recorded: RecordedRun) -> Series:
+    """Return the true position of each step, or the reported one if the truth is unknown; None if there is neither."""
+    truth = recorded.truth(one.reported.truth)
+    reported = [one.reported.interval_mm(step.outputs) for step in recorded.trace.steps]
+    positions = [step.outputs[one.reported.position] for step in recorded.trace.steps]
     pairs = zip(truth, reported, positions, strict=True)
     return [place if place is not None or ends is None else float(at) for place, ends, at in pairs]
 
 
-def _label(told: Told, signal: str, one: Standings) -> str:
-    """The names of what the part was, in order; of more than two the first and how many more."""
-    numbers = dict.fromkeys(int(value) for value in told.series(signal) if value)
+def _label(recorded: RecordedRun, signal: str, one: Standings) -> str:
+    """Return the names that a signal gives to the channel during the run; of more than two, the first and the number of others."""
+    numbers = dict.fromkeys(int(value) for value in recorded.series(signal) if value)
     names = [one.names(number) for number in numbers]
     return _short(names)
 

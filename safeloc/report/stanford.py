@@ -1,8 +1,8 @@
-"""Stanford diagram of a run: the error of every reported position against the margin that was stated for it.
+"""Stanford diagram of a run: the margin of every reported position over its error.
 
-The margin is that of the side on which the truth lies. Below the diagonal it missed the truth: misleading, and hazardous
-where the error passes the alarm limit too. Both are safety failures; an unavailable step, reported with a wider margin
-than the limit or not at all, is none.
+The margin is that of the side on which the truth lies. Below the diagonal the interval misses the truth: the report is
+misleading, and hazardous if the error exceeds the alert limit too. Both are safety failures. A step with a margin beyond the
+limit or without a report is unavailable, which is no safety failure.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from safeloc.report.drawing import (
     upright_axis,
     word,
 )
-from safeloc.report.told import Told
+from safeloc.report.recorded_run import RecordedRun
 from safeloc.report.violations import FIRST, ROW, head
 
 Region = Literal["nominal", "unavailable", "misleading", "hazardous"]
 REGIONS: tuple[Region, ...] = get_args(Region)
-TALL, CELL = 420, 6
-COLOURS: Mapping[Region, str] = {"nominal": BLUE, "unavailable": GREY, "misleading": ORANGE, "hazardous": RED}
-MEANT: Mapping[Region, str] = {
+_TALL, CELL = 420, 6
+_COLOURS: Mapping[Region, str] = {"nominal": BLUE, "unavailable": GREY, "misleading": ORANGE, "hazardous": RED}
+_MEANT: Mapping[Region, str] = {
     "nominal": "error within the margin, margin within the limit",
     "unavailable": "margin beyond the limit, or nothing reported",
     "misleading": "error beyond the margin, within the limit",
@@ -58,7 +58,7 @@ def region(error_mm: float, margin_mm: float, limit_mm: float) -> Region:
 
 @dataclass(frozen=True)
 class Report:
-    """One reported step whose truth is known: error and margin on its side, mm."""
+    """One reported step with a known truth: error, and margin on the side of the truth, in mm."""
 
     error: float
     margin: float
@@ -66,24 +66,24 @@ class Report:
 
 @dataclass(frozen=True)
 class Reports:
-    """All steps of a run: those with report and truth, how many had no report, how many a report without known truth."""
+    """All steps of a run: those with report and truth, and the numbers of steps without report and without truth."""
 
     made: tuple[Report, ...]
     silent: int
     unknown: int
 
     def counts(self, limit_mm: float) -> Counter[Region]:
-        """Return steps of each region; a step without report is unavailable."""
+        """Return the number of steps in each region; a step without report is unavailable."""
         found: Counter[Region] = Counter()
         found.update(region(one.error, one.margin, limit_mm) for one in self.made)
         found["unavailable"] += self.silent
         return found
 
 
-def reports(one: Stanford, told: Told) -> Reports:
+def _reports(one: Stanford, recorded: RecordedRun) -> Reports:
     """Collect the reports of the run, with the numbers of steps without report or without known truth."""
     made, silent, unknown = list[Report](), 0, 0
-    for step, truth in zip(told.trace.steps, told.truth(one.reported.truth), strict=True):
+    for step, truth in zip(recorded.trace.steps, recorded.truth(one.reported.truth), strict=True):
         ends = one.reported.interval_mm(step.outputs)
         if ends is None:
             silent += 1
@@ -96,21 +96,24 @@ def reports(one: Stanford, told: Told) -> Reports:
     return Reports(tuple(made), silent, unknown)
 
 
-def stanford_picture(one: Stanford, told: Told) -> str:
-    """Return the drawing; empty for a run in which no position is reported whose truth is known."""
-    top, title = head(told) + 10, f"{one.title}, recording {told.name}"
-    return stanford_diagram(reports(one, told), one.limit_mm, title, top=top, above=_violated(told))
+def stanford_picture(one: Stanford, recorded: RecordedRun) -> str:
+    """Return the drawing; empty for a run without any reported position of known truth."""
+    top, title = head(recorded) + 10, f"{one.title}, recording {recorded.name}"
+    return stanford_diagram(_reports(one, recorded), one.limit_mm, title, top=top, above=_violated(recorded))
 
 
 def stanford_diagram(
     found: Reports, limit_mm: int, title: str, *, top: float = 28, above: Iterable[str] = (), style: str = ""
 ) -> str:
-    """Return the diagram of any reports, empty without one; `above` stands over it, `style` makes it complete by itself."""
+    """Return the diagram of reports; empty without any.
+
+    above   drawings above the diagram; style: a style sheet, for a diagram outside of the page
+    """
     if not found.made:
         return ""
     farthest = max(limit_mm, *(report.error for report in found.made)) * 1.15
     widest = max(limit_mm, *(report.margin for report in found.made)) * 1.15
-    across, up = Axis(0, farthest, LEFT, RIGHT), Axis(0, widest, top + TALL, top)
+    across, up = Axis(0, farthest, LEFT, RIGHT), Axis(0, widest, top + _TALL, top)
     counts = found.counts(limit_mm)
     made = [
         style,
@@ -126,15 +129,15 @@ def stanford_diagram(
     return picture([*made, drawn], y, title)
 
 
-def _violated(told: Told) -> Iterator[str]:
-    """The names of violated statements above the diagram, which has no place for the steps."""
-    for row, broken in enumerate(told.broken):
+def _violated(recorded: RecordedRun) -> Iterator[str]:
+    """Yield the names of violated statements, above the diagram, which does not show steps."""
+    for row, broken in enumerate(recorded.broken):
         text = f"\N{MULTIPLICATION SIGN} violated at step {broken.step}: {broken.name}"
         yield word(LEFT, FIRST + ROW * row, text, style="font-weight:700")
 
 
 def _areas(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
-    """The four regions, faintly."""
+    """Draw the four regions, faintly."""
     limit, right, top = float(limit_mm), across.high, up.high
     end = min(right, top)
     corners: dict[Region, tuple[tuple[float, float], ...]] = {
@@ -145,7 +148,7 @@ def _areas(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
     }
     for name, points in corners.items():
         text = " ".join(f"{across.at(x):.1f},{up.at(y):.1f}" for x, y in points)
-        yield f'<polygon points="{text}" fill="{COLOURS[name]}" fill-opacity=".10" class="region-{name}"/>'
+        yield f'<polygon points="{text}" fill="{_COLOURS[name]}" fill-opacity=".10" class="region-{name}"/>'
 
 
 def _lines(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
@@ -158,7 +161,7 @@ def _lines(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
 
 
 def _cells(limit_mm: int, found: Reports, across: Axis, up: Axis) -> Iterator[str]:
-    """Steps gathered in cells of the page, the darker the more; failures are crosses."""
+    """Draw the steps, collected in cells: the more steps, the darker; failures are crosses."""
     cells = Counter(_cell(limit_mm, report, across, up) for report in found.made)
     most = math.log1p(max(cells.values()))
     for (x, y, name), count in sorted(cells.items()):
@@ -166,7 +169,7 @@ def _cells(limit_mm: int, found: Reports, across: Axis, up: Axis) -> Iterator[st
             yield cross(x + CELL / 2, y + CELL / 2, kind=f"step {name}", size=4)
         else:
             opacity = 0.3 + 0.7 * math.log1p(count) / most
-            drawn = box(x, y, CELL, CELL, COLOURS[name], kind=f"step {name}")
+            drawn = box(x, y, CELL, CELL, _COLOURS[name], kind=f"step {name}")
             yield f'<g fill-opacity="{opacity:.2f}">{drawn}</g>'
 
 
@@ -176,7 +179,7 @@ def _cell(limit_mm: int, report: Report, across: Axis, up: Axis) -> tuple[float,
 
 
 def _words(limit_mm: int, counts: Counter[Region], across: Axis, up: Axis) -> Iterator[str]:
-    """Name and number in each region."""
+    """Write name and number of steps into each region."""
     limit = float(limit_mm)
     places: dict[Region, tuple[float, float, str]] = {
         "nominal": (across.at(limit / 2), up.at(limit) + 18, "middle"),
@@ -190,8 +193,8 @@ def _words(limit_mm: int, counts: Counter[Region], across: Axis, up: Axis) -> It
 
 def _keys(limit_mm: int, found: Reports, counts: Counter[Region]) -> list[Swatch]:
     total = sum(counts.values())
-    keys = [box_swatch(COLOURS[name], f"{name}: {MEANT[name]}, {_share(counts[name], total)}") for name in REGIONS]
-    keys.append(stroke_swatch(RED, f"alarm limit, {metres(limit_mm)}", "9 4"))
+    keys = [box_swatch(_COLOURS[name], f"{name}: {_MEANT[name]}, {_share(counts[name], total)}") for name in REGIONS]
+    keys.append(stroke_swatch(RED, f"alert limit, {metres(limit_mm)}", "9 4"))
     if found.silent:
         keys.append(Swatch("", f"nothing reported in {found.silent} of {total} steps"))
     if found.unknown:

@@ -1,4 +1,4 @@
-"""A strip along an axis, coloured by what a signal says, with its name or its number in each piece."""
+"""A strip along an axis, coloured by the value of a signal, with the value's name or number in each piece."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from itertools import groupby
 from typing import NamedTuple
 
 from safeloc.report.drawing import DARK, LEFT, PALETTE, Axis, Swatch, box, box_swatch, wide, word
-from safeloc.report.told import Series
+from safeloc.report.recorded_run import Series
 
 TALL = 20
 
 
-class Piece(NamedTuple):
+class _Piece(NamedTuple):
     """A stretch of constant value of a signal: start and end on the page, and the value in words."""
 
     begin: float
@@ -21,7 +21,8 @@ class Piece(NamedTuple):
 
 
 def strip(axis: Axis, places: Series, words: Sequence[str], members: Sequence[str], y: float, label: str) -> str:
-    """Return the strip at `y`; `members` give colour and number of what `words` say at each place. Gaps stay empty."""
+    """Return the strip at `y`. `words` are the values at the places; `members` define their colours and numbers. Gaps stay
+    empty."""
     made = [word(LEFT - 8, y + TALL - 6, label, anchor="end")]
     found = sorted(_thinned(_pieces(axis, places, words)), key=lambda piece: piece.begin - piece.end)
     for piece in found:
@@ -37,7 +38,7 @@ def colour_of(members: Sequence[str], name: str) -> str:
 
 
 def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
-    """List the values that occur, with their numbers."""
+    """Return the legend of the values that occur, with their numbers."""
     present = set(words)
     return [
         box_swatch(colour_of(members, name), f"{number} {name}")
@@ -46,8 +47,8 @@ def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
     ]
 
 
-def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[Piece]:
-    """Each reaches up to where the next begins, unless there is a gap between."""
+def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[_Piece]:
+    """Yield the pieces; each reaches to the begin of the next one, unless there is a gap between."""
     known = [None if place is None else (axis.at(place), said) for place, said in zip(places, words, strict=True)]
     for gap, run in groupby(known, lambda one: one is None):
         stretch = [one for one in run if one is not None]
@@ -57,20 +58,20 @@ def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[Piece]
         for said, group in groupby(stretch, lambda one: one[1]):
             length = len(list(group))
             reached = [x for x, _ in stretch[at : at + length + 1]]
-            yield Piece(min(reached), max(reached), said)
+            yield _Piece(min(reached), max(reached), said)
             at += length
 
 
-def _thinned(found: Iterator[Piece]) -> list[Piece]:
-    """Of those that are narrower than a unit, one of a kind in each column."""
-    kept: dict[tuple[object, ...], Piece] = {}
+def _thinned(found: Iterator[_Piece]) -> list[_Piece]:
+    """Return the pieces; of those narrower than a unit, one of each kind in each column."""
+    kept: dict[tuple[object, ...], _Piece] = {}
     for piece in found:
         narrow = piece.end - piece.begin < 1
         kept.setdefault((round(piece.begin), piece.words) if narrow else piece, piece)
     return list(kept.values())
 
 
-def _lettered(piece: Piece, members: Sequence[str], y: float, colour: str) -> str:
+def _lettered(piece: _Piece, members: Sequence[str], y: float, colour: str) -> str:
     width, numbered = piece.end - piece.begin, str(list(members).index(piece.words) + 1)
     text = next((text for text in (piece.words, numbered) if wide(text) + 4 <= width), "")
     ink = "#fff" if colour in DARK else "#101418"

@@ -1,4 +1,4 @@
-"""Long runs made short enough for a page without hiding an extreme."""
+"""Thinning of long runs for a page that keeps every extreme value."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class Span(NamedTuple):
     high: float
 
 
-Pieces: TypeAlias = list[list[Point]]
+_Pieces: TypeAlias = list[list[Point]]
 
 
-def pieces(points: Iterable[Point | None]) -> Pieces:
-    """Uninterrupted stretches: None is a gap."""
+def pieces(points: Iterable[Point | None]) -> _Pieces:
+    """Return the uninterrupted stretches of points; None is a gap."""
     return [[point for point in run if point is not None] for gap, run in groupby(points, _is_gap) if not gap]
 
 
 def spans(bands: Iterable[Span | None]) -> list[list[Span]]:
-    """Uninterrupted stretches of a band."""
+    """Return the uninterrupted stretches of a band; None is a gap."""
     return [[span for span in run if span is not None] for gap, run in groupby(bands, _is_gap) if not gap]
 
 
@@ -40,7 +40,7 @@ def _is_gap(value: object) -> bool:
 
 
 def thinned(points: Sequence[Point]) -> list[Point]:
-    """Of successive points in one column of the page (a unit wide): first, lowest, highest and last, in their order."""
+    """Return, of successive points in one column of the page (a unit wide), the first, lowest, highest and last, in order."""
     return [point for column in _columns(points) for point in _kept(column)]
 
 
@@ -56,7 +56,7 @@ def _kept(column: list[Point]) -> Iterator[Point]:
 
 
 def thinned_band(band: Sequence[Span]) -> list[Span]:
-    """Of successive spans in one column: one that reaches from the lowest to the highest of them."""
+    """Return, for successive spans in one column, one that reaches from the lowest to the highest of them."""
     made = []
     for _, group in groupby(band, lambda span: round(span.x)):
         column = list(group)

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from safeloc.language.units import NM_PER_MM
 from safeloc.report.plot import line_chart
 from safeloc.reported import Reported
 
-Data = Mapping[str, Any]
+_Data = Mapping[str, Any]
 Series = list[float | None]
-NM_PER_MM = 1e6
-MOST_CHARTS = 3
+_MOST_CHARTS = 3
 
 
-def trace_rows(trace: Data, signals: Data) -> list[dict[str, Any]]:
+def trace_rows(trace: _Data, signals: _Data) -> list[dict[str, Any]]:
     """Return one row a step: number, what fired, the inputs that were present, the state that changed."""
     before = trace["first"]
     rows = [{"number": 0, "fired": "start", "inputs": "", "changed": _values(signals, before)}]
@@ -32,11 +32,11 @@ def trace_rows(trace: Data, signals: Data) -> list[dict[str, Any]]:
     return rows
 
 
-def _values(signals: Data, values: Data) -> str:
+def _values(signals: _Data, values: _Data) -> str:
     return "  ".join(f"{name}={shown_value(signals, name, value)}" for name, value in values.items())
 
 
-def shown_value(signals: Data, name: str, value: bool | int) -> str:
+def shown_value(signals: _Data, name: str, value: bool | int) -> str:
     """Return a member's label, true or false, or the number; variables of observers are numbers without a name for them."""
     members = signals[name]["members"] if name in signals else []
     if members:
@@ -44,7 +44,7 @@ def shown_value(signals: Data, name: str, value: bool | int) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def trace_charts(trace: Data, machine: Data) -> str:
+def trace_charts(trace: _Data, machine: _Data) -> str:
     """Return truth, reported position and margins where the machine reports an interval; otherwise what changed most."""
     if machine["reported"] is not None:
         return _position_chart(trace, Reported(**machine["reported"]))
@@ -52,20 +52,20 @@ def trace_charts(trace: Data, machine: Data) -> str:
     numbers = [name for name in trace["first"] if name in signals and signals[name]["unit"]]
     moving = sorted((name for name in numbers if _spread(trace, name)), key=lambda name: -_spread(trace, name))
     return "".join(
-        line_chart(name, signals[name]["unit"], {name: _series(trace, name)}) for name in moving[:MOST_CHARTS]
+        line_chart(name, signals[name]["unit"], {name: _series(trace, name)}) for name in moving[:_MOST_CHARTS]
     )
 
 
-def _series(trace: Data, name: str) -> Series:
+def _series(trace: _Data, name: str) -> Series:
     return [float(trace["first"][name]), *(float(step["state"][name]) for step in trace["steps"])]
 
 
-def _spread(trace: Data, name: str) -> float:
+def _spread(trace: _Data, name: str) -> float:
     values = [value for value in _series(trace, name) if value is not None]
     return max(values) - min(values)
 
 
-def _position_chart(trace: Data, reported: Reported) -> str:
+def _position_chart(trace: _Data, reported: Reported) -> str:
     truth = _truth_mm(trace, reported)
     ends = [None, *(reported.interval_mm(step["outputs"]) for step in trace["steps"])]
     position: Series = [None]
@@ -88,7 +88,7 @@ def _margin_chart(truth: Series, position: Series, low: Series, high: Series) ->
     return line_chart("distance of the truth from the reported position, and margins", "mm", lines, (below, above))
 
 
-def _truth_mm(trace: Data, reported: Reported) -> Series:
+def _truth_mm(trace: _Data, reported: Reported) -> Series:
     """The ghost in mm; of a recorded run, which has no ghost, the recorded truth, with gaps where there is none."""
     if reported.truth not in trace["first"]:
         recorded = trace["truth_mm"] or [None] * len(trace["steps"])

@@ -1,23 +1,23 @@
-"""Marks of violated statements: a line across the panels, with the name of the statement."""
+"""Marks of violated statements: a line across the panels, with the statement's name."""
 
 from __future__ import annotations
 
 from safeloc.report.drawing import LEFT, RED, RIGHT, Axis, upright, word
-from safeloc.report.told import Broken, Series, Told
+from safeloc.report.recorded_run import Broken, RecordedRun, Series
 
 FIRST, ROW = 14, 15
 
 
-def head(told: Told) -> float:
-    """Return the top of a picture, below the names of violated statements."""
-    return FIRST + ROW * len(told.broken) + 14
+def head(recorded: RecordedRun) -> float:
+    """Return the top of the panels, below the names of violated statements."""
+    return FIRST + ROW * len(recorded.broken) + 14
 
 
-def violations(told: Told, places: Series, axis: Axis, bottom: float) -> str:
-    """Return lines from the names down to `bottom`; the names stand one below the other at the head."""
+def violations(recorded: RecordedRun, places: Series, axis: Axis, bottom: float) -> str:
+    """Draw a line from each name down to `bottom`; the names are listed at the top."""
     made, row = "", 0
-    for broken in told.broken:
-        place = place_at(places, broken)
+    for broken in recorded.broken:
+        place = _place_at(places, broken)
         if place is None or not axis.holds(place):
             continue
         x, y = axis.at(place), FIRST + ROW * row
@@ -29,7 +29,7 @@ def violations(told: Told, places: Series, axis: Axis, bottom: float) -> str:
     return made
 
 
-def place_at(places: Series, broken: Broken) -> float | None:
-    """Return the place at that step, or the last one known before."""
+def _place_at(places: Series, broken: Broken) -> float | None:
+    """Return the position at a step, or the last one known before."""
     known = [place for place in places[: broken.step] if place is not None]
     return known[-1] if known else None

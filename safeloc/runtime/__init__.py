@@ -1,1 +1,1 @@
-"""Running a machine on data: input validation, records and steps, controllers in a host, the stand-alone process."""
+"""Machines on measured data: input validation, records and steps, controllers in a host, the stand-alone process."""

@@ -1,11 +1,13 @@
-"""The border: raw measurements become admitted inputs, or faults with a reason. Nothing is clipped or replaced.
+"""The border (input validation): each raw measurement is admitted, or becomes a fault with a reason.
 
-    reading -> Admitted(value)   the value as it came, a whole number in the channel's range (3.0 is 3), fresh and new
+Nothing is clipped or replaced.
+
+    reading -> Admitted(value)   the unchanged value: a whole number in the channel's range (3.0 is 3), fresh and new
             -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, SURPLUS,
                                  MISSING, LOST, UNKNOWN
 
-A machine gets admitted values by name; a faulty input is absent, as optional inputs allow. `Deliveries` checks the time
-of a measurement, `admitted` its value; a host's `Border` and the cycle builder use both.
+A machine gets admitted values by name; a faulty input is absent, so inputs have to be optional. `Deliveries` checks the
+time of a measurement, `admitted` its value; `Border` (for a host) and the cycle builder use both.
 """
 
 from __future__ import annotations
@@ -21,18 +23,18 @@ from safeloc.language.machine import Machine
 
 
 class Reason(Enum):
-    """Why a measurement is not admitted."""
+    """Reasons for which a measurement is not admitted."""
 
     WRONG_TYPE = "not a whole number"
     NOT_FINITE = "NaN or infinite"
     OUT_OF_RANGE = "outside the channel's range"
     STALE = "older than the channel allows"
-    FUTURE = "from after now"
-    DUPLICATE = "delivered before"
-    OUT_OF_ORDER = "older than one delivered before"
-    SURPLUS = "a second one where a step takes one"
-    MISSING = "nothing was delivered, or too little"
-    LOST = "something may have been lost on its way"
+    FUTURE = "time stamp in the future"
+    DUPLICATE = "already delivered"
+    OUT_OF_ORDER = "older than the last one delivered"
+    SURPLUS = "second value in a step that takes one"
+    MISSING = "nothing or too little was delivered"
+    LOST = "data may have been lost"
     UNKNOWN = "no channel of this machine"
 
 
@@ -51,7 +53,7 @@ class Channel:
 class Raw:
     """A raw measurement: any value, taken at `time_ms`, numbered by its sender (WRONG_TYPE if not whole).
 
-    A sender that does not number its measurements leaves `sequence` None: then the time alone tells old from new.
+    If a sender does not number its measurements, `sequence` is None, and only the time shows which one is newer.
     """
 
     value: object
@@ -61,14 +63,14 @@ class Raw:
 
 @dataclass(frozen=True)
 class Admitted:
-    """The value, unchanged."""
+    """An admitted value, unchanged."""
 
     value: int
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Not admitted. `number` is the record's place in its stream (from 0), where it came from one."""
+    """A measurement that is not admitted. `number` is the place of the record in its stream (from 0), if it has one."""
 
     channel: str
     reason: Reason
@@ -77,23 +79,24 @@ class Fault:
 
 
 class Deliveries:
-    """Judges when measurements come, channel by channel, and remembers the newest one of each.
+    """A check of the time and order of measurements, with the newest one of each channel as its memory.
 
-    A measurement is remembered when it is newer than the last one, admitted or not: a fault does not make an older
-    measurement new again. One from after now is not remembered: one wrong clock value would silence the channel.
+    A measurement that is newer than the last one is remembered, whether it is admitted or not: a fault does not make an older
+    measurement new again. One with a time in the future is not remembered: a single wrong clock value would otherwise block
+    the channel.
 
-    last   all that is remembered: channel -> time and sequence of its newest measurement
+    last   the complete memory: channel -> time and sequence number of its newest measurement
     """
 
     def __init__(self) -> None:
         self.last: dict[str, tuple[int, int | None]] = {}
 
     def fault(self, name: str, raw: Raw, now_ms: int, max_age_ms: int) -> Fault | None:
-        """Return the fault in its time or number; None if it is new and in time."""
+        """Return the fault in the time or number of a measurement; None if it is new and in time."""
         return self.late(name, raw.time_ms, raw.sequence, now_ms, max_age_ms)
 
     def late(self, name: str, time_ms: int, sequence: int | None, now_ms: int, max_age_ms: int) -> Fault | None:
-        """Check a time and a number alone."""
+        """Return the fault in a time and a sequence number; None if they are new and in time."""
         if type(time_ms) is not int or (sequence is not None and type(sequence) is not int):
             return Fault(name, Reason.WRONG_TYPE, "time or sequence")
         if time_ms > now_ms:
@@ -109,26 +112,26 @@ class Deliveries:
 
 
 def _order(last_ms: int, last_number: int | None, time_ms: int, number: int | None) -> Reason | None:
-    """Why a measurement is not newer than the last one; None if it is."""
+    """Return the reason if a measurement is not newer than the last one, else None."""
     if time_ms > last_ms and (number is None or last_number is None or number > last_number):
         return None
     return Reason.DUPLICATE if (time_ms, number) == (last_ms, last_number) else Reason.OUT_OF_ORDER
 
 
 class Border:
-    """Checks time and value of each measurement on a host's channels.
+    """A check of the time and value of each measurement, for a host with channels of its own.
 
-    deliveries   the complete memory of the border
+    deliveries   the complete memory of this border
     """
 
     def __init__(self, channels: Sequence[Channel]) -> None:
         self._channels = {channel.name: channel for channel in channels}
         if len(self._channels) != len(channels):
-            raise InputError(f"channels have distinct names; got {[channel.name for channel in channels]}.")
+            raise InputError(f"channels need distinct names; got {[channel.name for channel in channels]}.")
         self.deliveries = Deliveries()
 
     def judge(self, name: str, raw: Raw | None, now_ms: int) -> Admitted | Fault:
-        """Check one measurement (None: nothing came). InputError for an unknown channel."""
+        """Check one measurement (None: nothing was delivered). InputError for an unknown channel."""
         if name not in self._channels:
             raise InputError(f"no channel {name!r}; there are {sorted(self._channels)}.")
         channel = self._channels[name]
@@ -145,11 +148,11 @@ class Border:
         values: dict[str, int] = {}
         faults: list[Fault] = []
         for name in self._channels:
-            judged = self.judge(name, readings.get(name), now_ms)
-            if isinstance(judged, Admitted):
-                values[name] = judged.value
+            checked = self.judge(name, readings.get(name), now_ms)
+            if isinstance(checked, Admitted):
+                values[name] = checked.value
             else:
-                faults.append(judged)
+                faults.append(checked)
         return values, faults
 
 

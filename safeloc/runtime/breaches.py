@@ -1,4 +1,4 @@
-"""Breaches of the laws of a world, as they show in operation: which law, in which cycle, by how much, with what values."""
+"""Breaches of the laws of a world that are observed in operation: law, distance and the values that show it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Shown = Value | str | None
 
 @dataclass(frozen=True)
 class BrokenLaw:
-    """A law that is broken: the machine whose world states it, its name, statement and owner."""
+    """A broken law: the machine whose world states it, and the law's name, statement and owner."""
 
     machine: str
     name: str
@@ -26,10 +26,10 @@ class BrokenLaw:
 
 @dataclass(frozen=True)
 class Breach:
-    """A breach: of the one law, or of at least one of two that cannot both hold.
+    """A breach of one law, or of at least one of two laws that cannot both hold.
 
-    distance   by how many units the law is violated, below 0; None where it has no distance
-    values     what was heard and worked out, by name; None is an input that was absent
+    distance   by how many units the law is violated, as a negative number; None if the law has no distance
+    values     the inputs and observed values that show it, by name; None for an absent input
     """
 
     laws: tuple[BrokenLaw, ...]
@@ -38,13 +38,13 @@ class Breach:
     values: Mapping[str, Shown]
 
     def words(self) -> str:
-        """Return one sober sentence for a log."""
+        """Return one sentence for a log."""
         named = " or ".join(f"{law} ({law.owner or 'no owner'})" for law in self.laws)
         by = "" if self.distance is None else f" by {-self.distance} {self.unit}"
         return f"law broken: {named}{by}"
 
     def as_data(self) -> dict[str, Any]:
-        """Plain data for JSON."""
+        """Return plain data for JSON."""
         data: dict[str, Any] = {
             "laws": [{"machine": law.machine, "name": law.name, "owner": law.owner} for law in self.laws]
         }

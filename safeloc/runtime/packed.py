@@ -1,4 +1,4 @@
-"""Files packed with xz: read in bounds, and a damaged or truncated one is told by name. xz keeps a check sum of its own."""
+"""Files packed with xz, read within bounds. A damaged or truncated file is refused by name: xz files contain a checksum."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from safeloc.runtime.outside import LARGEST_FILE, read_bytes, refuse_beyond
 
 SUFFIX = ".xz"
 QUICK, SMALL = 2, 6
-"""How hard to pack: SMALL takes six times as long as QUICK for a fifth less."""
-MOST_MEMORY = 256 << 20
-"""Bytes that unpacking may take besides what comes out."""
+"""Presets of xz: SMALL takes six times as long as QUICK and saves a fifth."""
+_MOST_MEMORY = 256 << 20
+"""Bytes of memory for unpacking, besides the result."""
 
 
 def packed(data: bytes, effort: int = SMALL) -> bytes:
@@ -21,9 +21,9 @@ def packed(data: bytes, effort: int = SMALL) -> bytes:
 
 
 def read_packed(path: Path, most: int = LARGEST_FILE) -> bytes:
-    """Return what a packed file holds. InputError for one that is damaged, goes on after its end, or is too large."""
+    """Return the unpacked content. InputError for a file that is damaged, has data after its end, or is too large."""
     content = read_bytes(path, most)
-    unpacking = lzma.LZMADecompressor(lzma.FORMAT_XZ, MOST_MEMORY)
+    unpacking = lzma.LZMADecompressor(lzma.FORMAT_XZ, _MOST_MEMORY)
     try:
         data = unpacking.decompress(content, most + 1)
     except (lzma.LZMAError, EOFError) as error:

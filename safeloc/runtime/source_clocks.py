@@ -1,9 +1,9 @@
-"""The clocks of sources: whether the records that arrive tell the time of one clock.
+"""Check that all sources of records use one clock.
 
-Every world supposes that the inputs of a cycle are of that cycle. Records say so by their time, and nobody compares the clocks
-of the devices that write it. In operation that shows in one way: when a record arrives, some other source has told a later
-time. By how much is the **lag** of its source: the difference of both clocks and of both delays. A lag of a cycle or more
-means that the record's cycle was over when it came, and that what it says is lost to the machine.
+Every world assumes that the inputs of a cycle were measured in that cycle. Each record says so by its time stamp, but nothing
+compares the clocks of the devices. A difference shows in operation when a record arrives after a record of another source
+with a later time. The difference of the two times is the **lag** of its source: the difference of the clocks plus that of
+the delays. With a lag of a cycle or more, the record's cycle was over when it arrived, and the machine cannot use it.
 
     lag_of("front_wheel", 12_340, {"rear_wheel": 12_450})  ->  Lag("front_wheel", "rear_wheel", 110)
 """
@@ -18,15 +18,15 @@ from safeloc.language.world import Law
 from safeloc.runtime.breaches import Breach, BrokenLaw, Shown
 
 BORDER = "border"
-"""What states the law, in place of a machine's world."""
+"""Name used in place of a machine: the border states this law, not the world of a machine."""
 
 ONE_CLOCK = "all sources tell the time of one clock"
 LAW = Law(
     TRUE,
-    "When a record arrives, no other source has yet told a time that is a cycle or more later: devices tell the time of one "
+    "When a record arrives, no other source has yet sent a record whose time is a cycle or more later: all devices use one "
     "clock, and their records are delayed by less than a cycle.",
     ("period_ms",),
-    "[D] a record belongs to the cycle that its time falls into; after that cycle it is of no use",
+    "[D] a record belongs to the cycle that contains its time; after that cycle it is useless",
     "operator",
     "monitor: `safeloc run`, and `safeloc replay --assumptions` of recorded records",
 )
@@ -35,28 +35,28 @@ CLOCK_LAW = BrokenLaw(BORDER, ONE_CLOCK, LAW.statement, LAW.owner)
 
 @dataclass(frozen=True)
 class Lag:
-    """How far the time of a source's record is behind the latest time of another source. Unit ms."""
+    """The distance in ms from the time of a source's record to the latest time of another source."""
 
     source: str
     behind: str
     lag_ms: int
 
     def distance_ms(self, period_ms: int) -> int:
-        """Return how much more it might lag; below 0 where that breaks the law."""
+        """Return by how many ms the lag may still grow; a negative number is a breach of the law."""
         return period_ms - 1 - self.lag_ms
 
     def breach(self, period_ms: int) -> Breach:
-        """Return it as a breach of the law."""
+        """Return the lag as a breach of the law."""
         values: dict[str, Shown] = {"source": self.source, "behind": self.behind, "lag_ms": self.lag_ms}
         return Breach((CLOCK_LAW,), self.distance_ms(period_ms), "ms", values)
 
 
-def lag_of(source: str, time_ms: int, told: Mapping[str, int]) -> Lag | None:
-    """Return how far a record lags behind what other sources told before it; None where no other has told anything.
+def lag_of(source: str, time_ms: int, latest: Mapping[str, int]) -> Lag | None:
+    """Return the lag of a record behind the latest record of any other source; None if no other source has sent one.
 
-    told  source -> the latest time that it has told
+    latest  source -> time of its latest record
     """
-    others = [(other_ms, other) for other, other_ms in told.items() if other != source]
+    others = [(other_ms, other) for other, other_ms in latest.items() if other != source]
     if not others:
         return None
     latest_ms, other = max(others)
@@ -64,26 +64,26 @@ def lag_of(source: str, time_ms: int, told: Mapping[str, int]) -> Lag | None:
 
 
 class SourceClocks:
-    """The lags of sources over a whole recording.
+    """The lags of all sources over a recording.
 
-    greatest   source -> its greatest lag, ms; below 0 where it was always the latest
-    least      source -> its least lag, ms: one that is always behind has a clock that is, or a delay
+    greatest   source -> its greatest lag, ms; negative if its records always had the latest time
+    least      source -> its least lag, ms; if it is positive, the source's clock is slow or its records are delayed
     """
 
     def __init__(self) -> None:
-        self._told: dict[str, int] = {}
+        self._latest: dict[str, int] = {}
         self.least: dict[str, int] = {}
         self.greatest: dict[str, Lag] = {}
 
-    def hear(self, source: str, time_ms: int) -> Lag | None:
-        """Take the time of a record, and return its lag.
+    def take(self, source: str, time_ms: int) -> Lag | None:
+        """Take the time of a record; return its lag.
 
-        What is older than the source's own last record tells nothing of its clock: the border refuses it for its order.
+        A record that is older than the last one of its own source is ignored here: the border refuses it.
         """
-        if time_ms < self._told.get(source, time_ms):
+        if time_ms < self._latest.get(source, time_ms):
             return None
-        lag = lag_of(source, time_ms, self._told)
-        self._told[source] = time_ms
+        lag = lag_of(source, time_ms, self._latest)
+        self._latest[source] = time_ms
         if lag is not None:
             self.least[source] = min(self.least.get(source, lag.lag_ms), lag.lag_ms)
             before = self.greatest.get(source)

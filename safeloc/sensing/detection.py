@@ -1,9 +1,9 @@
-"""Peaks of a radar image that are more than noise and clutter.
+"""Detects the peaks of a radar image that stand out from noise and clutter.
 
-The background of a cell is the median of its neighbours in range (ordered-statistic CFAR), of the nearer or the farther
-ones, whichever is greater: up to half of them may be other echoes, so the corners of one reflector do not hide each
-other, and where clutter begins or ends its own side counts. Noise power in a cell is exponential; its median is ln 2 of
-its mean, and it exceeds t times its mean with probability e^-t.
+The background of a cell is the median of its neighbours in range (ordered-statistic CFAR), on the nearer or the farther side,
+whichever is greater. Up to half of these neighbours may be other echoes, so corners of one reflector do not hide each other;
+at an edge of the clutter the louder side counts. Noise power in a cell is exponential: its median is ln 2 of its mean, and it
+exceeds t times its mean with probability e^-t.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Cells = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Peaks:
-    """Cells that stand out, with the mean power of noise and clutter around each. Shapes [peaks]."""
+    """Cells with a peak, and the mean power of noise and clutter around each. Shapes [peaks]."""
 
     row: Cells
     column: Cells
@@ -38,12 +38,12 @@ class Peaks:
         return len(self.row)
 
     def only(self, kept: NDArray[np.intp]) -> Peaks:
-        """Return those peaks alone, in that order."""
+        """Return only these peaks, in this order."""
         return Peaks(self.row[kept], self.column[kept], self.background[kept])
 
 
 def background(power: Power, window_cells: int) -> Power:
-    """Mean power of noise and clutter around every cell, from so many on either side; never below the image's median."""
+    """Return the mean power of noise and clutter around every cell; never below that of the whole image."""
     columns = [ndimage.median_filter(np.ascontiguousarray(column), size=window_cells) for column in power.T]
     medians: Power = np.stack(columns, axis=1)
     away = window_cells // 2 + 1
@@ -53,7 +53,7 @@ def background(power: Power, window_cells: int) -> Power:
 
 
 def peaks(power: Power, config: RadarConfig) -> Peaks:
-    """Local maxima above the threshold, beyond the blind range; none on the image's rim, which has one neighbour only."""
+    """Return local maxima above the threshold and beyond the blind range, without cells at the edges of the image."""
     around = background(power, config.detection.window_cells)
     stands_out = power > around * 10 ** (config.detection.threshold_cdb / 1_000)
     found = stands_out & (power == ndimage.maximum_filter(power, size=3))

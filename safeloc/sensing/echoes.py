@@ -1,7 +1,7 @@
-"""Echoes in whole numbers with bounds: what leaves the radar front end.
+"""Echoes as the radar front end reports them, in whole numbers with bounds.
 
-A reflector's three corners each bound range and sine of its nearest one, by what was read of that corner alone; the hull
-of the three is reported, which is right as long as one of the three is.
+Each of a reflector's three corners alone gives bounds of range and sine of the nearest corner. The echo reports the hull of the
+three, which contains the true place as long as one of them does.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import in_cdb
 from safeloc.sensing.interpolation import Points
 from safeloc.sensing.range_law import section_cdbsm
-from safeloc.sensing.rounding import Interval, hull, outward
+from safeloc.sensing.rounding import ExactBounds, hull, outward
 from safeloc.sensing.sensor_errors import range_nm, sine_ppb
 from safeloc.sensing.signature import Doubt, Group, Model, Spots, groups
 
-PPB_PER_PPM = 1_000
+_PPB_PER_PPM = 1_000
 
 
 @dataclass(frozen=True)
 class Echo:
-    """One candidate: where, how strong, and which model.
+    """One candidate for a reflector: place, intensity and model.
 
-    range_mm, range_error_mm   the slant range from antenna to nearest corner, as it is `Sensor.lead_us` after the frame
+    range_mm, range_error_mm   slant range from antenna to nearest corner, `Sensor.lead_us` after the frame
     sine_ppm, sine_error_ppm   sine of the angle from the antenna's axis, positive to the left, in millionths
     intensity_cdb              of the weakest corner, over the receiver's noise, rounded down
-    section_cdbsm              the same, freed of range by the range law
-    doubt                      why there is no model; None exactly when there is one
+    section_cdbsm              radar cross-section that this power means by the range law
+    doubt                      why the echo has no model; None exactly if it has one
     """
 
     model: Model
@@ -44,7 +44,7 @@ class Echo:
 
 def echoes(found: Points, config: RadarConfig) -> list[Echo]:
     """Return reflectors and single echoes, nearest first."""
-    spots = spots_of(found, config)
+    spots = _spots_of(found, config)
     grouped = groups(spots, config)
     taken = {member for group in grouped for member in group.members}
     alone = [Group(Model.UNKNOWN, (one,), (0,), Doubt.SHAPE) for one in range(len(spots.power)) if one not in taken]
@@ -52,8 +52,8 @@ def echoes(found: Points, config: RadarConfig) -> list[Echo]:
     return sorted(made, key=lambda echo: (echo.range_mm, echo.sine_ppm))
 
 
-def spots_of(found: Points, config: RadarConfig) -> Spots:
-    """Return the best places in mm and sines."""
+def _spots_of(found: Points, config: RadarConfig) -> Spots:
+    """Return the most likely places, in mm and sines."""
     sensor = config.sensor
     range_mm = (found.peaks.row + found.range.best) * float(sensor.cell_mm)
     sine = (found.peaks.column - sensor.side_cells + found.angle.best) * float(sensor.sine_cell)
@@ -68,14 +68,14 @@ def _echo(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Ech
         Model.UNKNOWN if group.doubt else group.model,
         group.doubt,
         *outward(far, NM_PER_MM),
-        *outward(aside, PPB_PER_PPM),
+        *outward(aside, _PPB_PER_PPM),
         in_cdb(power),
         section_cdbsm(power, float(spots.range_mm[weakest]), config),
     )
 
 
-def _nearest(group: Group, found: Points, config: RadarConfig) -> tuple[Interval, Interval]:
-    """Range (nm) and sine (1e-9) of the nearest corner: what each of the corners says of it, and the hull of these."""
+def _nearest(group: Group, found: Points, config: RadarConfig) -> tuple[ExactBounds, ExactBounds]:
+    """Return bounds of range (nm) and sine (1e-9) of the nearest corner: the hull of those that each corner gives."""
     sensor = config.sensor
     bounds = [
         nearest(

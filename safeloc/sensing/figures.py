@@ -1,7 +1,7 @@
-"""Figures of the radar, of what it may be asked to detect, and of the reflectors along the line.
+"""Configuration of the radar, of detection, and of the reflectors along the line.
 
 Intensity is power relative to the receiver's own mean noise in one cell of the image, in hundredths of dB (cdB):
-0 is noise, 2000 is a hundred times noise.
+0 is noise, 2000 is a hundred times the noise.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from safeloc.config import Config, quantity
 
 LIGHT_MM_S = 299_792_458_000
 MILLION = 1_000_000
-SEPARATE_CELLS = 4
+_SEPARATE_CELLS = 4
 
 
 class Sensor(Config):
@@ -44,34 +44,36 @@ class Sensor(Config):
     @model_validator(mode="after")
     def _hears_overload(self) -> Sensor:
         if self.overload_cdb > self.full_scale_cdb - 1_000:
-            raise ValueError("overload_cdb lies at least 1000 below full_scale_cdb: three equal echoes may add up.")
+            raise ValueError(
+                "overload_cdb has to be at least 1000 below full_scale_cdb: three equal echoes may add up."
+            )
         return self
 
     @property
     def cell_mm(self) -> Fraction:
-        """Length of a range cell in air, c / 2B."""
+        """The length of a range cell in air, c / 2B."""
         return Fraction(LIGHT_MM_S, 2 * self.bandwidth_mhz * MILLION) * MILLION / (MILLION + self.air_ppm)
 
     @property
     def sine_cell(self) -> Fraction:
-        """Width of an angle cell, in sines of the angle."""
+        """The width of an angle cell, in sines of the angle."""
         return Fraction(2, self.antennas)
 
     @property
     def side_cells(self) -> int:
-        """Angle cells on either side of straight ahead: up to 30 degrees."""
+        """The number of angle cells on either side of straight ahead, up to 30 degrees."""
         return self.antennas // 4
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Range cells x angle cells of an image; the first range cell is at 0, angles go from right to left."""
+        """The range and angle cells of an image; the first range cell is at 0, angles go from right to left."""
         return self.samples, 2 * self.side_cells + 1
 
     @property
     def lead_us(self) -> Fraction:
-        """A chirp measures the range as it will be this much after the chirp's middle: carrier x duration / bandwidth.
+        """The lead of a chirp, carrier x duration / bandwidth: it measures the range this much after its middle.
 
-        An approaching reflector shifts the beat frequency by its Doppler frequency; in an upward chirp that reads as
+        An approaching reflector shifts the beat frequency by its Doppler frequency; in an upward chirp this appears as
         a range shorter by speed x carrier x duration / bandwidth.
         """
         return Fraction(self.carrier_mhz * self.chirp_us, self.bandwidth_mhz)
@@ -90,7 +92,7 @@ class Detection(Config):
     @model_validator(mode="after")
     def _odd(self) -> Detection:
         if self.window_cells % 2 == 0:
-            raise ValueError(f"window_cells is odd, so that it has a middle; got {self.window_cells}.")
+            raise ValueError(f"window_cells has to be odd, so that it has a middle; got {self.window_cells}.")
         return self
 
 
@@ -114,7 +116,7 @@ class Reflectors(Config):
     minimum_cdb: int = quantity(2_000, "cdB", 0, 10_000, "RFL-1: the prescribed minimum intensity")
 
     def section_cdbsm(self, carrier_mhz: int) -> int:
-        """Radar cross-section of one corner in hundredths of dB over 1 m2: 4 pi a^4 / 3 lambda^2."""
+        """Return the radar cross-section of one corner in hundredths of dB over 1 m2: 4 pi a^4 / 3 lambda^2."""
         wave_mm = LIGHT_MM_S / (carrier_mhz * MILLION)
         return round(1_000 * math.log10(4 * math.pi * self.edge_mm**4 / (3 * wave_mm**2) / MILLION))
 
@@ -131,7 +133,7 @@ class Installation(Config):
 
 
 class RadarConfig(Config):
-    """Everything the front end needs. ValueError where signatures cannot be resolved or the range law is undefined."""
+    """The configuration of the front end. ValueError if signatures cannot be resolved or the view reaches around a curve."""
 
     sensor: Sensor = Sensor()
     detection: Detection = Detection()
@@ -142,10 +144,10 @@ class RadarConfig(Config):
     @model_validator(mode="after")
     def _resolves(self) -> RadarConfig:
         unit, cell = self.reflectors.unit_mm, self.sensor.cell_mm
-        if unit < SEPARATE_CELLS * cell * Fraction(99, 100):
+        if unit < _SEPARATE_CELLS * cell * Fraction(99, 100):
             raise ValueError(
-                f"corners {unit} mm apart are not told apart with cells of {float(cell):.0f} mm: "
-                f"take more bandwidth or a unit of {math.ceil(SEPARATE_CELLS * cell)} mm."
+                f"corners {unit} mm apart cannot be resolved with cells of {float(cell):.0f} mm: "
+                f"take more bandwidth or a unit of {math.ceil(_SEPARATE_CELLS * cell)} mm."
             )
         if self.reflectors.mark_tolerance_mm * 3 > unit:
             raise ValueError(f"a tolerance of marks above a third of the unit ({unit} mm) makes models overlap.")
@@ -153,6 +155,6 @@ class RadarConfig(Config):
         if self.installation.least_radius_mm < reach * Fraction(6, 5):
             raise ValueError(
                 f"a view of {math.ceil(reach)} mm reaches around a curve of {self.installation.least_radius_mm} mm: "
-                "take fewer samples, or state the radius that the line has in its view zones."
+                "take fewer samples, or configure the true least radius in view zones."
             )
         return self

@@ -1,6 +1,6 @@
-"""Radar images at the border: taken as they are, or refused with a reason; nothing is repaired.
+"""Admits radar images unchanged or refuses them with a reason; nothing is repaired.
 
-A refused image tells nothing about reflectors: to the machines it is a missing frame, and the reason is kept.
+A refused image contains no information on reflectors: for the machines it is a missing frame, and its reason is reported.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from safeloc.runtime.border import Deliveries, Raw, Reason
 from safeloc.sensing.figures import Sensor
 
 Power = NDArray[np.float64]
-DOUBTFUL_CDB = 1e-6
-"""No logarithm of a float is off by that much."""
+_DOUBTFUL_CDB = 1e-6
+"""The logarithm of a float has a smaller error than this."""
 
 
 class Refusal(Enum):
-    """Why an image is refused that came in time: what only images can have. The rest has the border's reasons."""
+    """Reasons to refuse an image that only images can have; others are the border's (`Reason`)."""
 
     WRONG_SHAPE = "not range cells x angle cells of this sensor"
     NEGATIVE = "negative power"
@@ -36,9 +36,9 @@ class Refusal(Enum):
 
 @dataclass(frozen=True, eq=False)
 class RadarImage:
-    """One frame as delivered: `power` [range cell, angle cell] over mean noise; taken at `time_ms`, numbered `sequence`.
+    """One frame as delivered: `power` [range cell, angle cell] over mean noise, time and sequence number.
 
-    The time is that of the middle of the chirp.
+    `time_ms` is the middle of the chirp.
     """
 
     power: object
@@ -48,7 +48,7 @@ class RadarImage:
 
 @dataclass(frozen=True)
 class NoFrame:
-    """No picture, and why."""
+    """A missing or refused image, with the reason."""
 
     reason: Reason | Refusal
     detail: str = ""
@@ -82,25 +82,25 @@ def _receiver(sensor: Sensor, power: Power) -> NoFrame | None:
 
 
 def floor_cdb(power: Power) -> int | None:
-    """Return the noise of the whole image from its median; None when half the image is zero."""
+    """Return the noise of the whole image in hundredths of dB, from its median; None if half the image is zero."""
     median = float(np.median(power))
     return in_cdb(median / math.log(2)) if median > 0 else None
 
 
 def in_cdb(power: float) -> int:
-    """Return positive power in hundredths of dB, rounded down: never told stronger than it is.
+    """Return positive power in hundredths of dB, rounded down, so never too high.
 
-    A logarithm in floats may come out at a whole number that the power does not reach; then powers decide, exactly.
+    The logarithm in floats may reach a whole number that the power does not; then exact powers decide.
     """
     level = 1_000 * math.log10(power)
     nearest = round(level)
-    if abs(level - nearest) > DOUBTFUL_CDB:
+    if abs(level - nearest) > _DOUBTFUL_CDB:
         return math.floor(level)
     return nearest if Fraction(power) ** 1_000 >= Fraction(10) ** nearest else nearest - 1
 
 
 class Order:
-    """Judges the place of images in their stream: when they come, as the border does, and whether they change."""
+    """Checks the order and age of images, as the border does, and that consecutive images differ."""
 
     def __init__(self, max_age_ms: int) -> None:
         self._max_age_ms = max_age_ms
@@ -108,7 +108,7 @@ class Order:
         self._last: bytes | None = None
 
     def judge(self, image: RadarImage, now_ms: int) -> NoFrame | None:
-        """None when the image is newer than all before, fresh, and another picture. Buffers may be used again."""
+        """Return None if the image is new, in time and different from the last one; else the reason. Buffers may be reused."""
         raw = Raw(None, image.time_ms, image.sequence)
         fault = self._deliveries.fault("frame", raw, now_ms, self._max_age_ms)
         if fault is not None:

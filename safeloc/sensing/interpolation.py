@@ -1,9 +1,9 @@
-"""Interpolation of an echo's place between cells, with bounds from the noise and the other echoes.
+"""Interpolates the place of an echo between cells, with bounds from noise and other echoes.
 
-A Hann window makes of a point the amplitudes H(x) = sin(pi x) / (pi x (1 - x^2)), x cells away. Two neighbours give its
+A Hann window spreads a point to the amplitudes H(x) = sin(pi x) / (pi x (1 - x^2)), x cells away. Two neighbours give its
 place exactly: with a the ratio of the smaller amplitude to the peak's, the point lies (2a - 1) / (1 + a) cells from
-the peak. Where either amplitude may be off by n, the ratio lies between (a1 - n) / (a0 + n) and (a1 + n) / (a0 - n), and the
-place between theirs: no approximation for weak noise is made.
+the peak. If both amplitudes may have an error of n, the ratio lies between (a1 - n) / (a0 + n) and (a1 + n) / (a0 - n), and
+the place between those of these ratios. This needs no assumption of weak noise.
 """
 
 from __future__ import annotations
@@ -11,38 +11,37 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.detection import Peaks
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import Power
 
-Numbers = NDArray[np.float64]
 FLOAT_CELLS = 1e-9
-SIDE_FACTOR = 2.0
+_SIDE_FACTOR = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
     """Places along one axis in cells from the peak's cell: best, lowest and highest. Shapes [peaks]."""
 
-    best: Numbers
-    low: Numbers
-    high: Numbers
+    best: Floats
+    low: Floats
+    high: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Peaks between the cells: places along range and angle, and the power at the top. Shapes [peaks]."""
+    """Peaks with places interpolated in range and angle, and the power there. Shapes [peaks]."""
 
     peaks: Peaks
     range: Places
     angle: Places
-    power: Numbers
+    power: Floats
 
 
 def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
-    """Return every peak but those that cannot be told from a stronger echo's side lobes, in order of range."""
+    """Return the peaks in order of range, without those that may be side lobes of a stronger echo."""
     top = _top(power, found)
     leaked = leakage(found, np.sqrt(top))
     kept = np.flatnonzero(np.sqrt(top) > leaked)
@@ -52,40 +51,40 @@ def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
     return Points(found, _range(power, found, noise), _angle(power, found, noise), top)
 
 
-def hann(x: Numbers) -> Numbers:
-    """Return the amplitude of a point x cells away, 1 at 0 and 1/2 at 1."""
+def hann(x: Floats) -> Floats:
+    """Return the amplitude of a point in a cell x cells away: 1 at 0, 1/2 at 1."""
     near = np.abs(np.abs(x) - 1) < 1e-9
     return np.where(near, 0.5, np.sinc(x) / np.where(near, 1.0, 1 - x * x))
 
 
-def side_lobes(x: Numbers) -> Numbers:
-    """No point has more amplitude than this x >= 0 cells away; beyond the main lobe it falls with the cube."""
+def side_lobes(x: Floats) -> Floats:
+    """Return an upper bound of a point's amplitude x >= 0 cells away; beyond the main lobe it falls with the cube."""
     far = np.maximum(x, 1.5)
     return np.where(x < 1.5, 1.0, 1 / (np.pi * far * (far * far - 1)))
 
 
-def leakage(found: Peaks, amplitude: Numbers) -> Numbers:
+def leakage(found: Peaks, amplitude: Floats) -> Floats:
     """Return the amplitude that all other peaks together may have in a peak's cell or the next one."""
     rows = np.abs(found.row[:, None] - found.row[None, :]) - 1.5
     columns = np.abs(found.column[:, None] - found.column[None, :]) - 1.5
-    part = side_lobes(rows) * np.minimum(1.0, SIDE_FACTOR * side_lobes(columns))
+    part = side_lobes(rows) * np.minimum(1.0, _SIDE_FACTOR * side_lobes(columns))
     np.fill_diagonal(part, 0.0)
-    total: Numbers = part @ amplitude
+    total: Floats = part @ amplitude
     return total
 
 
-def _range(power: Power, found: Peaks, noise: Numbers) -> Places:
+def _range(power: Power, found: Peaks, noise: Floats) -> Places:
     before, after = power[found.row - 1, found.column], power[found.row + 1, found.column]
     return _places(power[found.row, found.column], before, after, noise, power.shape[0])
 
 
-def _angle(power: Power, found: Peaks, noise: Numbers) -> Places:
+def _angle(power: Power, found: Peaks, noise: Floats) -> Places:
     before, after = power[found.row, found.column - 1], power[found.row, found.column + 1]
     return _places(power[found.row, found.column], before, after, noise, 2 * power.shape[1] - 2)
 
 
-def _places(peak: Numbers, before: Numbers, after: Numbers, noise: Numbers, samples: int) -> Places:
-    """Two neighbours of a peak in a transform of so many samples; a window that short is a little off the formula."""
+def _places(peak: Floats, before: Floats, after: Floats, noise: Floats, samples: int) -> Places:
+    """Interpolate between the neighbours of a peak, for a transform of this many samples: short windows deviate from the formula."""
     short = 4.0 / samples**2 + FLOAT_CELLS
     tall, beside = np.sqrt(peak), np.sqrt(np.maximum(before, after))
     near = _offset((beside - noise) / (tall + noise)) - short
@@ -97,15 +96,15 @@ def _places(peak: Numbers, before: Numbers, after: Numbers, noise: Numbers, samp
     return Places(np.where(ahead, best, -best), np.where(ahead, near, -far), np.where(ahead, far, -near))
 
 
-def _offset(ratio: Numbers) -> Numbers:
+def _offset(ratio: Floats) -> Floats:
     whole = np.maximum(ratio, 0.0)
-    offset: Numbers = (2 * whole - 1) / (1 + whole)
+    offset: Floats = (2 * whole - 1) / (1 + whole)
     return offset
 
 
-def _top(power: Power, found: Peaks) -> Numbers:
-    """Power between the cells, where the echo is."""
+def _top(power: Power, found: Peaks) -> Floats:
+    """Return the power at the interpolated place of the echo."""
     none = np.zeros(len(found))
     along, across = _range(power, found, none).best, _angle(power, found, none).best
-    top: Numbers = power[found.row, found.column] / (hann(along) * hann(across)) ** 2
+    top: Floats = power[found.row, found.column] / (hann(along) * hann(across)) ** 2
     return top

@@ -2,7 +2,7 @@
 
     image -> admitted? -> peaks over clutter -> places between cells -> shapes -> Frame(echoes) | NoFrame(reason)
 
-An echo is a candidate, never a position: whether it is the reflector that the map has is the machine's question.
+An echo is a candidate, never a position: the machine decides whether it is the reflector of the map.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def read(image: RadarImage, config: RadarConfig) -> Outcome:
 
 
 class FrontEnd:
-    """Images of one sensor in the order of their delivery."""
+    """The front end of one sensor. It takes images in the order of their delivery."""
 
     def __init__(self, config: RadarConfig, max_age_ms: int) -> None:
         self._config = config

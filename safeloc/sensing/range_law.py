@@ -1,7 +1,7 @@
-"""The range law: power falls with the fourth power of range, 12 dB a doubling; what is left over is the section.
+"""The range law: power falls with the fourth power of range, 12 dB for each doubling; the rest is the radar cross-section.
 
-An echo that is far stronger or weaker than a reflector's corner can be at its range is not that corner: this tells
-reflectors from the fronts of vehicles, and most echoes that took a detour.
+An echo much stronger or weaker than a reflector's corner can be at its range is not that corner. This excludes the fronts of
+vehicles, and most echoes that took a detour.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ REFERENCE_MM = 100_000
 
 
 def loss_cdb(range_mm: float) -> int:
-    """Return the loss of an echo at this range > 0 against one at 100 m, in hundredths of dB; negative when nearer."""
+    """Return the loss of an echo at this range > 0 compared with 100 m, in hundredths of dB; negative if nearer."""
     return round(4_000 * math.log10(range_mm / REFERENCE_MM))
 
 
 def section_cdbsm(power: float, range_mm: float, config: RadarConfig) -> int:
-    """Return the radar cross-section that gives this power at this range, in hundredths of dB over 1 m2, without rain."""
+    """Return the radar cross-section for this power at this range without rain, in hundredths of dB over 1 m2."""
     return in_cdb(power) - config.reference_cdb + loss_cdb(range_mm)
 
 

@@ -1,7 +1,7 @@
-"""A frame's echoes as inputs of a reflector machine's step.
+"""Converts a frame's echoes to the inputs of a reflector machine's step.
 
-Reflectors come before echoes of no model, each strongest first: near clutter is stronger than a reflector far ahead,
-and a machine with few slots must not lose the reflector for it. What found no slot is reported.
+Reflectors come before echoes without a model, each strongest first: near clutter is stronger than a distant reflector, and a
+machine with few slots must not lose the reflector because of it. Echoes without a slot are reported.
 """
 
 from __future__ import annotations
@@ -17,15 +17,17 @@ from safeloc.sensing.radar import Outcome
 from safeloc.sensing.rounding import outward
 from safeloc.sensing.signature import Model
 
-NO_MODEL = "NONE"
+_NO_MODEL = "NONE"
 StepValues = dict[str, int | bool | str]
 
 
 @dataclass(frozen=True)
 class StepInputs:
-    """Inputs by name; the echoes that are not among them; and why there was no frame (None: there was).
+    """The inputs of a step.
 
-    dropped  echoes without a slot, and those that the vehicle may be presumed to have passed since
+    inputs   values by input name
+    dropped  echoes without a slot, and those that the vehicle has presumably passed
+    missing  why there is no frame; None if there is one
     """
 
     inputs: StepValues
@@ -34,11 +36,11 @@ class StepInputs:
 
 
 def step_inputs(outcome: Outcome, config: RadarConfig, delay: Delay, slots: int = 2) -> StepInputs:
-    """`frame_present`, and for the first `slots` echoes `echo_1_range_mm`, `_error_mm`, `_model`, `_intensity_cdb`
+    """Return `frame_present`, and for the first `slots` echoes `echo_1_range_mm`, `_error_mm`, `_model`, `_intensity_cdb`
     (below full scale) and `_lateral_mm` (positive to the left).
 
-    Ranges are distances along the track at the end of the delay; a machine that charges the frame's age itself gets
-    them with an age of 0 (the speeds still undo the shift by Doppler).
+    Ranges are distances along the track at the end of the delay. For a machine that adds the error of the frame's age itself,
+    give an age of 0 (the speeds still compensate the Doppler shift).
     """
     if slots < 1:
         raise InputError(f"a machine has at least one slot for echoes; got {slots}.")
@@ -62,14 +64,14 @@ def _rank(echo: Echo) -> tuple[bool, int, int]:
 
 
 def _values(name: str, echo: Echo, config: RadarConfig, delay: Delay) -> StepValues | None:
-    """None: it would be behind by now."""
+    """Return the inputs of one echo; None if the vehicle has presumably passed it."""
     range_mm, error_mm = outward(distance_now(echo, config, delay))
     if range_mm < 0:
         return None
     return {
         f"{name}_range_mm": range_mm,
         f"{name}_error_mm": error_mm,
-        f"{name}_model": NO_MODEL if echo.model is Model.UNKNOWN else echo.model.value,
+        f"{name}_model": _NO_MODEL if echo.model is Model.UNKNOWN else echo.model.value,
         f"{name}_intensity_cdb": echo.intensity_cdb - config.sensor.full_scale_cdb,
         f"{name}_lateral_mm": outward(lateral(echo, config, delay))[0],
     }

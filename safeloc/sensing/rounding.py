@@ -1,4 +1,4 @@
-"""From exact bounds to whole numbers, outward: nothing that was inside is outside afterwards."""
+"""Exact bounds of quantities, and their outward rounding to whole numbers."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ Exact = int | Fraction
 
 
 @dataclass(frozen=True, slots=True)
-class Interval:
-    """Exact bounds of a quantity. InputError when they are in the wrong order."""
+class ExactBounds:
+    """Exact bounds of a quantity. InputError if they are in the wrong order."""
 
     low: Exact
     high: Exact
@@ -23,33 +23,35 @@ class Interval:
         if self.low > self.high:
             raise InputError(f"an interval from {self.low} to {self.high} holds nothing; give the lower bound first.")
 
-    def __mul__(self, other: Interval) -> Interval:
+    def __mul__(self, other: ExactBounds) -> ExactBounds:
         corners = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
-        return Interval(min(corners), max(corners))
+        return ExactBounds(min(corners), max(corners))
 
-    def moved(self, by: Exact) -> Interval:
-        """Return the same, farther by this."""
-        return Interval(self.low + by, self.high + by)
+    def moved(self, by: Exact) -> ExactBounds:
+        """Return the bounds, both shifted by this much."""
+        return ExactBounds(self.low + by, self.high + by)
 
-    def widened(self, by: Exact) -> Interval:
-        """Return the same, `by` more on either side."""
-        return Interval(self.low - by, self.high + by)
+    def widened(self, by: Exact) -> ExactBounds:
+        """Return the bounds, `by` wider on either side."""
+        return ExactBounds(self.low - by, self.high + by)
 
 
 def exactly(value: float) -> Fraction:
-    """Return the rational number that a float stands for. InputError when it is not finite: such a figure bounds nothing."""
+    """Return the exact rational value of a float. InputError if it is not finite, since it bounds nothing then."""
     if not math.isfinite(value):
-        raise InputError(f"a measured figure is {value}; leave out what is not finite before bounds are made of it.")
+        raise InputError(
+            f"a measured figure is {value}; remove figures that are not finite before bounds are computed."
+        )
     return Fraction(value)
 
 
-def hull(intervals: Sequence[Interval]) -> Interval:
-    """Return the smallest interval that holds them all: it holds the truth if any single one does."""
-    return Interval(min(one.low for one in intervals), max(one.high for one in intervals))
+def hull(intervals: Sequence[ExactBounds]) -> ExactBounds:
+    """Return the smallest bounds around all of them: they contain the true value if any single one does."""
+    return ExactBounds(min(one.low for one in intervals), max(one.high for one in intervals))
 
 
-def outward(interval: Interval, unit: int = 1) -> tuple[int, int]:
-    """(value, error), whole multiples of the unit with value - error <= low and high <= value + error.
+def outward(interval: ExactBounds, unit: int = 1) -> tuple[int, int]:
+    """Return (value, error), whole multiples of the unit with value - error <= low and high <= value + error.
 
     The error is below half the width plus one and a half: both ends move to whole numbers, the middle to one of two.
     """

@@ -1,9 +1,9 @@
-"""Recognition of a reflector's model from a group of echoes: three corners at unique marks (RFL-10).
+"""Recognises a reflector's model from a group of echoes: three corners at unique marks (RFL-10).
 
 The marks, in units along the track from the nearest corner, form a difference triangle set: each distance between two
-corners from 1 to 12 units occurs once in all models together. However two models are laid over each other, at most one
-corner coincides, so two of three corners would have to be wrong at once to make one model of another, and no corner
-can be missed: two corners are no model.
+corners from 1 to 12 units occurs once in all models together. In any overlay of two models at most one
+corner coincides, so one model could look like another only if two of three corners were wrong at once. All three corners are
+needed: two make no model.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import in_cdb
-from safeloc.sensing.interpolation import Numbers
 from safeloc.sensing.range_law import is_lawful, section_cdbsm
 
 
 class Model(Enum):
-    """Models of reflectors; UNKNOWN is every echo that is not surely one of them."""
+    """Models of reflectors. UNKNOWN stands for every echo that is not certainly one of them."""
 
     UNKNOWN = "UNKNOWN"
     A = "A"
@@ -33,7 +33,7 @@ class Model(Enum):
 
 
 class Doubt(Enum):
-    """Why an echo has no model."""
+    """Reasons why an echo has no model."""
 
     SHAPE = "no corners at the marks of a model"
     BALANCE = "corners too unequal"
@@ -51,14 +51,14 @@ MARKS = {Model.A: (0, 1, 12), Model.B: (0, 3, 10), Model.C: (0, 4, 9), Model.D: 
 class Spots:
     """Echoes as places, in order of range: range in mm, sine of the angle (left: positive), and power."""
 
-    range_mm: Numbers
-    sine: Numbers
-    power: Numbers
+    range_mm: Floats
+    sine: Floats
+    power: Floats
 
 
 @dataclass(frozen=True)
 class Group:
-    """Echoes at the marks of a model, nearest first, and these marks, in units along the track from the nearest."""
+    """Echoes at the marks of a model, nearest first, and these marks in units along the track from the nearest."""
 
     model: Model
     members: tuple[int, ...]
@@ -67,7 +67,7 @@ class Group:
 
 
 def groups(spots: Spots, config: RadarConfig) -> list[Group]:
-    """Return every group of echoes with the shape of a model; at most one without doubt has a given echo."""
+    """Return every group of echoes with the shape of a model. No echo is in two groups without doubt."""
     shaped = [replace(group, doubt=_doubt(group, spots, config)) for group in _shaped(spots, config)]
     used = Counter(member for group in shaped if group.doubt is None for member in group.members)
     clear = [_ambiguous(group, used) for group in shaped if group.doubt is None]
@@ -88,14 +88,14 @@ def _shaped(spots: Spots, config: RadarConfig) -> Iterator[Group]:
 
 @dataclass(frozen=True, eq=False)
 class _Beyond:
-    """For each echo, the echoes at one mark: presence, and the strongest one."""
+    """For each echo, whether there are echoes at one mark, and the strongest of them."""
 
     there: NDArray[np.bool_]
     strongest: NDArray[np.intp]
 
 
 def _beyond(along_mm: float, spots: Spots, config: RadarConfig) -> _Beyond:
-    """Corners stand on a line parallel to the antenna's axis; 0 is the echo itself."""
+    """Find the echoes `along_mm` beyond each echo, on a line parallel to the antenna's axis; 0 is the echo itself."""
     range_mm, sine = seen_at(spots.range_mm, spots.sine, along_mm)
     close = np.abs(spots.range_mm - range_mm[:, None]) <= config.reflectors.mark_tolerance_mm
     close &= np.abs(spots.sine - sine[:, None]) <= float(config.sensor.sine_cell) / 2
@@ -106,8 +106,8 @@ def _beyond(along_mm: float, spots: Spots, config: RadarConfig) -> _Beyond:
     return _Beyond(there, strongest)
 
 
-def seen_at(range_mm: Numbers, sine: Numbers, along_mm: float) -> tuple[Numbers, Numbers]:
-    """Return the range and sine of what stands `along_mm` beyond a point, on a line parallel to the antenna's axis."""
+def seen_at(range_mm: Floats, sine: Floats, along_mm: float) -> tuple[Floats, Floats]:
+    """Return range and sine of the place `along_mm` beyond a point, on a line parallel to the antenna's axis."""
     ahead, aside = range_mm * np.sqrt(1 - sine * sine) + along_mm, range_mm * sine
     far = np.hypot(ahead, aside)
     return far, aside / far
@@ -145,10 +145,10 @@ def _ambiguous(group: Group, used: Counter[int]) -> Group:
 
 
 def _ghost(group: Group, others: list[Group], spots: Spots, config: RadarConfig) -> Group:
-    """A detour is longer and weaker, and keeps the shape: then the nearer, stronger one is direct, whatever its doubts.
+    """Mark the group as a ghost if a nearer, stronger one of its model is direct: a detour keeps the shape.
 
-    By a wall it is a little longer: closer than two of the model stand. By the vehicle's own front, which sends an echo
-    to a corner once more, the ranges of two corners add up.
+    A detour by a wall is only a little longer: less than the spacing of two reflectors of one model. If the vehicle's own
+    front sends an echo to a corner once more, the ranges of two corners add up.
     """
     return (
         replace(group, doubt=Doubt.GHOST) if any(_shadows(other, group, spots, config) for other in others) else group

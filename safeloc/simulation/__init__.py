@@ -1,1 +1,1 @@
-"""Trains, sensors and their faults, simulated from truth and a seed."""
+"""Simulation of trains, their sensors and faults, from the true motion and a seed."""

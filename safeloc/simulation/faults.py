@@ -1,10 +1,10 @@
-"""What goes wrong in a simulation: a fault of a kind, somewhere, for a time. Each simulation says which kinds it has.
+"""Faults in a simulation: each has a kind, a place and a time. Every simulation declares the kinds that it has.
 
-    KINDS = Kinds("a distance sensor", {"stuck": {}, "jump": {"by_mm": 50_000}})     # kind -> its figures, as by default
-    KINDS.require(faults, places=["front_wheel"], length=600)                        # InputError, or all is understood
+    KINDS = Kinds("a distance sensor", {"stuck": {}, "jump": {"by_mm": 50_000}})     # kind -> figures with defaults
+    KINDS.require(faults, places=["front_wheel"], length=600)                        # InputError for an unknown fault
     KINDS.figure(fault, "by_mm")
 
-A fault that a simulation does not understand, or that lies outside the run, would test nothing: it is refused.
+A fault of unknown kind, or one outside the run, is refused, since it would test nothing.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ Place = str | int
 class Fault:
     """A named fault from `begin` up to, not including, `end`.
 
-    kind        what it is, in the words of the simulation that it is given to
-    where       the sensor, channel, balise group or the like that has it, or several; "": all there are
-    begin, end  in what the simulation counts: its cycles, frames or blocks, or ms of a recording; None: to the end
-    figures     how far, how often and the like; what is left out is as the simulation has it by default
+    kind        kind of fault, in the words of the simulation
+    where       faulty sensor, channel, balise group or the like, or several; "": all of them
+    begin, end  in the simulation's unit: cycles, frames or blocks, or ms of a recording; None: to the end
+    figures     amount, frequency and the like; for others the simulation's defaults apply
     """
 
     kind: str
@@ -36,16 +36,16 @@ class Fault:
     figures: Mapping[str, Figure] = field(default_factory=dict, hash=False)
 
     def active(self, at: int) -> bool:
-        """Whether it acts then."""
+        """Return whether the fault acts at this time."""
         return self.begin <= at and (self.end is None or at < self.end)
 
     def strikes(self, place: Place) -> bool:
-        """Whether that place has it."""
+        """Return whether this place has the fault."""
         return self.where in ("", place) or (isinstance(self.where, frozenset) and place in self.where)
 
     @property
     def span(self) -> slice:
-        """What it is active in, of an array of all that is counted."""
+        """The time in which it is active, as a slice of an array over the run."""
         return slice(self.begin, self.end)
 
     def __str__(self) -> str:
@@ -60,7 +60,7 @@ def _listed(where: Place | frozenset[str]) -> str:
 
 @dataclass(frozen=True)
 class Kinds:
-    """The kinds of fault that a simulation understands: kind -> its further figures, each with its default."""
+    """The kinds of fault that a simulation (`of`) has: kind -> further figures, each with its default."""
 
     of: str
     figures: Mapping[str, Mapping[str, Figure]]
@@ -69,7 +69,7 @@ class Kinds:
         return kind in self.figures
 
     def figure(self, fault: Fault, name: str) -> Any:
-        """A figure of the fault: its own, or the default."""
+        """Return a figure of the fault, by default that of its kind."""
         return fault.figures.get(name, self.figures[fault.kind][name])
 
     def require(
@@ -80,18 +80,18 @@ class Kinds:
         length: int | None = None,
         timed: bool = True,
     ) -> None:
-        """InputError for a fault that would test nothing: of an unknown kind, place or figure, or outside the run.
+        """Refuse faults that would test nothing: an unknown kind, place or figure, or outside the run. Raises InputError.
 
-        places  those that there are, "" where there is one only; None: whatever the fault says
-        length  how much there is of what begin and end count; None: not known
-        timed   it is for a time; else it is there for good, and says neither begin nor end
+        places  existing places, "" for the only one; None: places are not checked
+        length  length of the run in the unit of begin and end; None: unknown
+        timed   faults may have a time; False: they are permanent, without begin and end
         """
         for fault in faults:
             self._require_kind(fault)
             if places is not None and fault.where not in places:
                 raise InputError(f"{fault}: no such place; of {self.of} {_known(places)}.")
             if not timed and (fault.begin, fault.end) != (0, None):
-                raise InputError(f"{fault}: such a fault of {self.of} is there for good; give neither begin nor end.")
+                raise InputError(f"{fault}: such a fault of {self.of} is permanent; give neither begin nor end.")
             _require_time(fault, length)
 
     def _require_kind(self, fault: Fault) -> None:
@@ -111,7 +111,7 @@ def _known(places: Collection[Place]) -> str:
 
 
 def plain(*kinds: str) -> dict[str, Mapping[str, Figure]]:
-    """Kinds that have no figures."""
+    """Return kinds without figures."""
     return {kind: {} for kind in kinds}
 
 

@@ -1,4 +1,4 @@
-"""Check that a simulated unit obeys its declared error law, in exact whole nanometres against the true motion."""
+"""Checks that a simulated unit obeys its error law, in exact whole nanometres against the true motion."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import Distances, Law
+from safeloc.simulation.sensors import Distances, ErrorFigures
 
 
 @dataclass(frozen=True)
 class Breach:
-    """The first cycle (from 0) in which a unit breaks its law: how far off it is, and how far it may be. Unit nm."""
+    """The first cycle (from 0) in which a unit breaks its law, with its error and the allowed error in nm."""
 
     unit: str
     cycle: int
@@ -21,10 +21,10 @@ class Breach:
     allowed_nm: int
 
 
-def first_breach(motion: Motion, law: Law, unit: Distances) -> Breach | None:
+def first_breach(motion: Motion, law: ErrorFigures, unit: Distances) -> Breach | None:
     """Return the first cycle in which the wander leaves its band or the drift exceeds floor and rate; None if there is none.
 
-    A cycle without a measurement says nothing about the drift; its wander must rest.
+    In a cycle without a measurement the drift is not checked; the wander must not change.
     """
     half = law.constant_mm * NM_PER_MM // 2
     moved = np.diff(unit.wander_nm, prepend=np.int64(0))

@@ -1,4 +1,4 @@
-"""Train motion: where a train really is, with speed, acceleration and jerk within what it can do.
+"""Simulates the true motion of a train within its limits of speed, acceleration and jerk.
 
 All randomness comes from an explicit generator. Positions are whole nanometres, so that later sums are exact.
 """
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 
-GRAVITY_MM_S2 = 9_810
+_GRAVITY_MM_S2 = 9_810
 
 
 class VehicleConfig(Config):
@@ -28,14 +28,14 @@ class VehicleConfig(Config):
 
 
 def adhesion_mm_s2(vehicle: VehicleConfig, speed_mm_s: float) -> float:
-    """Return the acceleration that the rails allow at a speed: Curtius-Kniffler, 7.5 / (v + 44 km/h) + 0.161, of gravity."""
+    """Return the greatest acceleration by adhesion at a speed (Curtius-Kniffler): gravity x (7.5 / (v + 44 km/h) + 0.161)."""
     friction = 7.5 / (abs(speed_mm_s) * 0.0036 + 44) + 0.161
-    return friction * GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
+    return friction * _GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
 
 
 @dataclass(frozen=True)
 class Leg:
-    """Run at a speed (negative: backwards) for some time; getting there takes part of it."""
+    """A run at a speed (negative: backwards) for some time, including the time to reach it."""
 
     speed_mm_s: int
     seconds: float
@@ -43,7 +43,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Motion:
-    """Truth at the end of every cycle: position of end A in nm, and speed in mm/s. Shapes [cycles]."""
+    """The true motion: position of end A in nm, and speed in mm/s, at the end of every cycle. Shapes [cycles]."""
 
     period_ms: int
     position_nm: NDArray[np.int64]
@@ -52,12 +52,12 @@ class Motion:
 
     @property
     def step_nm(self) -> NDArray[np.int64]:
-        """The true distance of every cycle."""
+        """The true distance of every cycle, nm."""
         return np.diff(self.position_nm, prepend=np.int64(self.start_nm))
 
 
 def plan(vehicle: VehicleConfig, seconds: float, rng: np.random.Generator, *, reversals: bool = True) -> list[Leg]:
-    """Return a random service: run, stop, sometimes reverse."""
+    """Return the legs of a random service: run, stop, sometimes reverse."""
     legs: list[Leg] = []
     left = seconds
     forward = 1
@@ -71,7 +71,7 @@ def plan(vehicle: VehicleConfig, seconds: float, rng: np.random.Generator, *, re
 
 
 def move(vehicle: VehicleConfig, legs: Sequence[Leg], period_ms: int, *, start_nm: int = 0) -> Motion:
-    """Drive the legs. Acceleration follows the wish for a speed, within traction, brake and jerk."""
+    """Drive the legs, within traction, brake and jerk."""
     dt = period_ms / 1000
     speed = acceleration = 0.0
     speeds: list[float] = []
@@ -88,7 +88,7 @@ def move(vehicle: VehicleConfig, legs: Sequence[Leg], period_ms: int, *, start_n
 
 
 def _towards(vehicle: VehicleConfig, speed: float, wanted: float, acceleration: float, dt: float) -> float:
-    """The next acceleration: as much as the gap in speed asks for, eased over two seconds."""
+    """Return the next acceleration, which would close the gap in speed within two seconds."""
     braking = abs(wanted) < abs(speed) or wanted * speed < 0
     limit = min(vehicle.brake_mm_s2 if braking else vehicle.acceleration_mm_s2, adhesion_mm_s2(vehicle, speed))
     wish = float(np.clip((wanted - speed) / 2.0, -limit, limit))

@@ -1,8 +1,8 @@
-"""Radar images from truth: what an FMCW radar measures of reflectors and clutter, from how it works.
+"""Simulates the images that an FMCW radar makes of reflectors and clutter, from its principle of operation.
 
-Every point sends back a chirp; mixed with the one sent, it becomes a tone whose phase is 4 pi / c times frequency times
-range, in each sample of the chirp and each antenna. Tones add up with the receiver's noise, are cut off where the converter
-ends, and two Fourier transforms with Hann windows make the image: mean noise power is 1 in every cell.
+Every point returns the chirp. Mixed with the transmitted chirp it becomes a tone with the phase 4 pi / c times frequency times
+range, in each sample of the chirp and each antenna. The sum of tones and receiver noise is clipped at the converter's full
+scale; two Fourier transforms with Hann windows then make the image. Mean noise power is 1 in every cell.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION, RadarConfig
 from safeloc.sensing.range_law import REFERENCE_MM
 
-NEAREST_MM = 500
+_NEAREST_MM = 500
 
 Complex = NDArray[np.complex128]
-Numbers = NDArray[np.float64]
 
 
 class Weather(Config):
@@ -35,20 +35,22 @@ class Points:
     """Points that reflect power: slant range in mm, sine of the angle to the left, radar cross-section in m2. Shapes
     [points].
 
-    on_ground  whether a point is also seen by way of the ground; NaN ranges (behind the antenna) are left out
+    on_ground  whether the signal may also travel by the ground
+
+    A point with range NaN lies behind the antenna and is not seen.
     """
 
-    range_mm: Numbers
-    sine: Numbers
-    section_m2: Numbers
+    range_mm: Floats
+    sine: Floats
+    section_m2: Floats
     on_ground: NDArray[np.bool_]
 
     def together(self, other: Points) -> Points:
-        """Both."""
+        """Return the points of both."""
         return Points(*(np.concatenate(both) for both in zip(self.columns, other.columns, strict=True)))
 
     def only(self, kept: NDArray[np.bool_]) -> Points:
-        """Return those points alone."""
+        """Return only these points."""
         return Points(*(column[kept] for column in self.columns))
 
     @property
@@ -57,14 +59,14 @@ class Points:
         return self.range_mm, self.sine, self.section_m2, self.on_ground
 
 
-def points(range_mm: Numbers, sine: Numbers, section_m2: Numbers | float, *, on_ground: bool = False) -> Points:
+def points(range_mm: Floats, sine: Floats, section_m2: Floats | float, *, on_ground: bool = False) -> Points:
     """Return points of one kind."""
     return Points(range_mm, sine, np.broadcast_to(section_m2, range_mm.shape), np.full(range_mm.shape, on_ground))
 
 
 @dataclass(frozen=True)
 class Interference:
-    """A strange transmitter: its chirp crosses ours in `samples` samples, this much above noise in each."""
+    """Another radar, whose chirp crosses ours in `samples` samples, `over_noise_db` above noise in each."""
 
     samples: int = 40
     over_noise_db: float = 50.0
@@ -73,7 +75,7 @@ class Interference:
 
 @dataclass(frozen=True)
 class Bias:
-    """The errors of this sensor as shares of the declared bounds, from -1 to 1: sweep and air, cables, mounting."""
+    """The errors of a sensor as shares of the declared bounds, from -1 to 1: scale, offset and angle."""
 
     scale: float = 0.0
     offset: float = 0.0
@@ -90,10 +92,10 @@ def image(
     bias: Bias | None = None,
     interference: Interference | None = None,
     noise_db: float = 0.0,
-) -> Numbers:
-    """Return the power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine.
+) -> Floats:
+    """Return the image, power [range cell, angle cell] over mean noise, of points that approach with `speed_mm_s` x cosine.
 
-    `noise_db`: more noise than the receiver's own, from everywhere.
+    noise_db  additional noise from all directions, over the receiver's own
     """
     weather = weather or Weather()
     seen = _in_view(seen, config)
@@ -106,9 +108,9 @@ def image(
 
 
 def _in_view(seen: Points, config: RadarConfig) -> Points:
-    """Ahead, beyond the antenna's cover, and not filtered out before the converter for being beyond the last range cell."""
+    """Return the points ahead, beyond the antenna's cover and within the last range cell (a filter removes others)."""
     last = float(config.sensor.cell_mm) * (config.sensor.samples - 1)
-    return seen.only((seen.range_mm > NEAREST_MM) & (seen.range_mm < last))
+    return seen.only((seen.range_mm > _NEAREST_MM) & (seen.range_mm < last))
 
 
 def _biased(seen: Points, config: RadarConfig, bias: Bias) -> Points:
@@ -119,7 +121,7 @@ def _biased(seen: Points, config: RadarConfig, bias: Bias) -> Points:
 
 
 def _amplitudes(seen: Points, config: RadarConfig, weather: Weather, rng: np.random.Generator) -> Complex:
-    """At the top of an echo in the image: the range law, and rain on the way."""
+    """Return the amplitudes at the peaks of the echoes in the image, by the range law and rain on the way."""
     power = 10 ** (config.reference_cdb / 1_000) * seen.section_m2 * (REFERENCE_MM / seen.range_mm) ** 4
     lost_cdb = weather.film_cdb + 2 * rain_cdb_per_km(weather.rain_mm_h) * seen.range_mm / MILLION
     phase = np.exp(2j * np.pi * rng.random(len(power)))
@@ -128,7 +130,7 @@ def _amplitudes(seen: Points, config: RadarConfig, weather: Weather, rng: np.ran
 
 
 def rain_cdb_per_km(rain_mm_h: float) -> float:
-    """Return the attenuation one way at 77 GHz, hundredths of dB a kilometre: about 1.1 R^0.73 dB [M, fairly sure: ITU-R
+    """Return the one-way attenuation at 77 GHz in hundredths of dB a kilometre: about 1.1 R^0.73 dB [M, fairly sure: ITU-R
     P.838]."""
     return float(110 * rain_mm_h**0.73)
 
@@ -136,7 +138,7 @@ def rain_cdb_per_km(rain_mm_h: float) -> float:
 def _by_the_ground(
     seen: Points, amplitude: Complex, config: RadarConfig, rng: np.random.Generator
 ) -> tuple[Points, Complex]:
-    """Each way out and back may be by the ground: once (two ways of half the detour) or twice, at any phase."""
+    """Add echoes by the ground, on the way out or back (two with half the detour) or on both, with a random phase."""
     low = seen.only(seen.on_ground)
     part = config.sensor.ground_reflection_percent / 100 * np.exp(2j * np.pi * rng.random(len(low.sine)))
     detour = 2 * config.sensor.ground_height_mm2 / low.range_mm
@@ -146,7 +148,7 @@ def _by_the_ground(
 
 
 def _tones(seen: Points, amplitude: Complex, speed_mm_s: float, config: RadarConfig) -> Complex:
-    """[sample, antenna]. The frequency runs from half the bandwidth below the carrier to half above."""
+    """Return the tones [sample, antenna]. The frequency rises from half the bandwidth below the carrier to half above it."""
     sensor = config.sensor
     time = (np.arange(sensor.samples) / sensor.samples - 0.5) * sensor.chirp_us / MILLION
     hertz = sensor.carrier_mhz * 1e6 + time * sensor.bandwidth_mhz * 1e6 / (sensor.chirp_us / MILLION)
@@ -160,7 +162,7 @@ def _tones(seen: Points, amplitude: Complex, speed_mm_s: float, config: RadarCon
     return tones
 
 
-def _hann(samples: int) -> Numbers:
+def _hann(samples: int) -> Floats:
     return np.asarray(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples), dtype=np.float64)
 
 
@@ -176,7 +178,7 @@ def _noise(shape: tuple[int, ...], rng: np.random.Generator) -> Complex:
 
 
 def _burst(shape: tuple[int, ...], interference: Interference, rng: np.random.Generator) -> Complex:
-    """A chirp that sweeps through the receiver's band while it crosses ours."""
+    """Return a chirp that sweeps through the receiver's band while it crosses ours."""
     samples, antennas = shape
     begin = int(rng.integers(0, samples - interference.samples))
     run = np.arange(interference.samples) - interference.samples / 2
@@ -189,14 +191,14 @@ def _burst(shape: tuple[int, ...], interference: Interference, rng: np.random.Ge
 
 
 def _converted(signal: Complex, config: RadarConfig) -> Complex:
-    """Cut off at the converter's end, in both components."""
+    """Clip both components at the converter's full scale."""
     sensor = config.sensor
     end = 10 ** (sensor.full_scale_cdb / 2_000) / _gain(sensor.samples) / _gain(sensor.antennas)
     cut: Complex = np.clip(signal.real, -end, end) + 1j * np.clip(signal.imag, -end, end)
     return cut
 
 
-def _transformed(signal: Complex, config: RadarConfig) -> Numbers:
+def _transformed(signal: Complex, config: RadarConfig) -> Floats:
     sensor = config.sensor
     rows, columns = _hann(sensor.samples), _hann(sensor.antennas)
     spectrum = np.fft.fft2(signal * rows[:, None] * columns[None, :])

@@ -1,6 +1,6 @@
-"""A line as the radar sees it: reflectors, masts and ballast, their ghosts, rain; and a run past them, with faults.
+"""Simulates a run past reflectors as the radar sees it: masts, ballast, ghosts and rain, and faults.
 
-Everything random comes from an explicit generator; truth is kept beside every image.
+All randomness comes from an explicit generator. Every image comes with the true place.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ KINDS = Kinds(
         "interference", "jamming", "overload", "cloudburst", "film",
     ),
 )  # fmt: skip
-"""Of the only radar, in frames."""
-FRONT_SECTION_M2 = 10.0
-PLATE_SECTION_M2 = 10_000.0
-JAMMER_DB = 20.0
-BEAM_STERADIAN = 0.2
-DROPS = 200
+"""Faults of the only radar (no place), in frames."""
+_FRONT_SECTION_M2 = 10.0
+_PLATE_SECTION_M2 = 10_000.0
+_JAMMER_DB = 20.0
+_BEAM_STERADIAN = 0.2
+_DROPS = 200
 
 
 class Clutter(Config):
@@ -63,7 +63,7 @@ class World:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """One frame: where the antenna was and how fast, and what was delivered when (None: nothing)."""
+    """One frame: true place and speed of the antenna, delivered image (None: nothing) and time of delivery."""
 
     along_mm: float
     speed_mm_s: float
@@ -82,7 +82,7 @@ def world(
     wall_mm: float | None = None,
     double_bounce: bool = False,
 ) -> World:
-    """Clutter is scattered along the track; masts stand to the right and left by turns, 3.5 to 4 m away."""
+    """Return a scene with clutter along the track; masts alternate between right and left, 3.5 to 4 m away."""
     clutter = clutter or Clutter()
     masts = int(length_mm / clutter.masts_every_mm)
     mast_places = [
@@ -99,7 +99,7 @@ def world(
 
 
 def seen(scene: World, along_mm: float) -> Points:
-    """Return everything that sends power back to an antenna there, without rain."""
+    """Return all points that reflect power to an antenna at this place, without rain."""
     antenna = pose(scene.track, along_mm)
     corner = _reflectors(scene, antenna)
     found = corner.together(points(*seen_from(antenna, scene.places), scene.sections))
@@ -124,25 +124,25 @@ def _corners(antenna: Pose, places: list[NDArray[np.float64]], section: float) -
 
 
 def _bounced(corner: Points) -> Points:
-    """To one corner, back to the vehicle's front, to another corner and back: at the sum of both ranges."""
+    """Return echoes from one corner to the vehicle's front, to another corner and back: at the sum of both ranges."""
     ahead = np.isfinite(corner.range_mm)
     metres, sine, section = corner.range_mm[ahead] / 1_000, corner.sine[ahead], corner.section_m2[ahead]
     range_m = metres[:, None] + metres[None, :]
-    pairs = section[:, None] * section[None, :] * FRONT_SECTION_M2
+    pairs = section[:, None] * section[None, :] * _FRONT_SECTION_M2
     power = pairs * range_m**4 / (4 * np.pi * metres[:, None] ** 2 * metres[None, :] ** 2) ** 2
     sines = np.broadcast_to(sine[None, :], range_m.shape)
     return points(range_m.ravel() * 1_000, sines.ravel(), power.ravel())
 
 
 def rain(mm_h: float, rng: np.random.Generator, reach_mm: float) -> Points:
-    """Drops as points between 1 m and the reach; eta = 1e-5 m2/m3 x mm/h [M, unsure], a beam of 0.2 sr."""
-    range_mm = rng.uniform(1_000, reach_mm, DROPS)
-    shell_m3 = (range_mm / 1_000) ** 2 * BEAM_STERADIAN * reach_mm / 1_000 / DROPS
-    return points(range_mm, rng.uniform(-0.5, 0.5, DROPS), 1e-5 * mm_h * shell_m3 * rng.exponential(1.0, DROPS))
+    """Return rain as points between 1 m and the reach; eta = 1e-5 m2/m3 x mm/h [M, unsure], a beam of 0.2 sr."""
+    range_mm = rng.uniform(1_000, reach_mm, _DROPS)
+    shell_m3 = (range_mm / 1_000) ** 2 * _BEAM_STERADIAN * reach_mm / 1_000 / _DROPS
+    return points(range_mm, rng.uniform(-0.5, 0.5, _DROPS), 1e-5 * mm_h * shell_m3 * rng.exponential(1.0, _DROPS))
 
 
 def slant_mm(scene: World, reflector: Reflector, along_mm: float) -> float:
-    """Truth: from an antenna there to the reflector's nearest corner; NaN when it is not ahead."""
+    """Return the true slant range from an antenna at this place to the reflector's nearest corner; NaN if it is not ahead."""
     nearest = corners(replace(reflector, lost=()), scene.config.reflectors)[:1]
     return float(seen_from(pose(scene.track, along_mm), nearest)[0][0])
 
@@ -156,7 +156,7 @@ def shots(
     bias: Bias | None = None,
     faults: Sequence[Fault] = (),
 ) -> Iterator[Shot]:
-    """One frame at the end of every cycle of the motion. InputError for a fault that would test nothing."""
+    """Yield one frame at the end of every cycle of the motion. InputError for a fault that would test nothing."""
     KINDS.require(faults, places=[""], length=len(motion.position_nm))
     last: RadarImage | None = None
     for number, (position_nm, speed) in enumerate(zip(motion.position_nm, motion.speed_mm_s, strict=True)):
@@ -178,7 +178,7 @@ def _power(
     bias: Bias | None,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """The image, with the faults of the world around the sensor."""
+    """Return the image, with the faults that act outside the sensor."""
     found = seen(scene, along)
     if "cloudburst" in kinds:
         weather = weather.model_copy(update={"rain_mm_h": 100})
@@ -187,16 +187,16 @@ def _power(
     if weather.rain_mm_h:
         found = found.together(rain(weather.rain_mm_h, rng, float(scene.config.sensor.cell_mm) * 1_000))
     if "overload" in kinds:
-        found = found.together(points(np.array([4_000.0]), np.array([0.0]), PLATE_SECTION_M2))
+        found = found.together(points(np.array([4_000.0]), np.array([0.0]), _PLATE_SECTION_M2))
     strange = Interference(sine=float(rng.uniform(-0.5, 0.5))) if "interference" in kinds else None
     return image(
         found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, interference=strange,
-        noise_db=JAMMER_DB if "jamming" in kinds else 0.0,
+        noise_db=_JAMMER_DB if "jamming" in kinds else 0.0,
     )  # fmt: skip
 
 
 def _spoilt(power: NDArray[np.float64], kinds: set[str]) -> NDArray[np.float64]:
-    """The image, with the faults of the sensor itself."""
+    """Return the image, with the faults of the sensor itself."""
     power = power.copy()
     if "not finite" in kinds:
         power[len(power) // 2, 0] = math.nan

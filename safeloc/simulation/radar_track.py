@@ -1,6 +1,6 @@
-"""True places of the radar's antenna and the reflectors: tracks of straights and curves, seen from above.
+"""Computes the true places of the radar's antenna and the reflectors, on tracks of straights and curves.
 
-A vehicle that turns off at a switch follows its own track; reflectors stand beside whichever track they belong to.
+A vehicle that turns off at a switch follows its own track; each reflector stands beside the track to which it belongs.
 Lengths in mm, angles in radians; x along the first straight, y to the left.
 """
 
@@ -28,7 +28,7 @@ class Arc:
 
 @dataclass(frozen=True)
 class Pose:
-    """A place and the direction of the track there."""
+    """A place (mm) and the direction of the track there (radians)."""
 
     x: float
     y: float
@@ -40,9 +40,9 @@ class Pose:
 
 
 def pose(track: Sequence[Arc], along_mm: float) -> Pose:
-    """Return the place `along_mm` >= 0 from the track's beginning; beyond its end the track goes on straight."""
+    """Return the place `along_mm` >= 0 from the track's beginning; beyond its end the track continues straight."""
     if along_mm < 0:
-        raise InputError(f"a track has no place {along_mm} mm before its beginning.")
+        raise InputError(f"{along_mm} mm lies before the beginning of the track.")
     here = Pose(0.0, 0.0, 0.0)
     for arc in track:
         here = _onwards(here, min(along_mm, arc.length_mm), arc.radius_mm)
@@ -72,24 +72,24 @@ class Reflector:
     lost: tuple[int, ...] = ()
 
 
-CORNER_HEIGHTS_MM = (0.0, 200.0, 400.0)
+_CORNER_HEIGHTS_MM = (0.0, 200.0, 400.0)
 
 
 def corners(reflector: Reflector, figures: Reflectors) -> NDArray[np.float64]:
-    """Return places [corner, (x, y, height above the antenna)]: staggered in height, so that none hides another."""
+    """Return the places of the corners, [corner, (x, y, height above the antenna)]; different heights keep all visible."""
     if reflector.model is Model.UNKNOWN:
-        raise InputError("a reflector that stands somewhere has a model; take A, B, C or D.")
+        raise InputError("a reflector needs a model; take A, B, C or D.")
     made = []
     for index, mark in enumerate(MARKS[reflector.model]):
         if index in reflector.lost:
             continue
         where = pose(reflector.track, reflector.along_mm + mark * figures.unit_mm)
-        made.append((*where.aside(reflector.left_mm), CORNER_HEIGHTS_MM[index]))
+        made.append((*where.aside(reflector.left_mm), _CORNER_HEIGHTS_MM[index]))
     return np.array(made, dtype=np.float64).reshape(-1, 3)
 
 
 def seen_from(antenna: Pose, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the slant range in mm, and sine of the angle to the left, of places [place, 3] ahead; the rest has range NaN."""
+    """Return slant range (mm) and sine of the angle to the left of places [place, 3]; places not ahead have range NaN."""
     dx, dy = places[:, 0] - antenna.x, places[:, 1] - antenna.y
     ahead = dx * math.cos(antenna.heading) + dy * math.sin(antenna.heading)
     left = dy * math.cos(antenna.heading) - dx * math.sin(antenna.heading)

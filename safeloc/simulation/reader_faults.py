@@ -1,10 +1,10 @@
-"""Named faults of a marker reader, put into its readings on purpose.
+"""Puts faults of a marker reader into its readings.
 
-missed      the reader passes the marker without a word
-repeated    it delivers every reading once more, unchanged, in the next cycle that has none
-misplaced   it reads the identity, and by the map the place, of a marker of this line that stands elsewhere: a marker
-            mounted at the wrong place, or read across from the neighbouring track
-foreign     it reads an identity that the map does not have
+missed      the reader does not report the marker
+repeated    it reports every reading once more, unchanged, in the next cycle without one
+misplaced   it reports the identity, and so the mapped place, of another marker of the line: a marker mounted at the wrong
+            place, or cross-talk from the neighbouring track
+foreign     it reports an identity that the map does not have
 """
 
 from __future__ import annotations
@@ -17,16 +17,15 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.sensors import FOREIGN, Reading
 
 KINDS = Kinds("a marker reader", {**plain("missed", "repeated", "foreign"), "misplaced": {"reach": 2}})
-"""By name of the reader, in cycles; `reach` is how many markers further along the line (negative: before) the one is that
-seems to be read."""
+"""Faults by name of the reader, in cycles. The marker read instead is the `reach`-th after the true one (negative: before)."""
 
 
 def with_faults(
     name: str, readings: Sequence[Reading], markers: Sequence[tuple[int, int]], faults: Sequence[Fault]
 ) -> list[Reading]:
-    """Return the readings of the reader of this name with its faults, put in one after the other.
+    """Return the readings of the reader of this name with its faults, applied one after the other.
 
-    InputError for a fault that no reader has, or that hits no reading: it would test nothing.
+    InputError for a fault that no reader has, and for one that hits no reading and so would test nothing.
     """
     KINDS.require(faults)
     found = list(readings)
@@ -75,7 +74,7 @@ def _misplaced(reading: Reading, markers: Sequence[tuple[int, int]], fault: Faul
     reach = KINDS.figure(fault, "reach")
     number = identities.index(reading.marker) + reach
     if reach == 0 or not 0 <= number < len(markers):
-        raise InputError(f"{fault}: marker {reading.marker} has no other one {reach} further on this line.")
+        raise InputError(f"{fault}: marker {reading.marker} has no other one {reach} markers further on this line.")
     marker, place_mm = markers[number]
     return replace(reading, marker=marker, place_mm=place_mm)
 

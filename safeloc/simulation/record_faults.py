@@ -1,11 +1,11 @@
-"""Faults of transmission and reading, put into a stream of records on purpose.
+"""Puts faults of transmission and reading into a stream of records.
 
-duplicate    the record comes twice
-late         the record comes after the next `reach` records
+duplicate    the record arrives twice
+late         the record arrives after the next `reach` records
 swap         the record changes places with the next one of its channel
-freeze       the record repeats what its channel said last, with its own time
-drop         the record does not come
-cross-talk   a marker reads as another one with a sound check sum: `identity` at `position_mm` of the neighbouring track
+freeze       the record repeats the last content of its channel, with its own time
+drop         the record does not arrive
+cross-talk   a marker is read as one of the neighbouring track, `identity` at `position_mm`, with a valid check sum
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ KINDS = Kinds(
         "cross-talk": {"identity": 0, "position_mm": None},
     },
 )
-"""By channel, in ms of the records' clock."""
+"""Faults by channel, in ms of the records' clock."""
 
 
 def disturb(records: Sequence[Record], faults: Sequence[Fault]) -> list[Record]:
-    """The stream with its faults, put in one after the other. InputError for a fault that no
-    stream has, or that hits no record."""
+    """Return the stream with the faults, applied one after the other. InputError for a fault that no stream has, and for one
+    that hits no record."""
     stream = list(records)
     KINDS.require(faults, places=sorted({record.channel for record in stream}))
     for fault in faults:
@@ -62,7 +62,7 @@ def _disturbed(stream: list[Record], fault: Fault, hit: Sequence[int]) -> list[R
 
 
 def _late(stream: list[Record], reach: int, struck: set[int]) -> list[Record]:
-    """A stable sort by where each record is now due."""
+    """Return the stream in order of delayed arrival."""
     due = [number + (reach + 0.5 if number in struck else 0) for number in range(len(stream))]
     return [stream[number] for number in sorted(range(len(stream)), key=due.__getitem__)]
 

@@ -1,4 +1,4 @@
-"""A simulated run as records, as a vehicle's recorder would write them, the truth among them."""
+"""Converts a simulated run to records, as a vehicle's recorder would write them, with the true positions."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, R
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import Distances, Reading
 
-ENDS: tuple[End, End] = ("front", "rear")
+_ENDS: tuple[End, End] = ("front", "rear")
 
 
 def records(motion: Motion, units: Sequence[Distances], readings: Sequence[Reading]) -> list[Record]:
-    """In order of time; cycle n (from 0) ends at (n + 1) periods. Units are named `front_...` or `rear_...`."""
+    """Return the records in order of time; cycle n (from 0) ends at (n + 1) periods. Unit names begin with `front_` or `rear_`."""
     by_cycle: dict[int, list[Reading]] = {}
     for reading in readings:
         by_cycle.setdefault(reading.cycle, []).append(reading)
@@ -34,10 +34,10 @@ def _distance(unit: Distances, cycle: int, time_ms: int) -> DistanceRecord:
 
 def _marker(reading: Reading, time_ms: int) -> MarkerRecord:
     if reading.place_mm is None:
-        return MarkerRecord(time_ms=time_ms, end=ENDS[reading.end], marker=reading.marker)
+        return MarkerRecord(time_ms=time_ms, end=_ENDS[reading.end], marker=reading.marker)
     return MarkerRecord(
         time_ms=time_ms,
-        end=ENDS[reading.end],
+        end=_ENDS[reading.end],
         marker=reading.marker,
         position_mm=reading.place_mm,
         accuracy_mm=reading.accuracy_mm,

@@ -1,17 +1,18 @@
-"""Sensors of a moving train: measured distances and marker readings that keep a declared error law, and faults.
+"""Simulates distance sensors and marker readers of a train, which keep a declared error law, and their faults.
 
 A distance sensor measures, in every cycle,   true = measured + change of wander + drift   with
 
     |wander| <= half the one-off constant      (quantisation, a wheel that slips and grips again)
     |drift|  <= floor x period + rate x (measured distance above the knee)
 
-Both parts are returned, so that a monitor can check the law exactly. Faults break it on purpose.
+The wander is returned, so that the law can be checked exactly (`law_check`). Faults break it on purpose.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,29 +23,43 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Motion
 
 FOREIGN = 900_000
-"""Identities from here on are those of other lines."""
+"""Identities from here on belong to other lines."""
 KINDS = Kinds(
     "a distance sensor",
     {**plain("stuck", "runaway", "drop-out", "slip", "slide", "freeze"), "jump": {"by_mm": 50_000}},
 )
-"""By name of the sensor, in cycles; a jump is measured `by_mm` too far in its first cycle."""
+"""Faults by name of the sensor, in cycles. A jump adds `by_mm` in its first cycle."""
 
 
-@dataclass(frozen=True)
-class Law:
-    """The numbers of an error law: mm, ppm, mm/s, mm/s."""
+class ErrorFigures(Protocol):
+    """Figures of a unit's error law, as the machines declare them (`ErrorLaw`). Drift is not simulated."""
 
-    constant_mm: int
-    rate_ppm: int
-    floor_mm_s: int = 0
-    knee_mm_s: int = 0
+    @property
+    def constant_mm(self) -> int:
+        """One-off part of the error: it does not add up."""
+        ...
+
+    @property
+    def rate_ppm(self) -> int:
+        """Part of the error in proportion to the distance above the knee."""
+        ...
+
+    @property
+    def floor_mm_s(self) -> int:
+        """Part of the error that grows with time."""
+        ...
+
+    @property
+    def knee_mm_s(self) -> int:
+        """Speed up to which the rate adds nothing."""
+        ...
 
 
 @dataclass(frozen=True)
 class Distances:
-    """Measurements of a unit: mm per cycle, present or not, and the wander (nm) after every cycle. Shapes [cycles].
+    """Measurements of a unit: mm in each cycle, whether present, and the wander (nm) after each cycle. Shapes [cycles].
 
-    more_nm   for a checked distance: error added in each cycle beyond the unit's law
+    more_nm   for a distance checked by another unit: error added in each cycle beyond the unit's law
     """
 
     name: str
@@ -60,7 +75,7 @@ class Distances:
 
 @dataclass(frozen=True)
 class Reading:
-    """One marker reading at one end: `place_mm` is None for a marker that the map does not have."""
+    """One marker reading at one end. `place_mm` is None for a marker that the map does not have."""
 
     cycle: int
     end: int
@@ -73,17 +88,19 @@ class Reading:
 def measure(
     name: str,
     motion: Motion,
-    law: Law,
+    law: ErrorFigures,
     rng: np.random.Generator,
     *,
     dropout: float = 0.0,
     severity: float = 0.9,
     faults: Sequence[Fault] = (),
 ) -> Distances:
-    """Simulate the distances of one unit. `severity` is the part of the law that is used up (1: its ends).
+    """Simulate the distances of one unit.
 
-    Of the faults (`KINDS`), a drop-out keeps the law: a unit that is silent says nothing wrong. InputError for a fault that
-    no unit has.
+    severity  share of the allowed error that is used; 1: up to the limits of the law
+    faults    of `KINDS`; a drop-out keeps the law, since a silent unit measures nothing wrong
+
+    InputError for a fault that no unit has.
     """
     KINDS.require(faults)
     true, period = motion.step_nm, motion.period_ms
@@ -115,13 +132,13 @@ def _silenced(name: str, cycles: int, faults: Sequence[Fault]) -> NDArray[np.boo
     return silent
 
 
-def _slip_nm(law: Law, severity: float) -> float:
-    """The part of the constant that slip may use: what rounding to whole mm leaves."""
+def _slip_nm(law: ErrorFigures, severity: float) -> float:
+    """Return the share of the constant for slip, after rounding to whole mm."""
     return max(0.0, min(law.constant_mm * NM_PER_MM * 0.4 * severity, (law.constant_mm - 1) * NM_PER_MM / 2 - 1_000))
 
 
-def _drift_nm(law: Law, true_nm: int, period_ms: int) -> int:
-    """The drift a cycle may have, reckoned from a distance that is surely below the measured one."""
+def _drift_nm(law: ErrorFigures, true_nm: int, period_ms: int) -> int:
+    """Return the drift that a cycle may have, computed from a distance certainly below the measured one."""
     floor = law.floor_mm_s * period_ms * 1000
     least = abs(true_nm) // NM_PER_MM * (1_000_000 - law.rate_ppm) // 1_000_000 - 2 - floor // NM_PER_MM
     wander_change = law.constant_mm // 50
@@ -130,7 +147,7 @@ def _drift_nm(law: Law, true_nm: int, period_ms: int) -> int:
 
 
 def _episodes(cycles: int, most_nm: float, rng: np.random.Generator) -> NDArray[np.float64]:
-    """A wander that moves now and then, slowly (no more than a five-hundredth of its range a cycle), and then rests."""
+    """Return a wander that at times moves slowly (at most 1/500 of its range in a cycle), and otherwise rests."""
     wanted = np.repeat(rng.uniform(-1, 1, cycles // 100 + 1), 100)[:cycles] * most_nm
     path = np.zeros(cycles)
     for number in range(1, cycles):
@@ -140,7 +157,7 @@ def _episodes(cycles: int, most_nm: float, rng: np.random.Generator) -> NDArray[
     return path
 
 
-def _check_wander(name: str, law: Law, wander: NDArray[np.int64]) -> None:
+def _check_wander(name: str, law: ErrorFigures, wander: NDArray[np.int64]) -> None:
     if len(wander) and int(np.abs(wander).max()) > law.constant_mm * NM_PER_MM // 2:
         raise InputError(
             f"{name}: a constant of {law.constant_mm} mm cannot hold the rounding to whole mm; make it >= 2 mm."
@@ -167,7 +184,7 @@ def _faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDAr
             case "freeze":
                 step[part] = step[fault.begin]
             case _:
-                pass  # what drops out was absent already when it was measured
+                pass  # a drop-out was applied when the distances were measured
     return step
 
 
@@ -182,11 +199,12 @@ def read_markers(
     missed: float = 0.0,
     foreign: float = 0.0,
 ) -> list[Reading]:
-    """Return readings of the reader `offset_mm` behind end A. `markers` holds (identity, place in mm), in order of place.
+    """Return readings of the reader `offset_mm` behind end A.
 
-    A reading is off by up to nine tenths of the accuracy: one for all markers, told with a distance since the reading
-    that is wrong by as much; or one for each marker, which then lies so far from its place. `foreign` is the share of cycles with a marker of another
-    track in them, whose identity the map does not have.
+    markers      (identity, place in mm) in order of place
+    accuracy_mm  errors reach nine tenths of it. One for all markers: the distance since the reading is wrong by that much. One
+                 for each marker: the marker lies that far from its mapped place
+    foreign      share of cycles with a marker of another track, whose identity the map does not have
     """
     readings = []
     shifts = {} if isinstance(accuracy_mm, int) else {m: rng.uniform(-0.9, 0.9) * accuracy_mm[m] for m, _ in markers}

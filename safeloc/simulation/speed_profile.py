@@ -1,7 +1,7 @@
-"""Driving from halt to halt within what vehicle and line allow: the highest speed at every place, and the time it takes.
+"""Computes a run from halt to halt with the highest speed that vehicle and line allow.
 
-Speed over distance is cut into short pieces of even acceleration: up to each limit as fast as the vehicle accelerates,
-down to it as fast as it brakes. A halt is met to the nanometre, which a stop point needs. Jerk is left out.
+The speed profile consists of short pieces of constant acceleration, with the vehicle's full acceleration and brake at speed
+limits. The vehicle halts exactly (to the nanometre), as stop points need. Jerk is not limited.
 """
 
 from __future__ import annotations
@@ -11,20 +11,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
 from safeloc.language.units import NM_PER_MM
+from safeloc.sensing.array_types import Floats
 from safeloc.simulation.motion import Motion, VehicleConfig, adhesion_mm_s2
 
-PIECE_MM = 500.0
-MOST_PIECES = 40_000
-Floats = NDArray[np.float64]
+_PIECE_MM = 500.0
+_MOST_PIECES = 40_000
 
 
 @dataclass(frozen=True)
 class Limit:
-    """The highest speed between two places of the way, mm from its start."""
+    """A speed limit between two places of the way, in mm from its start."""
 
     from_mm: int
     to_mm: int
@@ -33,7 +32,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Halt:
-    """A place where the vehicle comes to stand for some time; one that lies behind is reached backwards."""
+    """A place where the vehicle stands for some time; it runs backwards to a halt that lies behind."""
 
     at_mm: int
     stand_s: float
@@ -41,9 +40,9 @@ class Halt:
 
 
 def drive(vehicle: VehicleConfig, halts: Sequence[Halt], limits: Sequence[Limit], period_ms: int) -> Motion:
-    """Drive from standstill at 0 to the last halt; return the truth of every cycle. A limit holds until the rear has left it.
+    """Drive from standstill at 0 to the last halt; return the true motion. A limit applies until the rear has left it.
 
-    InputError for a limit or a top speed that is not above 0: nothing would ever move.
+    InputError for a limit or a top speed of 0 or less, since the vehicle would never move.
     """
     places, speeds = [np.zeros(0)], [np.zeros(0)]
     here = 0
@@ -63,12 +62,12 @@ def drive(vehicle: VehicleConfig, halts: Sequence[Halt], limits: Sequence[Limit]
 def _leg(
     vehicle: VehicleConfig, start_mm: int, halt: Halt, limits: Sequence[Limit], period_s: float
 ) -> tuple[Floats, Floats]:
-    """Places (mm) and speeds (mm/s) at the end of every cycle that is spent moving."""
+    """Return places (mm) and speeds (mm/s) at the end of every cycle of the run to a halt."""
     distance, sign = abs(halt.at_mm - start_mm), (1 if halt.at_mm > start_mm else -1)
-    nodes = np.linspace(0.0, distance, min(MOST_PIECES, max(2, math.ceil(distance / PIECE_MM))) + 1)
+    nodes = np.linspace(0.0, distance, min(_MOST_PIECES, max(2, math.ceil(distance / _PIECE_MM))) + 1)
     caps = _caps(vehicle, start_mm + sign * nodes, min(halt.top_mm_s, vehicle.max_speed_mm_s), limits)
     if caps.min() <= 0:
-        raise InputError(f"{halt}: a speed of 0 is permitted on the way to it, so it is never reached.")
+        raise InputError(f"{halt}: a speed limit of 0 on the way to it makes it unreachable.")
     squares = _within(caps**2, distance / (len(nodes) - 1), *_rates(vehicle))
     speeds = np.sqrt(squares)
     lengths = np.diff(nodes)
@@ -81,7 +80,7 @@ def _leg(
 
 
 def _caps(vehicle: VehicleConfig, places: Floats, top_mm_s: int, limits: Sequence[Limit]) -> Floats:
-    """The highest speed at every place; half a piece is added to either end of a limit, so that none is jumped over."""
+    """Return the highest speed at every place. A limit is extended by half a piece at both ends, so that none is skipped."""
     caps, margin = np.full(len(places), float(top_mm_s)), abs(places[1] - places[0]) / 2
     for limit in limits:
         inside = (places >= limit.from_mm - margin) & (places <= limit.to_mm + vehicle.length_mm + margin)
@@ -90,13 +89,13 @@ def _caps(vehicle: VehicleConfig, places: Floats, top_mm_s: int, limits: Sequenc
 
 
 def _rates(vehicle: VehicleConfig) -> tuple[float, float]:
-    """Acceleration and brake, mm/s2, within what the rails allow at the highest speed."""
+    """Return acceleration and brake (mm/s2), limited by adhesion at the highest speed."""
     rails = adhesion_mm_s2(vehicle, vehicle.max_speed_mm_s)
     return min(vehicle.acceleration_mm_s2, rails), min(vehicle.brake_mm_s2, rails)
 
 
 def _within(squares: Floats, piece_mm: float, acceleration: float, brake: float) -> Floats:
-    """Squared speeds at the nodes, from standstill to standstill, within acceleration and brake."""
+    """Return squared speeds at the nodes, from standstill to standstill, within acceleration and brake."""
     found = squares.copy()
     found[0] = found[-1] = 0.0
     for node in range(1, len(found)):

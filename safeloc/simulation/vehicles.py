@@ -12,9 +12,9 @@ from safeloc.simulation.motion import VehicleConfig
 
 
 def load_vehicle(path: Path) -> VehicleConfig:
-    """Read a vehicle. InputError with file and field for anything that does not fit.
+    """Read a vehicle. InputError with file and field for anything wrong in it.
 
-    The table [localization] is left to the audit of a line.
+    The table [localization] is for the audit of a line and is not read here.
     """
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -151,7 +151,7 @@ def test_a_shipped_machine_shares_nothing_without_a_reason(name: str) -> None:
 
 def test_a_law_that_reads_state_is_refused_without_a_reason() -> None:
     """The message names the law and what it reads; with a reason it is accepted, and listed."""
-    with pytest.raises(ModelError, match=r"clause 'the law' reads 'n', which the machine computes; the world knows"):
+    with pytest.raises(ModelError, match=r"clause 'the law' reads 'n', which the machine computes; let it read inputs"):
         machine(N < 50)
     made = machine(Law(N < 50, "n stays low"), reads_machine="for the test")
     (one,) = follows_machine(Target("m", (made,), lower(made), ()))

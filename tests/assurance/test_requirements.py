@@ -107,8 +107,8 @@ def lamp(carries: tuple[str, ...], shows: tuple[str, ...]) -> Target:
     ("carries", "shows", "gaps"),
     [
         (("A-1",), ("A-1",), ()),
-        ((), ("A-1",), ("A-1: no transition carries it", "transition lamp: go: names no requirement")),
-        (("A-1",), (), ("A-1: no property shows it", "property lamp: off: names no requirement")),
+        ((), ("A-1",), ("A-1: no transition implements it", "transition lamp: go: names no requirement")),
+        (("A-1",), (), ("A-1: no property verifies it", "property lamp: off: names no requirement")),
         (("A-1", "A-2"), ("A-1",), ("transition lamp: go: A-2 is planned",)),
         (("A-1",), ("A-1", "A-9"), ("property lamp: off: A-9 is no requirement",)),
     ],

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.bench_assumptions import PERIOD_MS, Turns, spent_s, turns
 from benchmarks.vehicle_lines import odometry_lines
-from safeloc.runtime.service.fleet import Ways
+from safeloc.runtime.service.fleet import FleetSettings
 from tests.runtime.embedding.driving import trusting
 
 
@@ -31,4 +31,4 @@ def test_a_drive_that_breaks_a_law_is_no_measure() -> None:
     lines = [json.dumps({"number": number, **one}).encode() + b"\n" for number, one in enumerate(late, 1)]
     lines.append(json.dumps({"number": 3, "kind": "cycle", "time_ms": 500}).encode() + b"\n")
     with pytest.raises(RuntimeError, match=r"^no lawful drive: .*breaches=1"):
-        spent_s(trusting(), Ways(PERIOD_MS), lines)
+        spent_s(trusting(), FleetSettings(PERIOD_MS), lines)

@@ -12,7 +12,7 @@ import pytest
 from benchmarks.vehicle_lines import MARKER_EVERY, TRAFFIC
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Program, localizer_program
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import LineCutter
 from safeloc.shipped import ENTRIES
 
@@ -20,9 +20,9 @@ from safeloc.shipped import ENTRIES
 def told(program: Program, machine: str, period_ms: int, cycles: int) -> list[dict[str, Any]]:
     """Answers of a process to one vehicle."""
     traffic = TRAFFIC[machine]
-    fleet, cutter = Fleet(program, Ways(period_ms, inputs="--inputs" in traffic.arguments)), LineCutter()
+    fleet, cutter = Fleet(program, FleetSettings(period_ms, inputs="--inputs" in traffic.arguments)), LineCutter()
     sent = islice(traffic.lines("v1", period_ms), cycles)
-    return [one for text in sent for line in cutter.feed(text) for one in fleet.heed("peer", line, whole=True)]
+    return [one for text in sent for line in cutter.feed(text) for one in fleet.handle("peer", line, whole=True)]
 
 
 def test_odometry_vehicles() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.catalogue import load_target
-from safeloc.checker.folder import Checking, asked, judge
+from safeloc.checker.folder import Checking, asked, check_target
 from safeloc.checker.solve import Opinion
 from safeloc.language.digest import full_digest
 from safeloc.language.verdict import Proved
@@ -42,7 +42,7 @@ class Evidence:
         found.opinions.update(self.opinions)
         found.opinions.update({name: solved(text) for name, text in (changed or {}).items() if text is not None})
         rows = [row for row in self.rows if row["certificates"]]
-        judge(self.target, rows, texts, lambda _: None, found)
+        check_target(self.target, rows, texts, lambda _: None, found)
         return found
 
     def file(self, part: str) -> str:
@@ -52,7 +52,7 @@ class Evidence:
 
 
 def solved(text: str) -> Opinion:
-    """What the solvers say of a text; they decide these small ones at once, or never."""
+    """Return the solvers' answers about a text; they decide such small texts at once, or never."""
     [(_, said)] = asked(5, [("a text", text)])
     return said
 

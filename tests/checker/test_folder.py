@@ -33,14 +33,14 @@ def copy(report: Path, tmp_path: Path) -> Path:
 def test_a_report_is_confirmed(report: Path) -> None:
     """Every proof of the folder, the witnesses of what is reachable among them."""
     told: list[tuple[int, int]] = []
-    found = check_folder(report, jobs=2, seconds=10, told=lambda *count: told.append(count))
+    found = check_folder(report, jobs=2, seconds=10, progress=lambda *count: told.append(count))
     assert ([], {}, 0) == (refused(found), found.wrong, found.exit_code)
     assert told[-1] == (len(found.opinions), sum(map(len, archives(report).values())))
     assert 20 <= len(found.rows)
 
 
 def archives(folder: Path) -> Archives:
-    """What the files of certificates hold: file -> name -> text."""
+    """Return the texts in the files of certificates: file -> name -> text."""
     expected = json.loads((folder / "report.json").read_text())["certificates"]
     texts = read_archives(folder / "certificates", expected).texts
     return {file: {name: texts[name] for name in names} for file, names in expected.items()}
@@ -75,7 +75,7 @@ def test_a_text_that_is_missing(copy: Path) -> None:
     file, name = place(kept, "always-step")
     write_archives(copy / "certificates", {file: {key: text for key, text in kept[file].items() if key != name}})
     found = check_folder(copy, seconds=10)
-    assert f"{copy / 'certificates' / file}: holds other certificates than report.json says." == found.wrong[file]
+    assert f"{copy / 'certificates' / file}: its certificates are not those listed in report.json." == found.wrong[file]
     assert any("never above eight" in one for one in refused(found))
 
 
@@ -119,7 +119,7 @@ def test_a_run_that_does_not_show_it(copy: Path) -> None:
         {**one, "results": [id_ for id_ in one["results"] if "to eight" not in id_]} for one in data["runs"]
     ]
     path.write_bytes(packed(json.dumps(data).encode()))
-    assert ["no run is kept that shows it"] == not_confirmed(copy)
+    assert ["the report stores no run for it"] == not_confirmed(copy)
     path.write_bytes(path.read_bytes()[:-40])
     assert {f"{path}: damaged, it ends too early. Write the report again."} == set(not_confirmed(copy))
 
@@ -140,7 +140,7 @@ def not_confirmed(folder: Path) -> list[str]:
 
 
 def test_another_declaration(copy: Path) -> None:
-    """Where the declaration is not the one of the report nothing is confirmed, and that is told with code 3."""
+    """If the declaration is not that of the report, nothing is confirmed, and the exit code is 3."""
     data = json.loads((copy / "report.json").read_text())
     data["machines"][0]["declaration"] = "0" * 64
     (copy / "report.json").write_text(json.dumps(data))

@@ -62,7 +62,7 @@ def test_a_goal_left_out(whole_proofs: dict[str, Evidence]) -> None:
 
 
 def test_a_hypothesis_added(proofs: dict[str, Evidence]) -> None:
-    """What no rule allows is no hypothesis, even where the solvers agree that the goals follow."""
+    """A hypothesis that no rule allows is refused, even if the solvers agree that the goals follow."""
     evidence = proofs["counting"]
     for file, text in with_goals(evidence).items():
         added = text.replace("(push 1)", "(declare-const |more| Bool)\n(assert |more|)\n(push 1)", 1)
@@ -109,7 +109,7 @@ def test_certificates_swapped(proofs: dict[str, Evidence]) -> None:
 
 
 def test_of_another_layer(proofs: dict[str, Evidence]) -> None:
-    """What rests on the assumption does not hold for all inputs."""
+    """A fact proved under the assumption does not count for all inputs."""
     evidence = proofs["counting"]
     files = [evidence.file("facts-start"), evidence.file("facts-step")]
     found = evidence.judged({file: evidence.texts[file].replace("layer: facts", "layer: always") for file in files})

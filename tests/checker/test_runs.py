@@ -38,7 +38,7 @@ def counting(tmp_path: Path) -> Path:
 
 
 def rows(folder: Path) -> dict[str, Checked]:
-    """What the checker says of each result."""
+    """Return the checker's answer about each result."""
     return {row.id: row for row in check_folder(folder, seconds=10).rows}
 
 
@@ -90,7 +90,7 @@ def test_a_run_by_itself_that_was_cut(pair: Path) -> None:
     spoilt(pair, BY_ITSELF, left_at_the_start)
     assert "its run does not show it" == rows(pair)[BY_ITSELF].why
     spoilt(pair, BY_ITSELF, lambda run: {**run, "results": []})
-    assert "no run is kept that shows it" == rows(pair)[BY_ITSELF].why
+    assert "the report stores no run for it" == rows(pair)[BY_ITSELF].why
 
 
 def test_cases_that_a_search_found(counting: Path) -> None:
@@ -101,7 +101,7 @@ def test_cases_that_a_search_found(counting: Path) -> None:
 
 
 def test_a_case_without_a_run(counting: Path) -> None:
-    """What no recording and no run shows is not shown."""
+    """A case that occurs in no recording and no stored run is not confirmed."""
     edited(counting, lambda row: None if row["id"] == CASE else row)
     assert "not confirmed" == rows(counting)["counting/obligation/antecedents"].answer
 

@@ -74,7 +74,7 @@ def test_both_translations_agree(term: object, text: str) -> None:
     ],
 )
 def test_anything_else_is_refused(body: str) -> None:
-    """What is not exactly of the form of a certificate is none."""
+    """A text that has not exactly the form of a certificate is refused."""
     with pytest.raises(InputError):
         told(body + "\n")
 

@@ -1,4 +1,4 @@
-"""What the proofs of a folder's certificates leave to be trusted."""
+"""Survey of the proof steps in a folder's certificates that remain to be trusted."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def kept(folder: Path, texts: dict[str, str]) -> Path:
 def test_of_a_small_proof_nothing_is_left_to_trust(tmp_path: Path) -> None:
     """Every step of every goal is checked, and each certificate is told of as it is done."""
     texts, told = certificates(), list[tuple[int, int]]()
-    found = survey(kept(tmp_path, texts), jobs=2, seconds=30, told=lambda *count: told.append(count))
+    found = survey(kept(tmp_path, texts), jobs=2, seconds=30, progress=lambda *count: told.append(count))
     assert sorted(texts) == sorted(found.sure)
     assert (found.trusted, found.unproved, dict(found.rules)) == ({}, {}, {})
     assert told[-1] == (len(texts), len(texts))
@@ -47,7 +47,7 @@ def test_what_does_not_follow_or_cannot_be_read_is_named(tmp_path: Path) -> None
     first, second, *_ = texts
     lines = texts[first].splitlines(keepends=True)
     texts |= {first: "".join(line for line in lines if "(assert t" not in line), second: "\ufffd"}
-    found = survey(kept(tmp_path, texts), jobs=1, seconds=30, told=lambda *_: None)
+    found = survey(kept(tmp_path, texts), jobs=1, seconds=30, progress=lambda *_: None)
     assert {first, second} == set(found.unproved)
 
 
@@ -55,11 +55,11 @@ def test_a_damaged_file_is_named(tmp_path: Path) -> None:
     """Its proofs are not made."""
     path = kept(tmp_path, certificates()) / "certificates" / "proof.tar.xz"
     path.write_bytes(path.read_bytes()[:-4])
-    found = survey(tmp_path, jobs=1, seconds=1, told=lambda *_: None)
+    found = survey(tmp_path, jobs=1, seconds=1, progress=lambda *_: None)
     assert {"proof.tar.xz": f"{path}: damaged, it ends too early. Write the report again."} == found.unproved
 
 
 def test_a_folder_without_certificates_is_refused(tmp_path: Path) -> None:
     """Nothing to look at is no good news."""
     with pytest.raises(InputError, match="no certificates; write a report with"):
-        survey(kept(tmp_path, {}), jobs=1, seconds=1, told=lambda *_: None)
+        survey(kept(tmp_path, {}), jobs=1, seconds=1, progress=lambda *_: None)

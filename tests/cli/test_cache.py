@@ -67,7 +67,7 @@ def test_a_report_says_what_was_kept(call: Call, tmp_path: Path) -> None:
     assert "results computed now" in both.err
     data = json.loads((folder / "report.json").read_text())
     assert ["emitter"] == list(data["kept"])
-    assert f"kept since {data['kept']['emitter']}" in (folder / "index.html").read_text()
+    assert f"of {data['kept']['emitter']}" in (folder / "index.html").read_text()
 
 
 def test_prove_looks_up_too(call: Call, tmp_path: Path) -> None:

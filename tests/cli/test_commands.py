@@ -51,7 +51,7 @@ def test_list_assumptions(call: Call) -> None:
     """The register of a machine, as lines and as data: each law with what is said of it, and the figures to confirm."""
     listed = call("list", "assumptions", "--machine", "delocalized").out
     assert "delocalized  delocalized/A1  " in listed
-    assert "figures are from memory, for the operator to confirm." in listed
+    assert "figures are from memory: the operator has to confirm them." in listed
     data = json.loads(call("list", "assumptions", "--machine", "delocalized", "--json").out)
     assert ["delocalized/A1", "border/B1"] == [one["id"] for one in data["assumptions"]]
     assert ["no", "whole"] == [one["observable"] for one in data["assumptions"]]
@@ -199,13 +199,13 @@ def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> No
     path.write_text(RECORDS + late, encoding="utf-8")
     called = call("replay", DOOR, str(path), "--period-ms", "100")
     assert called.code == 0
-    assert "front_wheel: older than one delivered before: 1" in called.out
+    assert "front_wheel: older than the last one delivered: 1" in called.out
     data = json.loads(call("replay", DOOR, str(path), "--period-ms", "100", "--json").out)
     jsonschema.validate(data, schema())
     (border,) = [row for row in data["results"] if row["id"] == "door/replay/run: border"]
     assert border["notes"] == {
         "front_wheel: no channel of this machine": "1",
-        "front_wheel: older than one delivered before": "1",
+        "front_wheel: older than the last one delivered": "1",
     }
 
 

@@ -14,7 +14,7 @@ def test_each_configuration_is_proved_and_told(call: Call, tmp_path: Path) -> No
     """With the figures that are not the defaults, and a line for each at the end."""
     called = call("prove", "emitter", "--configurations", "all", *ONE, str(tmp_path))
     assert 0 == called.code
-    assert "emitter, the defaults: no figure is changed" in called.out
+    assert "emitter, the defaults: all figures are defaults" in called.out
     assert "emitter, one pattern is enough: passes_to_recover = 1" in called.out
     first, second = called.out.splitlines()[-2:]
     assert first.startswith("the defaults ")

@@ -125,7 +125,7 @@ def test_a_checkout_that_is_not_installed_has_no_version(call: Call, monkeypatch
 
     monkeypatch.setattr(metadata, "version", missing)
     called = call("--version")
-    assert (0, "safeloc of a checkout that is not installed, and has no version\n") == (called.code, called.out)
+    assert (0, "safeloc (no version: this checkout is not installed)\n") == (called.code, called.out)
 
 
 def test_as_a_module() -> None:

@@ -66,7 +66,7 @@ def test_faults_of_a_machine_without_an_interval(call: Call) -> None:
     """Claims are told; order 2 asks of an interval."""
     told = call("faults", "turn_off", "--cache", KEPT)
     assert 0 == told.code
-    assert "    end effect    none on an interval: the target reports none" in told.out
+    assert "    end effect    none: the target reports no interval" in told.out
     assert "minimal cut sets" not in told.out
     wrong = call("faults", "turn_off", "--order", "2")
     assert 2 == wrong.code
@@ -83,7 +83,7 @@ def test_what_is_not_decided_is_the_exit_code(call: Call, monkeypatch: pytest.Mo
     told = call("faults", "transmission", "--jobs", "1", "--fresh", "--cache", KEPT)
     assert 3 == told.code
     assert "    claims lost   none; not decided: containment" in told.out
-    assert "    end effect    not decided within the limits" in told.out
+    assert "    end effect    undecided within the limits" in told.out
     assert "not decided: transmission/A1" in told.out
 
 
@@ -95,5 +95,5 @@ def test_the_report_has_both_where_it_is_asked(call: Call) -> None:
     assert "--evidence</code>" in page
     assert 0 == call(*asked, "--out", "both", "--evidence").code
     page = Path("both/index.html").read_text(encoding="utf-8")
-    assert "What the proofs of door rest on" in page
-    assert "Every clause of the world broken, alone" in page
+    assert "Proof cores of door" in page
+    assert "Effects of each broken clause of the world, alone" in page

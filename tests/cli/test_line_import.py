@@ -30,7 +30,7 @@ def test_the_line_loads_again(call: Call, station: Path, tmp_path: Path) -> None
     assert line.checksum is not None
     told = f"Here: edges 3, switches 1, balise groups 2, signals 1, axle counters 1; notes 10: {where}\n"
     assert told == called.err
-    assert "assumed: track ends; neither buffer stop nor open border is told [netElement 'c']\n" in called.out
+    assert "assumed: track ends without a buffer stop or an open border [netElement 'c']\n" in called.out
     assert (
         "not carried over: attribute 'type' [border 'bo1' line 74, switchIS 'w1' line 105, track 'tr1' line"
         in called.out

@@ -39,7 +39,7 @@ def test_in_place(call: Call, stream: Path) -> None:
     assert 0 == call("migrate", "--in-place", str(stream)).code
     assert (NEW, OLD) == (stream.read_text(), stream.with_name("run.jsonl.bak").read_text())
     again = call("migrate", "--in-place", str(stream))
-    assert (0, True) == (again.code, "has the names of today; left alone" in again.out)
+    assert (0, True) == (again.code, "has the current names; unchanged" in again.out)
 
 
 @pytest.mark.parametrize(("option", "name"), [((), "run.migrated.jsonl"), (("--in-place",), "run.jsonl.bak")])
@@ -48,7 +48,7 @@ def test_nothing_is_written_over(call: Call, stream: Path, option: tuple[str, ..
     stream.with_name(name).write_text("mine", encoding="utf-8")
     called = call("migrate", *option, str(stream))
     assert (2, OLD, "mine") == (called.code, stream.read_text(), stream.with_name(name).read_text())
-    assert "is there already, and would be lost; move it away." in called.err.replace("\n", " ")
+    assert "already exists and would be overwritten; move it away." in called.err.replace("\n", " ")
 
 
 def test_all_or_none(call: Call, stream: Path) -> None:
@@ -81,9 +81,9 @@ def test_other_files_are_refused(call: Call, tmp_path: Path, name: str, told: st
 
 
 def test_snapshots(call: Call, tmp_path: Path) -> None:
-    """One that this very build wrote is left alone; a damaged one is refused."""
+    """A snapshot of this very build stays unchanged; a damaged one is refused."""
     path = tmp_path / "vehicle.json"
     path.write_bytes(Controller(Program(load_target("delocalized")), period_ms=100).snapshot())
-    assert "left alone" in call("migrate", str(path)).out
+    assert "unchanged" in call("migrate", str(path)).out
     path.write_bytes(path.read_bytes().replace(b'"machine":"delocalized"', b'"machine":"somewhere"'))
-    assert "its checksum does not fit" in call("migrate", str(path)).err.replace("\n", " ")
+    assert "wrong checksum" in call("migrate", str(path)).err.replace("\n", " ")

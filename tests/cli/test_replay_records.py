@@ -113,7 +113,7 @@ def test_half_of_what_a_device_says_is_not_used(tmp_path: Path) -> None:
         ("reflector", Reason.MISSING),
         ("frame_presnt", Reason.UNKNOWN),
     }
-    assert counted(faults)["reflector: nothing was delivered, or too little"] == "1"
+    assert counted(faults)["reflector: nothing or too little was delivered"] == "1"
 
 
 def test_a_value_out_of_range_is_not_used(tmp_path: Path) -> None:

@@ -120,5 +120,5 @@ def test_told_to_stop_within_a_turn() -> None:
             heard.append(number)
             yield None
 
-    Fake()._heed(events())  # type: ignore[arg-type]
+    Fake()._handle(events())  # type: ignore[arg-type]
     assert heard == [0]

@@ -111,8 +111,8 @@ def test_faults_tell_what_they_are(call: Call) -> None:
     """`--faults help` lists every name, what it is, and what each machine makes of it."""
     told = call("simulate", "fig1", "--faults", "help")
     assert 0 == told.code
-    assert "  group-missed: a balise group is passed without a word, at group NAME:ID\n" in told.out
-    assert "      route: no route fits: nothing is reported until the next start\n" in told.out
+    assert "  group-missed: the vehicle passes a balise group and reads nothing, at group NAME:ID\n" in told.out
+    assert "      route: no route fits: no report until the next start\n" in told.out
 
 
 def test_a_single_group_is_told_to_be_no_more_than_a_candidate(call: Call, tmp_path: Path) -> None:

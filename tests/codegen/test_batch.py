@@ -134,7 +134,7 @@ def one(value: object, *, at: tuple[int, int] = (1, 2), rest: object = 0) -> NDA
     ],
 )  # fmt: skip
 def test_wrong_inputs_are_refused(changed: dict[str, NDArray[Any]], message: str) -> None:
-    """What the interpreter refuses in a step is refused in an array, with array, step and run in the message."""
+    """Values that the interpreter refuses are refused in an array too, with array, step and run in the message."""
     with pytest.raises(InputError, match=message):
         simulate(ODOMETER, odometer_inputs(**changed))
 
@@ -174,11 +174,17 @@ def test_left_out_optional_inputs_are_absent() -> None:
 @pytest.mark.parametrize(
     ("start_state", "message"),
     [
-        ({"left": np.array([2, 6])}, r"^timer: start 'left' must be 0\.\.5: run 1 does not keep this\.$"),
-        ({"left": np.array([3, 1])}, r"^timer: the chosen first state breaks `initially`: run 1 does not keep this\.$"),
+        ({"left": np.array([2, 6])}, r"^timer: start 'left' must be 0\.\.5, which run 1 does not satisfy\.$"),
+        (
+            {"left": np.array([3, 1])},
+            r"^timer: the chosen first state must satisfy `initially`, which run 1 does not satisfy\.$",
+        ),
         ({"left": np.array([3.0, 4.0])}, r"^timer: start 'left' has dtype float64; it takes whole numbers\.$"),
         ({"left": np.array([3])}, r"^timer: start 'left' has shape \(1,\), expected \(2,\)\.$"),
-        ({"left": np.array([3, 4]), "mode": np.array([0, 1])}, r"^timer: start 'mode' must be 0\.\.0: run 1 does not"),
+        (
+            {"left": np.array([3, 4]), "mode": np.array([0, 1])},
+            r"^timer: start 'mode' must be 0\.\.0, which run 1 does not",
+        ),
         ({"left": np.array([3, 4]), "right": np.array([0, 1])}, r"^timer: unknown state variables \['right'\]\.$"),
         ({"left": 1}, r"^timer: the chosen first state breaks `initially`; choose values that satisfy it\.$"),
         ({}, r"^timer: the chosen first state breaks `initially`; choose values that satisfy it\.$"),
@@ -196,7 +202,9 @@ def test_a_machine_that_may_overflow_is_refused() -> None:
     huge, small = number("huge", COUNT, 0, 2**40), number("small", COUNT, 0, 1)
     guard = product(huge, huge) > product(small, small)
     system = lower(Machine("huge", table, [huge, small], {}, {}, [Transition("go", only, only, guard)]))
-    with pytest.raises(InputError, match=r"^huge: 1 terms may leave 64 bits, for example .*; narrow the ranges\.$"):
+    with pytest.raises(
+        InputError, match=r"^huge: 1 terms may exceed 64 bits, for example .*; narrow the ranges of their variables\.$"
+    ):
         compile_batch(system)
 
 
@@ -208,7 +216,7 @@ def test_unknown_names_to_keep_are_refused() -> None:
 
 def test_runs_are_never_left_out() -> None:
     """A block size below one run would leave every run where it started."""
-    with pytest.raises(InputError, match=r"^block_runs is 0, keep is \(\): at least 1"):
+    with pytest.raises(InputError, match=r"^block_runs is 0, keep is \(\); give a block_runs of at least 1"):
         simulate(ODOMETER, odometer_inputs(), block_runs=0)
 
 

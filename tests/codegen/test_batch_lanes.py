@@ -42,7 +42,7 @@ from tests.random_machines import first_states, machines, records
 pytestmark = needs_compiler
 
 COLUMNS = [0, 1, 2, 0, 2, 1, 1, 0, 2, 0, 1, 2, 2, 1, 0, 0, 0, 1, 2]
-"""Which of three streams each run takes: more runs than lanes, and not a multiple of them."""
+"""The stream (one of three) of each run; the number of runs exceeds the lanes and is no multiple of them."""
 
 
 def compiled(system: TransitionSystem, folder: Path, threads: int = 2, cc: str | None = None) -> LanesBatch:
@@ -137,7 +137,7 @@ def other_compiler(folder: Path, line: str) -> str:
     ids=["two lanes", "four lanes", "no flag for this processor"],
 )
 def test_narrower_registers_give_the_same(line: str, widths: set[int], tmp_path: Path) -> None:
-    """However many lanes a register has, and where the compiler knows no processor, results are the same."""
+    """Results do not depend on the number of lanes, nor on flags for the processor."""
     batch = compiled(ODOMETER, tmp_path, cc=other_compiler(tmp_path, line))
     assert batch.lanes in widths
     movement = np.arange(-9, 13).reshape(2, 11)
@@ -184,7 +184,7 @@ def test_libraries_are_kept_for_their_processor(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_wrong_inputs_are_refused(changed: dict[str, NDArray[Any]], message: str, tmp_path: Path) -> None:
-    """What numpy's batch refuses is refused here, with array, step and run in the message."""
+    """Inputs that numpy's batch refuses are refused here too, with array, step and run in the message."""
     with pytest.raises(InputError, match=message):
         simulate(compiled(ODOMETER, tmp_path), odometer_inputs(**changed))
 
@@ -243,11 +243,11 @@ def test_every_run_may_start_differently(runs: int, threads: int, tmp_path: Path
 
 def test_wrong_requests_are_refused(tmp_path: Path) -> None:
     """Neither no thread, nor an unknown name, nor a second list of names, nor a compiler that is not there."""
-    with pytest.raises(InputError, match=r"^threads is 0; at least 1\.$"):
+    with pytest.raises(InputError, match=r"^threads is 0; give at least 1\.$"):
         compile_lanes(ODOMETER, threads=0)
     with pytest.raises(InputError, match=r"^timer: cannot keep 'lefft'; it has \['mode', 'left', 'fired'\]\.$"):
         compile_lanes(TIMER, ["lefft"])
-    with pytest.raises(InputError, match=r"at least 1, and none where a Batch is run\.$"):
+    with pytest.raises(InputError, match=r"at least 1, and no keep for a compiled batch\.$"):
         simulate(compiled(ODOMETER, tmp_path), odometer_inputs(), keep=["position"])
     with pytest.raises(EngineError, match=r"^no C compiler: no-such-compiler not found\."):
         compile_lanes(ODOMETER, cc="no-such-compiler")
@@ -259,7 +259,9 @@ def test_a_machine_that_may_overflow_is_refused() -> None:
     huge, small = number("huge", COUNT, 0, 2**40), number("small", COUNT, 0, 1)
     guard = product(huge, huge) > product(small, small)
     system = lower(Machine("huge", table, [huge, small], {}, {}, [Transition("go", only, only, guard)]))
-    with pytest.raises(InputError, match=r"^huge: 1 terms may leave 64 bits, for example .*; narrow the ranges\.$"):
+    with pytest.raises(
+        InputError, match=r"^huge: 1 terms may exceed 64 bits, for example .*; narrow the ranges of their variables\.$"
+    ):
         compile_lanes(system)
 
 

@@ -143,7 +143,9 @@ def test_a_wrong_generator_is_noticed(wrong: str, tmp_path: Path) -> None:
 def test_vectors_without_steps_check_nothing(tmp_path: Path) -> None:
     """Neither the generator nor the check program takes an empty set of steps for agreement."""
     system = without_ghosts(example("doors").system)
-    with pytest.raises(InputError, match=r"^doors: no steps to check by; give at least one run with a step\.$"):
+    with pytest.raises(
+        InputError, match=r"^doors: there are no steps for the self-check; give at least one run with a step\.$"
+    ):
         to_c(system, [Run("empty", [])])
     folder = exported(tmp_path, system)
     (folder / "vectors.txt").write_text("# nothing\nbegin\n", encoding="utf-8")
@@ -198,7 +200,7 @@ def test_terms_beyond_64_bits_are_refused() -> None:
     (only,) = table = modes("ONLY")
     wide, seen = number("wide", MM, 0, INT64_MAX), number("seen", MM, 0, INT64_MAX)
     row = Transition("see", only, only, wide + 1 <= 5, {seen: wide})
-    with pytest.raises(InputError, match=r"^wide: \(\+ wide 1\) may leave 64 bits; narrow the ranges"):
+    with pytest.raises(InputError, match=r"^wide: \(\+ wide 1\) may exceed 64 bits; narrow the ranges"):
         layout_of(lower(Machine("wide", table, [wide], {seen: 0}, {}, [row])))
 
 
@@ -209,7 +211,7 @@ def test_past_operators_are_refused() -> None:
     system = example("doors").system
     (flag, *_) = [var for var in system.inputs if isinstance(var, BoolVar)]
     looking_back = replace(system, next={**system.next, flag: Past("once", (flag,))}, state=(*system.state, flag))
-    with pytest.raises(InputError, match=r"^doors: past operators cannot run; observe the property first\.$"):
+    with pytest.raises(InputError, match=r"^doors: past operators cannot run; `observe` the property first\.$"):
         layout_of(looking_back)
 
 
@@ -300,7 +302,7 @@ def test_nothing_is_allocated_and_nothing_recurs() -> None:
 
 
 def test_the_header_tells_units_ranges_and_requirements() -> None:
-    """What an integrator needs to know stands beside each field and each transition."""
+    """The header describes each field and each transition for the integrator."""
     entry = ENTRIES["odometry"]
     header = library_texts(layout_of(without_ghosts(entry.make(entry.config()).system)), "Told.")["odometry.h"]
     assert "    int64_t front_wheel_mm; /* mm, -" in header

@@ -24,7 +24,7 @@ def choice(name: str) -> Choice:
 
 
 def test_a_choice_declares_what_every_branch_gives() -> None:
-    """What one branch needs for itself is declared there."""
+    """A name that only one branch needs is declared in that branch."""
     assert given(choice("t1")) == {"t1": False}
     assert list(given_names([choice("t1")])) == ["t9", "t1", "t1"]
     assert statements([choice("t1")], lambda _: []).splitlines() == [

@@ -21,7 +21,7 @@ pytestmark = needs_compiler
 
 
 def on_board(name: str) -> TransitionSystem:
-    """What runs on board of an example."""
+    """Return the on-board system of an example."""
     return without_ghosts(next(one for one in EXAMPLES if one.name == name).system)
 
 
@@ -37,7 +37,7 @@ def test_a_step_by_name(tmp_path: Path) -> None:
 
 
 def test_inputs_are_refused_as_by_the_interpreter(tmp_path: Path) -> None:
-    """What is out of range, unknown or no number moves nothing."""
+    """After an input that is out of range, unknown or no number, the state is unchanged."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
     machine.step({"movement": 100})
     with pytest.raises(InputError, match=r"^movement: 5001 mm is outside -5000\.\.5000\.$"):
@@ -62,14 +62,14 @@ def test_columns_of_other_kinds_are_refused(tmp_path: Path) -> None:
     """Arrays of another kind, number or length would be read beyond their end."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
     movements, present, places = (ctypes.c_int64 * 3)(), (ctypes.c_uint8 * 3)(), (ctypes.c_int64 * 2)()
-    told = r"^odometer: columns are arrays of equal length, movement: int64_t, reference_present: uint8_t, reference: int64_t\.$"
+    told = r"^odometer: give columns as arrays of equal length, movement: int64_t, reference_present: uint8_t, reference: int64_t\.$"
     for wrong in ([movements, present, places], [movements, present], [movements, places, present]):
         with pytest.raises(InputError, match=told):
             machine.columns(wrong)
 
 
 def test_an_absent_value_is_not_looked_at(tmp_path: Path) -> None:
-    """Whatever stands in an input that is declared absent, it is neither refused nor used."""
+    """The value of an absent input is neither refused nor used."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
     rows = machine.rows([{"movement": 5}])
     rows[0].reference = -(2**63)
@@ -135,7 +135,9 @@ def test_a_foreign_snapshot_is_refused(tmp_path: Path) -> None:
     other = load_c(without_ghosts(lower(build_odometer(2000).machine)), folder=tmp_path)
     with pytest.raises(InputError, match="of another declaration; nothing was restored"):
         machine.restore(other.save())
-    with pytest.raises(InputError, match=r"^odometer: a snapshot has 40 bytes, this 39\.$"):
+    with pytest.raises(
+        InputError, match=r"^odometer: the snapshot has 39 bytes, expected 40; it is damaged or of another machine\.$"
+    ):
         machine.restore(machine.save()[:-1])
 
 

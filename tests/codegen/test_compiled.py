@@ -276,7 +276,7 @@ def test_past_operators_are_refused() -> None:
     system = EXAMPLES[0].system
     (flag,) = [var for var in system.inputs if isinstance(var, BoolVar)]
     looking_back = replace(system, next={**system.next, flag: Past("once", (flag,))}, state=(*system.state, flag))
-    with pytest.raises(InputError, match=r"^odometer: past operators cannot run; observe the property first\.$"):
+    with pytest.raises(InputError, match=r"^odometer: past operators cannot run; `observe` the property first\.$"):
         to_python(looking_back)
 
 

@@ -52,7 +52,7 @@ def pairs(machine: Machine) -> set[tuple[str, str, str]]:
 
 
 def mermaid_arrows(text: str) -> set[tuple[str, str, str]]:
-    """What a Mermaid diagram shows, escapes undone."""
+    """Return the labels of a Mermaid diagram, without escapes."""
     found = re.findall(r"^    (\w+) --> (\w+): (.*)$", text, re.MULTILINE)
     plain = [(a, [unescaped(part) for part in label.split("<br/>")], b) for a, b, label in found]
     return {(a, name, b) for a, names, b in plain for name in names}
@@ -67,7 +67,7 @@ QUOTED = r'"((?:[^"\\]|\\.)*)"'
 
 
 def dot_arrows(text: str) -> set[tuple[str, str, str]]:
-    """What a DOT graph shows, escapes undone."""
+    """Return the labels of a DOT graph, without escapes."""
     found = re.findall(rf"^  {QUOTED} -> {QUOTED} \[label={QUOTED}\];$", text, re.MULTILINE)
     return {(a, undone(name), b) for a, b, label in found for name in re.split(r"(?<!\\)\\n", label)}
 

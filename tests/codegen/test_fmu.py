@@ -27,7 +27,7 @@ SOME_SHIPPED = ("odometry", "sections", "delocalized")
 
 
 def system_of(name: str) -> TransitionSystem:
-    """What runs on board of an example or of a shipped machine."""
+    """Return the on-board system of an example or of a shipped machine."""
     return without_ghosts(SYSTEMS[name] if name in SYSTEMS else ENTRIES[name].make(ENTRIES[name].config()).system)
 
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.codegen.smt import Terms, Unrolling, constant
-from safeloc.language.expr import Var, boolean, ceil_div, floor_div, number
+from safeloc.language.expr import Var, boolean, ceil_div, floor_div, ite, maximum, minimum, number
 from safeloc.language.interpret import evaluate, read_inputs, run, start
 from safeloc.language.nodes import Past, Value
 from safeloc.language.system import TransitionSystem, lower
@@ -120,3 +120,16 @@ def test_what_has_no_meaning_is_refused() -> None:
         Terms({flag: constant(flag)})(Past("once", (flag,)))
     with pytest.raises(KeyError, match="'flag' has no z3 term"):
         Terms({})(flag)
+
+
+def test_terms_are_those_of_z3s_own_operators() -> None:
+    """z3 keeps one object for equal terms, so a proof searches as if the operators had made them."""
+    a, b, on = number("a", COUNT, 0, 9), number("b", COUNT, 0, 9), boolean("on")
+    terms = Terms({var: constant(var) for var in (a, b, on)})
+    x, y, p = z3.Int("a"), z3.Int("b"), z3.Bool("on")
+    pairs = [
+        (a + b, x + y), (a - b, x - y), (3 * a, x * z3.IntVal(3)), (floor_div(a, 4), x / 4), (minimum(a, b), z3.If(x <= y, x, y)),
+        (maximum(a, b), z3.If(x >= y, x, y)), (ite(on, a, b), z3.If(p, x, y)), (a < b, x < y), (a <= 5, x <= z3.IntVal(5)),
+        (a.eq(5), x == z3.IntVal(5)), (~on, z3.Not(p)), (on & (a < b), z3.And(p, x < y)), (on | (a < b), z3.Or(p, x < y)),
+    ]  # fmt: skip
+    assert [] == [str(ours) for ours, theirs in pairs if not terms(ours).eq(theirs)]

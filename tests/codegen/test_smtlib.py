@@ -20,7 +20,7 @@ from tests.random_machines import Record, first_states, machines, records
 
 
 def answers(text: str) -> list[str]:
-    """What cvc5 says to each `check-sat` of a text."""
+    """Return cvc5's answer to each `check-sat` of a text."""
     return decide("test.smt2", text, seconds=10)
 
 
@@ -119,5 +119,5 @@ def test_names_that_the_language_takes_are_free_for_variables(name: str) -> None
 def test_names_that_would_be_misread_are_refused(name: str) -> None:
     """A name that could be taken for another one, or end its own quotes, never comes to a proof."""
     (only,) = table = modes("ONLY")
-    with pytest.raises(ModelError, match="a name is not empty, printable, and without @"):
+    with pytest.raises(ModelError, match="a name has printable characters, at least one, without @"):
         Machine("named", table, [boolean(name)], {}, {}, [Transition("stay", only, only)])

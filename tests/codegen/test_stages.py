@@ -73,7 +73,7 @@ def of(system: TransitionSystem, name: str) -> Stage:
 
 
 def test_a_machine_reads_what_the_earlier_ones_have_come_to() -> None:
-    """What the first computes does not stand in the others again."""
+    """The terms of the first machine do not occur again in the stages of the others."""
     system = LINE.whole.system
     assert [stage.name for stage in stages(system)] == ["runner", "peak", "shortfall"]
     back = of(system, "shortfall")

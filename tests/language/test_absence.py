@@ -10,12 +10,12 @@ from safeloc.errors import ModelError
 from safeloc.language.absence import (
     NO_BOUND,
     NO_PLACE,
-    heard,
     shown_if,
     stand_in_of,
     stand_ins,
-    while_there,
+    value_while_present,
     without_absent,
+    zero_while_absent,
 )
 from safeloc.language.expr import FALSE, TRUE, Lit, boolean, ite, number
 from safeloc.language.interpret import run
@@ -57,10 +57,10 @@ def test_a_reader_is_told_that_it_is_absent() -> None:
 def test_a_wire_hears_nothing_as_0() -> None:
     """An output that is always there is heard as it is."""
     shown = shown_if(VALID, PLACE, NO_PLACE)
-    assert repr(ite(VALID, PLACE, 0)) == repr(heard(shown))
-    assert PLACE is heard(PLACE)
-    assert repr(Lit(0, MM)) == repr(heard(shown_if(FALSE, PLACE, NO_PLACE)))
-    assert PLACE is while_there(shown) is while_there(PLACE)
+    assert repr(ite(VALID, PLACE, 0)) == repr(zero_while_absent(shown))
+    assert PLACE is zero_while_absent(PLACE)
+    assert repr(Lit(0, MM)) == repr(zero_while_absent(shown_if(FALSE, PLACE, NO_PLACE)))
+    assert PLACE is value_while_present(shown) is value_while_present(PLACE)
 
 
 def test_what_may_be_absent_is_known_by_what_stands_in() -> None:
@@ -77,11 +77,11 @@ def test_what_may_be_absent_is_known_by_what_stands_in() -> None:
 @pytest.mark.parametrize(
     ("low", "high", "stand_in", "message"),
     [
-        (-9, 9, 0, "0 stands in for nothing; take one of [-2000000000000, 4000000000000]."),
+        (-9, 9, 0, "0 is no stand-in number; use one of [-2000000000000, 4000000000000]."),
         (
             NO_PLACE, 0, NO_PLACE,
-            "-2000000000000 stands in for an absent output, and this one may have that value (-2000000000000..0); narrow "
-            "the ranges of what it is made of.",
+            "-2000000000000 stands in for an absent output, but this output may have that value itself "
+            "(-2000000000000..0); narrow the ranges of the variables it reads.",
         ),
     ],
 )  # fmt: skip

@@ -100,7 +100,7 @@ def test_what_never_happened_on_a_recording_is_told() -> None:
 
 
 def test_a_case_counts_only_while_what_is_relied_on_is_kept() -> None:
-    """What comes after a broken assumption has not happened for a property that relies on it."""
+    """Cases after a violation of the assumption do not count for a property that relies on it."""
     table = Machine(
         "table",
         (A, B),

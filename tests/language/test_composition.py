@@ -94,7 +94,7 @@ def without_place(error: BaseException) -> str:
 
 
 def test_a_wired_optional_input_is_no_longer_absent() -> None:
-    """Where value and presence are wired, no optional input is left to the stream."""
+    """If value and presence are wired, the stream has no optional input left."""
     pair = Pair()
     wires: dict[Var, Expr] = {pair.extra.value: pair.step, pair.extra.present: pair.step > 0}
     whole = compose("both", (pair.counter, pair.alarm), wires).system
@@ -105,19 +105,21 @@ def test_a_wired_optional_input_is_no_longer_absent() -> None:
 WRONG: dict[str, tuple[Callable[[Pair], dict[Var, Expr]], str]] = {
     "unknown input": (
         lambda pair: {boolean("gone"): pair.step > 0},
-        "composition 'both': wires lead to ['gone'], which are no inputs of ['counter', 'alarm'].",
+        "composition 'both': wires lead to ['gone'], which are no inputs of ['counter', 'alarm']; wire inputs of these "
+        "machines only.",
     ),
     "kind": (
         lambda pair: {pair.level: pair.step > 0},
-        "composition 'both': the wire to 'level' mixes a number and a truth value.",
+        "composition 'both': the wire to 'level', which is a number, carries a truth value; give a term of the same kind.",
     ),
     "unit": (
         lambda pair: {pair.time: pair.sum},
-        "composition 'both': the wire to 't' carries mm, not ms.",
+        "composition 'both': the wire to 't' carries mm, not ms; convert the term.",
     ),
     "reads itself": (
         lambda pair: {pair.quiet: pair.level > 3},
-        "composition 'both': the wire to 'quiet' reads ['level'], which no earlier machine has.",
+        "composition 'both': the wire to 'quiet' reads ['level'], which no earlier machine has; a wire reads machines "
+        "listed before.",
     ),
 }
 
@@ -135,7 +137,9 @@ def test_a_wrong_wire_is_refused(name: str) -> None:
 def test_names_must_differ() -> None:
     """The same machine twice would give two variables one name."""
     pair = Pair()
-    with pytest.raises(ModelError, match=r"machines \['counter', 'counter'\] must have distinct names"):
+    with pytest.raises(
+        ModelError, match=r"the names of its machines \['counter', 'counter'\] must be distinct; rename one\."
+    ):
         compose("both", (pair.counter, pair.counter), {})
 
 
@@ -158,14 +162,14 @@ def test_machines_of_the_same_variables_stay_apart() -> None:
 
 
 def test_a_wire_from_an_unclear_variable_is_refused() -> None:
-    """Where two earlier machines hold one variable, a wire cannot say whose it reads."""
+    """If two earlier machines have the same variable, a wire that reads it is ambiguous."""
     pair = Pair()
     earlier = [bucket("left", HELD, POURED), bucket("right", HELD, POURED)]
     with pytest.raises(ModelError) as caught:
         compose("all", [*earlier, pair.alarm], {pair.level: HELD})
     assert without_place(caught.value) == (
         "composition 'all': the wire to 'level' reads ['held'], which several earlier machines have; "
-        "declare one for each machine."
+        "give each machine a variable of its own."
     )
     whole = compose("one", [earlier[0], pair.alarm], {pair.level: HELD}).system
     assert "alarm.level" not in [var.name for var in whole.inputs]
@@ -202,4 +206,7 @@ def test_a_shared_ghost_is_alike_everywhere(changes: dict[str, int], verb: str) 
     """One truth cannot start at two places or move in two ways; no machine's word is dropped in silence."""
     with pytest.raises(ModelError) as caught:
         compose("both", [walker("left"), walker("right", **changes)], {}, shared=[TRUTH, PUSH])
-    assert without_place(caught.value) == f"composition 'both': the shared ghost 'truth' {verb} otherwise in 'right'."
+    assert (
+        without_place(caught.value)
+        == f"composition 'both': the shared ghost 'truth' {verb} differently in 'right' and in an earlier machine; declare it alike in both, or do not share it."
+    )

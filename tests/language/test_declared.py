@@ -26,7 +26,7 @@ def whole(declared: Declared) -> Machine:
 
 
 def test_each_role_keeps_the_order_of_its_declarations() -> None:
-    """Whatever stands between two variables of one role; inputs and state are the fields of the exported code."""
+    """Variables of one role keep the order of their declarations, which is that of the fields in exported code."""
     declared = Declared()
     b, truth, a = declared.sensor(boolean("b")), declared.ghost(boolean("truth"), first=ANY), number("a_mm", MM, 0, 9)
     place, push = declared.state(a, first=3), declared.choice(boolean("push"))
@@ -56,7 +56,7 @@ def test_a_second_declaration_is_refused(case: str) -> None:
     declared = Declared()
     declared.state(A_MM, first=9)
     place = rf"{re.escape(__file__)}:\d+"
-    told = rf"^{place}: 'a_mm' is declared already, at {place}; a variable has one role and one name\.$"
+    told = rf"^{place}: 'a_mm' is already declared at {place}; declare each variable once, under a name of its own\.$"
     with pytest.raises(ModelError, match=told):
         TWICE[case](declared)
     assert (declared.states, declared.inputs, declared.ghosts, declared.choices) == ({A_MM: 9}, [], {}, [])
@@ -67,7 +67,7 @@ def test_a_second_declaration_is_refused(case: str) -> None:
     [
         (10, "initial value of 'a_mm' .*: 10 is outside 0..9"),
         (True, "initial value of 'a_mm' .*: True is not a number"),
-        (A_MM, "initial value of 'a_mm' .*: a_mm is a term; give a value, or ANY and `initially`"),
+        (A_MM, "initial value of 'a_mm' .*: a_mm is a term; give a value, or ANY with a condition in `initially`"),
     ],
 )
 @pytest.mark.parametrize("role", ["state", "ghost"])

@@ -50,12 +50,12 @@ OTHERS = {
 
 @pytest.mark.parametrize("what", OTHERS)
 def test_any_difference_shows(what: str) -> None:
-    """Whatever differs, the digest does."""
+    """Declarations that differ have different digests."""
     assert declaration_digest(gauge()) != declaration_digest(OTHERS[what])
 
 
 def test_the_same_declaration_again_is_the_same() -> None:
-    """Where it was written, and what its rows are called, does not count; it is 64 hexadecimal digits."""
+    """The digest does not depend on the place of the declaration and the names of rows; it has 64 hexadecimal digits."""
     assert declaration_digest(gauge()) == declaration_digest(gauge(row="look"))
     assert len(declaration_digest(gauge())) == 64
 
@@ -115,7 +115,7 @@ def test_the_assumption_is_not_in_the_digest_of_snapshots() -> None:
 
 
 def test_the_parts_of_a_composition_show() -> None:
-    """What one machine assumes of those before it is a part of the full digest of the whole."""
+    """The full digest of a composition covers the assumptions of its machines on earlier ones."""
     one, other = (compose("whole", [world(assumed=limit)], {}).system for limit in (5, 6))
     same_whole = replace(other, assume=one.assume)
     assert full_digest(one) != full_digest(same_whole)

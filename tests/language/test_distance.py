@@ -27,7 +27,7 @@ CONDITIONS: list[Bool] = [
 def at(condition: Bool, values: dict[Expr, Value], hidden: frozenset[Expr] = frozenset()) -> tuple[int | None, Unit]:
     """The distance under these values, and its unit."""
     found = distance(condition, hidden)
-    return found.told(int(evaluate([found.term], values)[0])), found.unit  # type: ignore[arg-type] # variables
+    return found.of_value(int(evaluate([found.term], values)[0])), found.unit  # type: ignore[arg-type] # variables
 
 
 @pytest.mark.parametrize("condition", CONDITIONS, ids=repr)
@@ -73,11 +73,11 @@ def test_the_unit_is_that_of_what_is_hidden() -> None:
 
 
 def test_it_grows_with_a_maximum_of_what_is_hidden() -> None:
-    """Where only a part is linear in what is hidden, that part sets the scale."""
+    """If only a part is linear in the hidden variable, that part sets the scale."""
     assert (0, MM) == at(A * 10 <= maximum(B * 4, 0), {A: 1, B: 3}, frozenset({A, B}))
 
 
 def test_a_past_operator_has_none() -> None:
     """It says nothing of a single step."""
-    with pytest.raises(ModelError, match=r"^.* looks back; a distance is that of a single step\.$"):
+    with pytest.raises(ModelError, match=r"^.* reads earlier steps; a distance is defined for a single step only\.$"):
         distance(previous(FLAG))

@@ -131,7 +131,7 @@ def test_products_carry_their_unit() -> None:
 
 
 def test_constants_fold() -> None:
-    """What is known when it is written is computed when it is written."""
+    """Operations on constants are computed when the term is built."""
     assert text(Lit(3, MM) + 4) == "7"
     assert text(P & True) == "p"
     assert text(P & False) == "false"
@@ -171,7 +171,7 @@ def test_substitution_keeps_sharing() -> None:
 @pytest.mark.parametrize(("low", "high"), [(0, 1e6), (0.5, 3), (False, True)])
 def test_a_range_is_whole_numbers(low: int, high: int) -> None:
     """1e6 is a float and False a truth value; neither bounds a whole number."""
-    with pytest.raises(ModelError, match=r"range of 'n' is .*; its bounds must be whole numbers\.$"):
+    with pytest.raises(ModelError, match=r"range of 'n' is .*; give its bounds as whole numbers\.$"):
         number("n", MM, low, high)
 
 
@@ -206,7 +206,7 @@ def test_rounding_of_constants_and_of_variables_agree(value: int, down: int, up:
 
 
 def test_conversions_carry_the_unit_they_name() -> None:
-    """Whatever form the term has, its unit is the one asked for."""
+    """with_unit gives a term of any form the requested unit."""
     for term in (X, X + Y, floor_div(X, 3), Lit(7, MM)):
         assert [CM, CM, UM] == [floor_to(term, CM).unit, ceil_to(term, CM).unit, exact_to(term, UM).unit]
 

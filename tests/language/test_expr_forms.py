@@ -103,7 +103,7 @@ def test_earlier_reads_the_state_before() -> None:
 
 def test_only_state_has_a_value_before() -> None:
     """An input has no value before the step that a property could read."""
-    with pytest.raises(PropertyError, match=r"reads 'before\.x': before\(\) is for state variables"):
+    with pytest.raises(PropertyError, match=r"reads 'before\.x', but before\(\) and was\(\) are for state variables"):
         observe(SYSTEM, always("strange", before(X) > 0))
 
 

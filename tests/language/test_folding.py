@@ -1,4 +1,4 @@
-"""What is left of terms where constants decide parts of them."""
+"""Simplification of terms in which constants decide parts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WIRES: dict[Var, Expr] = {HEARD: as_num(3, COUNT), TOLD: TRUE, SAID: FALSE}
 
 
 def left(term: Bool) -> Bool:
-    """What is left where wires tell 3, true and false."""
+    """Return the rest of a term after wires replace its variables by 3, true and false."""
     return settled(Substitution(WIRES).bool(term))
 
 
@@ -50,7 +50,7 @@ def test_what_variables_decide_stays_the_same_node() -> None:
 
 
 def test_constants_keep_their_unit() -> None:
-    """What is worked out can be compared as before."""
+    """Evaluated numbers keep their units, so that they can still be compared."""
     term = left(X < HEARD + HEARD)
     assert "(< x 6)" == repr(term)
     assert [COUNT] == [node.unit for node in in_order([term]) if isinstance(node, Lit)]

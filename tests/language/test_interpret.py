@@ -126,7 +126,9 @@ def test_on_board_there_are_no_ghosts() -> None:
 
 def test_terms_that_no_state_gives_a_value_are_refused() -> None:
     """An operator about the past has to be observed first; an unknown comparison is a defect, not a value."""
-    with pytest.raises(InputError, match=r"^Past cannot be evaluated here; a property is observed first\.$"):
+    with pytest.raises(
+        InputError, match=r"^Past reads earlier steps and cannot be evaluated; `observe` the property first\.$"
+    ):
         evaluate([once(P)], {P: True})
     with pytest.raises(AssertionError):
         evaluate([Compare("<>", X, N)], {X: 1, N: 2})  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""What of a world's laws can be seen: alone, in part, together, over a run; and what is seen to be broken is broken."""
+"""Observable conditions of a world's laws: of one law, of a part, of two together, over a run; if one is violated, so is a law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has another name now: the old one is refused, and the message says the new one; of keywords also where it stands."""
+"""Renamed things: an old name is refused, and the message gives the new one; for keywords also file and line."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def test_an_old_keyword_is_refused_with_the_new_one(old: str) -> None:
 
 
 def test_what_is_declared_keeps_its_name_and_its_parameters() -> None:
-    """What is guarded looks as it was written, to a reader and to a tool."""
+    """A guarded function or class keeps its name, signature and docstring."""
     assert "compose" == compose.__name__
     assert "Combine several machines into one TransitionSystem." == (compose.__doc__ or "").splitlines()[0]
     assert "discharge" in inspect.signature(compose).parameters
@@ -165,7 +165,7 @@ def test_the_sides_of_an_interval_have_new_names(old: str, new: str) -> None:
     "name", ["margin_above_mm", "overlap_mm", "handover_mm", "overrun_mm", "over_s", "over", "rover_mm"]
 )
 def test_other_words_are_left(name: str) -> None:
-    """What only looks alike means what it meant."""
+    """Names that merely resemble old ones are unchanged."""
     assert name == name_now(name)
     assert "" == renamed([name], [name])
 
@@ -180,7 +180,7 @@ def test_what_is_told_in_parts_now_names_both() -> None:
     """The level of a solution, which the machine charges itself: with the machine's name, and only where there are the parts."""
     parts = ["position.fix_dilution_permille", "position.fix_further_mm"]
     told = (
-        "; 'position.fix_protection_mm' is told as 'position.fix_dilution_permille' and 'position.fix_further_mm' now"
+        "; 'position.fix_protection_mm' is replaced by 'position.fix_dilution_permille' and 'position.fix_further_mm'"
     )
     assert told == renamed(["position.fix_protection_mm"], parts)
     assert "" == renamed(["fix_protection_mm"], parts)

@@ -144,7 +144,7 @@ def unnamed(term: Expr, text: str) -> list[Var]:
 
 @given(machines())
 def test_every_constant_of_a_short_guard_is_shown(machine: Machine) -> None:
-    """Where nothing is abridged, the numbers that decide are there to be read; only zeros may fold into a sign."""
+    """Without abridgement the text contains all constants of the term; only zeros may fold into a sign."""
     for t in machine.transitions:
         text = infix(t.when, 10**6)
         for node in in_order([t.when]):

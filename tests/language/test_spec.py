@@ -41,7 +41,7 @@ def first_false(values: Sequence[bool]) -> int | None:
 
 
 def oracle(name: str, run_: Runs) -> list[bool]:
-    """What the term is in each step, from its definition."""
+    """Return the truth value of a past term in each step, computed from its definition."""
     ps, qs = [p for p, _ in run_], [q for _, q in run_]
     steps = range(len(run_))
     match name:
@@ -118,7 +118,7 @@ def nested(draw: st.DrawFn, depth: int = 3) -> tuple[Bool, Callable[[Runs], list
 
 @given(nested(), RUNS)
 def test_past_operators_inside_one_another(term: tuple[Bool, Callable[[Runs], list[bool]]], run_: Runs) -> None:
-    """However deeply they are nested, each operator keeps its definition."""
+    """Nested past operators have their defined values, at any depth."""
     assert first_false(term[1](run_)) == first_break(always("nested", term[0]), run_)
 
 
@@ -189,7 +189,7 @@ def test_a_state_property_is_required_of_the_first_state() -> None:
         (always("strange", boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
         (within("strange", 3, P, boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
         (never("strange", once(boolean("elsewhere"))), "reads 'elsewhere', which watched does not have"),
-        (always("strange", was(P)), r"reads 'before\.p': before\(\) is for state variables"),
+        (always("strange", was(P)), r"reads 'before\.p', but before\(\) and was\(\) are for state variables"),
         (
             always("strange", P, further_assumption=before(N) > 0),
             r"the further assumption reads 'before\.n'; it may read state before the step",
@@ -207,7 +207,7 @@ def test_unknown_reads_are_refused(prop: Property, message: str) -> None:
 
 def test_a_negative_deadline_is_refused() -> None:
     """within() needs 0 or more steps."""
-    with pytest.raises(PropertyError, match="must be a whole number, 0 or more"):
+    with pytest.raises(PropertyError, match="steps is -1; give a whole number, 0 or more"):
         within("never", -1, P, Q)
 
 

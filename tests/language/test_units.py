@@ -45,7 +45,7 @@ from safeloc.language.units import (
     ids=lambda unit: str(unit.name),
 )
 def test_a_product_gets_its_name(left: Unit, right: Unit, product: Unit) -> None:
-    """Where the table has a unit of that dimension and scale, the product is that unit, whichever comes first."""
+    """A product has the table's unit of its dimension and scale, if there is one, in either order of the factors."""
     assert left.times(right) is product
     assert right.times(left) is product
 

@@ -74,7 +74,7 @@ def test_an_unknown_word_is_no_verdict() -> None:
 
 
 def test_require_proved_hands_the_proof_on() -> None:
-    """What is proved comes back as it is."""
+    """require_proved returns a Proved verdict unchanged."""
     proof = Proved(TRUE, "spacer")
     assert require_proved(proof) is proof
 

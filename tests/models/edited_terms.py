@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cached_property
+from inspect import getattr_static
 from types import ModuleType
 
 import pytest
@@ -16,8 +17,11 @@ Made = tuple[Machine, Iterable[Property]]
 
 
 def edited(monkeypatch: pytest.MonkeyPatch, owner: type | ModuleType, name: str, wrong: Callable[..., object]) -> None:
-    """Replace a term of the class `owner`, a property or a method, by a wrong one that is given the right one as well."""
-    right = owner.__dict__[name]
+    """Replace a term of the class `owner`, a property or a method, by a wrong one that is given the right one as well.
+
+    The term may be one that the class inherits.
+    """
+    right = getattr_static(owner, name)
     if isinstance(right, (property, cached_property)):
         getter = right.func if isinstance(right, cached_property) else right.fget
         assert getter is not None

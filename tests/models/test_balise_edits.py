@@ -79,7 +79,7 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "stale telegrams believed": (Telegram, "stale", lambda _t, _r: FALSE, "stale changes nothing"),
     "interval and telegram always agree": (Judged, "agrees", lambda c, _: c.run_on.low <= c.run_on.high, "containment"),
     "interval and telegram agree without the constant": (
-        Judged, "agrees", lambda c, _: c.run_on.meets(c.fix, -100 * CONFIG.tolerance_mm * NM_PER_MM), "containment"),
+        Judged, "agrees", lambda c, _: c.run_on.overlap(c.fix) >= -100 * CONFIG.tolerance_mm * NM_PER_MM, "containment"),
     "accuracy that linking gives is forgotten": (
         Announcement, "record", lambda _a, right: replace(right, accurate=FALSE), "announced group 1 is kept as announced"),
     "announced place taken 10 m farther": (

@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from types import ModuleType
 
 import pytest
 
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Var, ite, minimum
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Var, as_num, ite, minimum
 from safeloc.language.machine import Machine, Transition
 from safeloc.language.nodes import Value
+from safeloc.language.rows import Updates
 from safeloc.language.spec import observe
 from safeloc.language.system import lower
 from safeloc.language.terms import Substitution
-from safeloc.language.units import PPM
+from safeloc.language.units import MM, PPM
 from safeloc.language.verdict import Proved, word
+from safeloc.models import balise
 from safeloc.models.balise import Balise, build
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.judgement import Judged
 from safeloc.models.balise.telegram import PASSED, Reader
-from safeloc.models.balise.variables import BaliseConfig, parts
+from safeloc.models.balise.variables import BaliseConfig, Parts, parts
 from safeloc.models.vocabulary.error_law import EDDY_CURRENT, RADAR, ErrorLaw
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
@@ -212,20 +215,22 @@ def test_variant_is_proved(name: str) -> None:
 # ------------------------------------------------------------------ wrong edits of the terms
 
 
-def _search_forgotten(right: Callable[[Judged], dict[Var, Expr]]) -> Callable[[Judged], dict[Var, Expr]]:
-    def remember(cycle: Judged) -> dict[Var, Expr]:
-        own = cycle.own
-        return {**right(cycle), **own.search.become(FALSE, own.search.place)}
-
-    return remember
+Group = Callable[[Parts, Judged], Updates]
 
 
-def _search_from_the_reflector(right: Callable[[Judged], dict[Var, Expr]]) -> Callable[[Judged], dict[Var, Expr]]:
-    def remember(cycle: Judged) -> dict[Var, Expr]:
-        read = cycle.own.read
-        return {**right(cycle), **cycle.own.search.become(read.search.present, cycle.place + read.reflector.value)}
+def _search_forgotten(right: Group) -> Group:
+    def group(own: Parts, cycle: Judged) -> Updates:
+        return {**right(own, cycle), own.search.known: FALSE, own.search.place: as_num(0, MM)}
 
-    return remember
+    return group
+
+
+def _search_from_the_reflector(right: Group) -> Group:
+    def group(own: Parts, cycle: Judged) -> Updates:
+        told, place = own.read.search.present, cycle.place + own.read.reflector.value
+        return {**right(own, cycle), own.search.place: ite(told, place, as_num(0, MM))}
+
+    return group
 
 
 def _wrong_side(right: Callable[[Reader, Num, Num], tuple[Num, Num]]) -> Callable[[Reader, Num, Num], tuple[Num, Num]]:
@@ -259,9 +264,9 @@ def _without_floor(_: object) -> Callable[[ErrorLaw, Num, Num, int], Num]:
 
 TOLD = "search distance of the telegram is told"
 DIRECTION = "direction is told when balises tell it"
-EDITS: dict[str, tuple[type, str, Callable[..., object], str]] = {
-    "search distance ignored": (Judged, "remember", _search_forgotten, TOLD),
-    "search from where the reflector is": (Judged, "remember", _search_from_the_reflector, TOLD),
+EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
+    "search distance ignored": (balise, "_group_counts", _search_forgotten, TOLD),
+    "search from where the reflector is": (balise, "_group_counts", _search_from_the_reflector, TOLD),
     "antenna on the wrong side of the window": (Reader, "window", _wrong_side, "no window closes early"),
     "and the group is not found in it": (Reader, "window", _wrong_side, "the expected group counts"),
     "nor is it in order to take it": (Reader, "window", _wrong_side, "only announced groups reset"),
@@ -269,7 +274,7 @@ EDITS: dict[str, tuple[type, str, Callable[..., object], str]] = {
     "direction told by any group": (Judged, "direction", _beyond_always, DIRECTION),
     "direction never told": (Judged, "direction", _never_told, DIRECTION),
     "direction by any second group": (Judged, "direction", _by_any_second_group, DIRECTION),
-    "what was told is never forgotten": (v.Ahead, "keep", lambda _: lambda told, passed: {}, TOLD),
+    "what was told is never forgotten": (v.Ahead, "lies_ahead", lambda _: lambda told, passed: told.known, TOLD),
 }
 
 

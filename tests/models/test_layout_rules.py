@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from safeloc.language.expr import FALSE, TRUE, Bool, Num, as_num
 from safeloc.language.interpret import evaluate
-from safeloc.language.units import COUNT, MM
+from safeloc.language.units import COUNT, MM, PPM_PER_ONE
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
 
@@ -136,7 +136,7 @@ def layouts(draw: st.DrawFn) -> tuple[LayoutConfig, int]:
 
 def worst_measured(true_mm: int, layout: LayoutConfig) -> int:
     """The greatest distance that the law lets a true one be measured as: m - true <= constant + rate m."""
-    scale = rules.WHOLE_PPM
+    scale = PPM_PER_ONE
     return (true_mm + layout.odometry_constant_mm) * scale // (scale - layout.odometry_rate_ppm)
 
 
@@ -148,7 +148,7 @@ def test_the_longest_stretch_is_safe_and_no_shorter_than_need_be(figures: tuple[
     if longest >= 0:
         assert error_nm(worst_measured(longest, layout), fix, layout) <= layout.tolerance_mm * 10**6
     beyond = max(longest, 0) + 1
-    spare = rules.WHOLE_PPM  # one mm of measured distance, rounded down, is charged less than 1 mm
+    spare = PPM_PER_ONE  # one mm of measured distance, rounded down, is charged less than 1 mm
     assert error_nm(worst_measured(beyond, layout) + 1, fix, layout) + spare > layout.tolerance_mm * 10**6
 
 

@@ -444,7 +444,7 @@ def test_every_outcome_is_put_to_the_test() -> None:
     ("asked", "message"),
     [
         ("no-such", r"^no fault 'no-such'\. Faults \(NAME, or NAME:PLACE\):\n  group-missed: "),
-        ("model-misread", r"^fault model-misread is for route, and here is balise\.$"),
+        ("model-misread", r"^fault model-misread is for route, but the run is for balise\.$"),
     ],
 )
 def test_unknown_and_unfit_faults_are_refused(asked: str, message: str) -> None:

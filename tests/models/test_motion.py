@@ -27,7 +27,7 @@ from safeloc.proof.provers.proved_base import base
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.motion import Motion as Drive
-from safeloc.simulation.sensors import Distances, Law, measure
+from safeloc.simulation.sensors import Distances, measure
 from tests.proof.provers.small import told as names
 
 KINDS = ("stuck", "runaway", "slip", "slide", "freeze", "drop-out")
@@ -150,8 +150,7 @@ def measured(seed: int, faulty: str, kind: str | None) -> tuple[Distances, Dista
 
 
 def _unit(name: str, law: ErrorLaw, rng: np.random.Generator, faults: list[Fault]) -> Distances:
-    numbers = Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
-    return measure(name, DRIVE, numbers, rng, faults=faults, severity=1.0, dropout=0.02)
+    return measure(name, DRIVE, law, rng, faults=faults, severity=1.0, dropout=0.02)
 
 
 def uncovered_nm(said: Distances, drive: Drive = DRIVE) -> int:

@@ -16,10 +16,11 @@ from safeloc.models.reflector import build
 from safeloc.models.reflector import cycle as cycles
 from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.cycle import Judged
-from safeloc.models.reflector.dead_reckoning import Interval, Odometer
 from safeloc.models.reflector.echo import Recognition, Situation
 from safeloc.models.reflector.map_data import NextReflector, Reflector, Target
+from safeloc.models.reflector.odometer import ReflectorOdometer as Odometer
 from safeloc.models.reflector.variables import ReflectorConfig, parts
+from safeloc.models.vocabulary.interval import Interval
 from safeloc.properties.reflector import properties
 from tests.models.edited_terms import edited, keeps
 

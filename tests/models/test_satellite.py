@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import Any, Literal, get_args
 
@@ -47,6 +48,13 @@ def cycle(**changes: int | bool) -> dict[str, int | bool]:
 
 
 START = cycle(reference_mm=1_000_000, reference_accuracy_mm=3_000)
+
+
+def instead(own: Parts, **others: object) -> Parts:
+    """The variables, some of them exchanged."""
+    changed = copy(own)
+    vars(changed).update(others)
+    return changed
 
 
 def driven(*cycles: dict[str, int | bool]) -> Trace:
@@ -306,7 +314,7 @@ def test_a_wrong_machine_is_caught_by_random_runs(monkeypatch: pytest.MonkeyPatc
     from safeloc.models import satellite
 
     right = satellite.verdict
-    monkeypatch.setattr(satellite, "verdict", lambda own, located: right(replace(own, usable=own.used), located))
+    monkeypatch.setattr(satellite, "verdict", lambda own, located: right(instead(own, usable=own.used), located))
     model = compose_machines(SatelliteConfig(selection=SelectionConfig(channels=3)))
     asked = [prop for prop in properties(model) if prop.name == "only usable satellites count"]
     found = run_tests(model.composition.system, asked, examples=200, steps=25, seed=7)
@@ -333,8 +341,8 @@ def test_a_wrong_judgement_is_noticed(weaker: dict[str, bool], noticed: str, mon
 
     def lax(own: Parts, located: Bool) -> Num:
         if "few" in weaker:
-            return right(replace(own, config=own.config.model_copy(update={"redundancy": "solve"})), located)
-        return right(replace(own, usable=own.used), located)
+            return right(instead(own, config=own.config.model_copy(update={"redundancy": "solve"})), located)
+        return right(instead(own, usable=own.used), located)
 
     monkeypatch.setattr(satellite, "verdict", lax)
     assert [f"satellite/property/{noticed}"] == _unproved(compose_machines(CONFIG), noticed)
@@ -356,7 +364,7 @@ def _halved(state: State) -> State:
             "position and odometry meet",
         ),
         ("enough", lambda right: lambda own: TRUE, "no fix below the minimum"),
-        ("fixed", lambda right: lambda own: right(replace(own, further=as_num(0, MM))), "containment"),
+        ("fixed", lambda right: lambda own: right(instead(own, further=as_num(0, MM))), "containment"),
     ],
 )
 def test_a_wrong_machine_is_noticed(
@@ -405,11 +413,6 @@ def test_the_threshold_rule_is_sharp(name: str) -> None:
     assert [[], [f"satellite/property/{rule}"]] == [unproved(least + 1), unproved(least)]
 
 
-def _with(field: str, value: Num) -> Callable[[Any], Any]:
-    """A state variable that is set to one value in every row."""
-    return lambda right: lambda own, state: {**right(own, state), getattr(own, field): value}
-
-
 def _beside(right: Callable[[Parts, State], Anchor]) -> Callable[[Parts, State], Anchor]:
     """Odometry that counts from beside the reference."""
     return lambda own, state: replace(right(own, state), offset=right(own, state).offset + 1)
@@ -433,7 +436,7 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
             "predicted", lambda right: lambda own: replace(right(own), fastest=own.fastest), "containment",
             marks=pytest.mark.slow,
         ),
-        ("_become", _with("change", as_num(0, UM_S)), "the prediction goes on with the change of speed"),
+        ("_change", lambda _: lambda own, state: as_num(0, UM_S), "the prediction goes on with the change of speed"),
         ("_at_reference", _beside, "a position begins with nothing of what was before"),
         ("referred", lambda right: lambda own: replace(right(own), low=right(own).low - 1), "a reference bounds the position"),
         ("reportable", lambda right: lambda own, state: right(own, state) & own.anchored, "a good reference begins a position"),

@@ -16,6 +16,7 @@ from safeloc.models.satellite.simulate import (
     STREET,
     Journey,
     Passed,
+    false_place,
     first_of,
     passed,
     simulate,
@@ -27,14 +28,13 @@ from safeloc.models.satellite.variables import FIX, SatelliteConfig
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
-from safeloc.simulation.satellite.run import Spoofer
 from safeloc.simulation.satellite.scenery import SceneKind, tunnel
 
 pytest.importorskip("pyproj")
 CONFIG = SatelliteConfig()
 BOTH = Journey(walkers=(GPS, GALILEO))
 SPOOFED = replace(
-    BOTH, from_m=4_150, to_m=4_900, scenes=(), spoofers=(Spoofer(5.0, 3.0, 0.3),), odometry=True, balises=False
+    BOTH, from_m=4_150, to_m=4_900, scenes=(), faults=(false_place(5_000, 3.0, 0.3),), odometry=True, balises=False
 )
 
 

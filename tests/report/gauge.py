@@ -12,7 +12,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT, MM
 from safeloc.railway.pictures import Deviation, Things
-from safeloc.report.told import Broken, Told
+from safeloc.report.recorded_run import Broken, RecordedRun
 from safeloc.reported import Reported
 
 MODEL = members("gauge_model", "NONE", "A", "B")
@@ -63,7 +63,7 @@ QUIET: Mapping[str, Value | str] = {
 
 def drive(
     steps: Sequence[Mapping[str, Value | str]], truth_mm: Sequence[int | None], broken: Sequence[Broken] = ()
-) -> Told:
+) -> RecordedRun:
     """A run with the given truth; each step says only what differs from QUIET."""
     trace = run(system(), [{**QUIET, **step} for step in steps])
-    return Told("drive", trace, tuple(truth_mm), tuple(broken))
+    return RecordedRun("drive", trace, tuple(truth_mm), tuple(broken))

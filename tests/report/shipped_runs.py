@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from safeloc.catalogue import Target, load_target
 from safeloc.proof.verification.replay import whole_run
-from safeloc.report.told import Told
+from safeloc.report.recorded_run import RecordedRun
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps, write_steps
 
@@ -30,13 +30,13 @@ def recording(machine: str, stem: str) -> Path:
 
 
 @cache
-def told(machine: str, stem: str) -> Told:
+def told(machine: str, stem: str) -> RecordedRun:
     """A shipped recording, run once."""
     path = recording(machine, stem)
     trace = whole_run(shipped(machine), path)
     assert trace is not None
     truth = [step["truth_mm"] for step in read_steps(path).steps]
-    return Told(stem, trace, tuple(place for place in truth if isinstance(place, int)))
+    return RecordedRun(stem, trace, tuple(place for place in truth if isinstance(place, int)))
 
 
 def changed(machine: str, stem: str, folder: Path, change: Change) -> Path:

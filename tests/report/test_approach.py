@@ -9,7 +9,7 @@ import pytest
 
 from safeloc.railway.pictures import Approach
 from safeloc.report.approach import approach_picture, due_mm_s
-from safeloc.report.told import Broken, Told
+from safeloc.report.recorded_run import Broken, RecordedRun
 from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, upright, words
 from tests.report.shipped_runs import picture, told
 
@@ -18,22 +18,22 @@ KM_H = 1_000_000 / 3_600
 
 
 @pytest.fixture(scope="module")
-def overrun() -> Told:
+def overrun() -> RecordedRun:
     """The shipped overrun: 3 m too far, then back."""
     return told("stop_point", "stop_point-overrun")
 
 
-def drawn(run: Told) -> Drawing:
+def drawn(run: RecordedRun) -> Drawing:
     """The picture of a run."""
     return drawing(approach_picture(picture("stop_point", Approach), run))
 
 
-def orders(run: Told) -> list[str]:
+def orders(run: RecordedRun) -> list[str]:
     """The order after each step."""
     return run.words("order")
 
 
-def test_the_curve_is_speed_over_true_place(overrun: Told) -> None:
+def test_the_curve_is_speed_over_true_place(overrun: RecordedRun) -> None:
     """Its fastest point reads as the fastest step's speed and place."""
     of = drawn(overrun)
     every = [point for line in kinds(of, "run") for point in points(line)]
@@ -44,7 +44,7 @@ def test_the_curve_is_speed_over_true_place(overrun: Told) -> None:
     assert across(of)(x) == pytest.approx(float(str(overrun.truth_mm[fastest])) / 1_000, abs=0.5)
 
 
-def test_the_brake_order_is_marked_where_it_is_given_first(overrun: Told) -> None:
+def test_the_brake_order_is_marked_where_it_is_given_first(overrun: RecordedRun) -> None:
     """With place, speed and what is left to the stop point in words."""
     of = drawn(overrun)
     step = orders(overrun).index("BRAKE")
@@ -57,7 +57,7 @@ def test_the_brake_order_is_marked_where_it_is_given_first(overrun: Told) -> Non
     assert any(f"brake order at {place / 1_000:.1f} m" in text and f"{left:.1f} m before" in text for text in words(of))
 
 
-def test_each_order_has_its_own_line(overrun: Told) -> None:
+def test_each_order_has_its_own_line(overrun: RecordedRun) -> None:
     """Every order that was given is a stretch of the curve, with dashes of its own and a word in the legend."""
     of = drawn(overrun)
     given = list(dict.fromkeys(orders(overrun)))
@@ -72,7 +72,7 @@ def test_each_order_has_its_own_line(overrun: Told) -> None:
     assert set(given) <= numbered
 
 
-def test_braking_is_due_on_the_dashed_curves(overrun: Told) -> None:
+def test_braking_is_due_on_the_dashed_curves(overrun: RecordedRun) -> None:
     """The brake order comes at the first step on or above the curve of the selected stop point."""
     one = picture("stop_point", Approach)
     step = orders(overrun).index("BRAKE")
@@ -91,7 +91,7 @@ def test_the_braking_curve_just_stops_there() -> None:
         assert speed * one.reaction_ms / 1_000 + speed * speed / (2 * one.brake_mm_s2) == pytest.approx(to_go)
 
 
-def test_the_stop_window_stands_at_its_place(overrun: Told) -> None:
+def test_the_stop_window_stands_at_its_place(overrun: RecordedRun) -> None:
     """In the whole picture along the line; around the stop point from 0.5 m before to 0.5 m beyond."""
     of = drawn(overrun)
     windows = [(across(of)(begin(one)), across(of)(end(one))) for one in kinds(of, "window")]
@@ -101,7 +101,7 @@ def test_the_stop_window_stands_at_its_place(overrun: Told) -> None:
     assert {"stop point 207 (selected)", "stop point 210", "stop window"} <= set(words(of))
 
 
-def test_an_overrun_is_marked_and_measured(overrun: Told) -> None:
+def test_an_overrun_is_marked_and_measured(overrun: RecordedRun) -> None:
     """At its farthest place, in metres beyond the window; none where the vehicle stops in place."""
     of = drawn(overrun)
     (mark,) = kinds(of, "overrun")
@@ -131,7 +131,7 @@ def test_a_run_without_a_stop_is_speed_over_place() -> None:
     assert not [*kinds(of, "near-window"), *kinds(of, "brake-order"), *kinds(of, "standing")]
 
 
-def test_repositioning_runs_back_below_zero(overrun: Told) -> None:
+def test_repositioning_runs_back_below_zero(overrun: RecordedRun) -> None:
     """While the order is to reverse the curve goes from beyond the window back, slower than the reduced speed."""
     of = drawn(overrun)
     back = [points(line) for line in kinds(of, "REVERSE") if line in kinds(of, "run")]
@@ -145,7 +145,7 @@ def test_repositioning_runs_back_below_zero(overrun: Told) -> None:
     assert limits == pytest.approx([-3, 3], abs=0.05)
 
 
-def test_the_reported_interval_at_the_end(overrun: Told) -> None:
+def test_the_reported_interval_at_the_end(overrun: RecordedRun) -> None:
     """A bar from its lower to its upper end, with both in words."""
     of = drawn(overrun)
     (bar,) = kinds(of, "standing")
@@ -155,7 +155,7 @@ def test_the_reported_interval_at_the_end(overrun: Told) -> None:
     assert [across(of, 1)(first[0]), across(of, 1)(second[0])] == pytest.approx([low / 1_000, high / 1_000], abs=0.02)
 
 
-def test_modes_and_orders_over_time(overrun: Told) -> None:
+def test_modes_and_orders_over_time(overrun: RecordedRun) -> None:
     """Each piece of the strips begins when its order is given."""
     of = drawn(overrun)
     seconds = across(of, 2)
@@ -165,7 +165,7 @@ def test_modes_and_orders_over_time(overrun: Told) -> None:
     assert sorted(starts) == pytest.approx([(step + 1) / 10 for step in changes], abs=0.1)
 
 
-def test_a_violated_statement_is_marked(overrun: Told) -> None:
+def test_a_violated_statement_is_marked(overrun: RecordedRun) -> None:
     """At the place of its step."""
     of = drawn(replace(overrun, broken=(Broken("never too fast", 100),)))
     (mark,) = kinds(of, "violated")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.report.deviation import deviation_picture
-from safeloc.report.told import Broken, Told
+from safeloc.report.recorded_run import Broken, RecordedRun
 from tests.report.gauge import PICTURE, TOLERANCE_MM, drive
 from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, upright, words
 
@@ -13,12 +13,12 @@ PLACES = range(0, 100_000, 1_000)
 """A drive over 100 m in steps of 1 m."""
 
 
-def drawn(told: Told) -> Drawing:
+def drawn(told: RecordedRun) -> Drawing:
     """The picture of a run."""
     return drawing(deviation_picture(PICTURE, told))
 
 
-def level(off_mm: int = 500, **more: int) -> Told:
+def level(off_mm: int = 500, **more: int) -> RecordedRun:
     """A drive that reports its place with a steady deviation."""
     return drive([{"given_position": place + off_mm, **more} for place in PLACES], PLACES)
 

@@ -11,7 +11,7 @@ import pytest
 from safeloc.language.verdict import WORST_FIRST, Held, NotAsked, Proved, Result, Vacuous
 from safeloc.proof.results import Finding
 from safeloc.report.data import report_data, schema
-from safeloc.report.headline import ALWAYS_COUNTED, Said, counted, headline
+from safeloc.report.headline import ALWAYS_COUNTED, KindAndVerdict, counted, headline
 from safeloc.report.junit import to_junit
 from safeloc.report.page import to_html
 from tests.report.lamp import findings, target
@@ -35,19 +35,19 @@ from tests.report.lamp import findings, target
 )
 def test_the_sentence(found: list[tuple[str, str]], expected: str) -> None:
     """It follows the worst verdict, and says what was only held."""
-    assert headline([Said(*one) for one in found]).startswith(expected)
+    assert headline([KindAndVerdict(*one) for one in found]).startswith(expected)
 
 
 def test_all_holds_needs_a_proof_and_nothing_against_it() -> None:
     """Over every pair of verdicts: only proved and held together say so, and not held alone."""
     for pair in product(WORST_FIRST, repeat=2):
-        says = headline([Said("property", verdict) for verdict in pair]) == "all holds"
+        says = headline([KindAndVerdict("property", verdict) for verdict in pair]) == "all holds"
         assert says == (set(pair) <= {"proved", "held"} and "proved" in pair)
 
 
 def test_every_verdict_is_counted() -> None:
     """In words, from best to worst; what is always counted also where there is none."""
-    found = [Said("property", verdict) for verdict in WORST_FIRST]
+    found = [KindAndVerdict("property", verdict) for verdict in WORST_FIRST]
     every = "1 proved, 1 held in tests and replays, 1 not asked, 1 vacuous, 1 undecided, 1 violated"
     assert every == counted(found)
     assert "0 proved, 0 held in tests and replays, 0 undecided, 0 violated" == counted([], ALWAYS_COUNTED)

@@ -152,7 +152,7 @@ def test_old_evidence_goes(tmp_path: Path) -> None:
         (json.dumps({"schema": "safeloc-report/2"}), "not a report of schema safeloc-report/4; write it with"),
         (
             json.dumps({"schema": "safeloc-report/4"}),
-            "does not keep to schema safeloc-report/4: KeyError: 'certificates'",
+            "does not fit schema safeloc-report/4: KeyError: 'certificates'",
         ),
     ],
 )

@@ -113,7 +113,7 @@ def test_a_place_that_there_is_not(tmp_path: Path, key: str, place: int) -> None
     data = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     data["results" if key == "certificates" else "requirements"][0][key] = [place]
     (tmp_path / "report.json").write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(InputError, match=r"report\.json: does not keep to schema safeloc-report/4: IndexError"):
+    with pytest.raises(InputError, match=r"report\.json: does not fit schema safeloc-report/4: IndexError"):
         render_folder(tmp_path)
 
 

@@ -20,7 +20,7 @@ from safeloc.proof.verification.replay import replay_stream
 from safeloc.railway.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
-from safeloc.report.pictures import pictures_data, runs_told
+from safeloc.report.pictures import pictures_data, recorded_runs
 from safeloc.runtime.packed import read_packed
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps, write_steps
@@ -116,7 +116,7 @@ def test_a_run_is_drawn_once_whatever_is_found_on_it() -> None:
     target = replace(shipped("route"), properties=shipped("route").properties[:3])
     findings = replay_stream(target, recording("route", "route-dcd-every-reflector"))[1]
     assert len(findings) > 1
-    assert len([*runs_told(target, findings)]) == 1
+    assert len([*recorded_runs(target, findings)]) == 1
     assert len(pictures_data(target, findings)) == 1
     assert pictures_data(target, [replace(one, replayed=None) for one in findings]) == []
     assert pictures_data(replace(target, name="other"), findings) == []
@@ -136,7 +136,7 @@ def test_the_first_violation_stands_first() -> None:
         )
         for name, n in (("late", 70), ("a/b: early", 30))
     )
-    (told,) = runs_told(target, [late, early])
+    (told,) = recorded_runs(target, [late, early])
     assert [(broken.name, broken.step) for broken in told.broken] == [("a/b: early", 30), ("late", 70)]
 
 

@@ -38,13 +38,13 @@ def test_pixels_are_written_as_they_are() -> None:
 @pytest.mark.parametrize("rows", [[], [b""], [b"\0", b"\0\0"]])
 def test_what_is_no_picture_is_refused(rows: list[bytes]) -> None:
     """No rows, no pixel, rows of different lengths."""
-    with pytest.raises(ValueError, match=r"^a picture has rows of one length, and at least one pixel\.$"):
+    with pytest.raises(ValueError, match=r"^a picture needs rows of equal length, and at least one pixel\.$"):
         png(rows, PALETTE)
 
 
 def test_a_colour_that_there_is_not_is_refused() -> None:
     """Number 3 of three colours."""
-    with pytest.raises(ValueError, match="no pixel of another one"):
+    with pytest.raises(ValueError, match="each pixel is one of them"):
         png([bytes([3])], PALETTE)
 
 

@@ -15,9 +15,9 @@ from safeloc.proof.cores.cores import Core
 from safeloc.proof.cores.elements import Element
 from safeloc.report.data import report_data, schema
 from safeloc.report.folder import render_folder, write_folder
-from safeloc.report.kept import read_for_page
 from safeloc.report.page import to_html
 from safeloc.report.proof_evidence import evidence_data
+from safeloc.report.stored import read_for_page
 
 TRUE_SENT = "a position that is sent holds the truth"
 CLAUSE = Element("clause", "transmission", TRUE_SENT)
@@ -56,7 +56,7 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
     assert "2-induction" in shown
     assert f"<td>5 of {len(transmission().machines[0].transitions)}" in shown
     assert "inside &lt;b&gt;" in shown
-    assert "not decided whether it can do without: row 0" in shown
+    assert "perhaps not needed, undecided: row 0" in shown
     assert "not proved by induction within the limits" in shown
     assert "<b>a run</b>" not in shown
     machine = transmission().machines[0]
@@ -74,9 +74,9 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
     [
         ("wrong", {"run": Run({}, ({}, {}), "sent")}, "can miss the truth for more than 10 cycles; shortest run: 2 cycles, ends with", "violated"),
         ("withdrawn", {"within_cycles": 5}, "a wrong interval is right again or withdrawn within 5 cycles (proved)", "held"),
-        ("contained", {}, "the reported interval holds the truth all the same (proved)", "proved"),
-        ("undecided", {}, "not decided within the limits", "unknown"),
-        ("no interval", {}, "none on an interval: the target reports none", "soft"),
+        ("contained", {}, "the reported interval still contains the truth (proved)", "proved"),
+        ("undecided", {}, "undecided within the limits", "unknown"),
+        ("no interval", {}, "none: the target reports no interval", "soft"),
     ],
 )  # fmt: skip
 def test_the_page_tells_what_becomes_of_a_broken_clause(

@@ -8,30 +8,30 @@ import pytest
 
 from safeloc.railway.pictures import Recognition
 from safeloc.report.recognition import recognition_picture
-from safeloc.report.told import Broken, Told
+from safeloc.report.recorded_run import Broken, RecordedRun
 from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, words
 from tests.report.shipped_runs import picture, told
 
 SECOND_MISSED = "route-adcd-second-missed"
 
 
-def drawn(run: Told) -> Drawing:
+def drawn(run: RecordedRun) -> Drawing:
     """The picture of a run."""
     return drawing(recognition_picture(picture("route", Recognition), run))
 
 
 @pytest.fixture(scope="module")
-def missed() -> Told:
+def missed() -> RecordedRun:
     """ADCD with its D missed: what is seen reads like ACD."""
     return told("route", SECOND_MISSED)
 
 
-def carried(run: Told, number: int) -> list[int]:
+def carried(run: RecordedRun, number: int) -> list[int]:
     """The steps, from 0 on, after which a route is possible."""
     return [step for step, possible in enumerate(run.flags(f"route_{number}_possible")) if possible]
 
 
-def test_every_element_stands_at_its_distance(missed: Told) -> None:
+def test_every_element_stands_at_its_distance(missed: RecordedRun) -> None:
     """Switches 302 to 307, balises 106 and 319 and the eight reflectors, read against the axis below."""
     of = drawn(missed)
     place = across(of)
@@ -46,7 +46,7 @@ def test_every_element_stands_at_its_distance(missed: Told) -> None:
     assert {160, 210, 360, 380, 560, 860, 900} <= set(on_track)
 
 
-def test_tracks_join_at_the_switches(missed: Told) -> None:
+def test_tracks_join_at_the_switches(missed: RecordedRun) -> None:
     """The connections run from one track to the other, between their switches."""
     of = drawn(missed)
     place = across(of)
@@ -57,7 +57,7 @@ def test_tracks_join_at_the_switches(missed: Told) -> None:
         assert y1 - y0 == pytest.approx(74)
 
 
-def test_the_stated_route_is_drawn_under_its_tracks(missed: Told) -> None:
+def test_the_stated_route_is_drawn_under_its_tracks(missed: RecordedRun) -> None:
     """ADCD: along 301 to switch 304, over to the second track, and to the end."""
     stated = {str(line.get("class")).split()[1] for line in kinds(drawn(missed), "stated")}
     assert stated == {"track-301", "track-302-304", "track-304-305", "track-305-307", "track-310"}
@@ -81,7 +81,7 @@ def test_each_route_ends_where_it_is_refuted(stem: str) -> None:
             assert across(of)(begin(mark) + 6) == pytest.approx(ends[1], abs=1.5)
 
 
-def test_it_is_told_what_refutes(missed: Told) -> None:
+def test_it_is_told_what_refutes(missed: RecordedRun) -> None:
     """By the place of C, ACD; for having no A, DCD; for having no C, the routes with B and second A."""
     said = " ".join(words(drawn(missed)))
     assert "reflector A seen at about 160 m: none of model A on this route" in said
@@ -89,7 +89,7 @@ def test_it_is_told_what_refutes(missed: Told) -> None:
     assert said.count("none of model C on this route") == 2
 
 
-def test_what_is_seen_is_shown_where_it_is_seen(missed: Told) -> None:
+def test_what_is_seen_is_shown_where_it_is_seen(missed: RecordedRun) -> None:
     """A, C and D in view; D of the missed reflector is not there."""
     of = drawn(missed)
     pieces: dict[str, list[int]] = {}
@@ -101,7 +101,7 @@ def test_what_is_seen_is_shown_where_it_is_seen(missed: Told) -> None:
     assert len(kinds(of, "unseen")) == 1
 
 
-def test_the_only_route_left_is_another_colour(missed: Told) -> None:
+def test_the_only_route_left_is_another_colour(missed: RecordedRun) -> None:
     """From the step on at which no other is possible."""
     of = drawn(missed)
     (only,) = kinds(of, "only")
@@ -118,7 +118,7 @@ def test_given_up_routes_say_why() -> None:
     assert not kinds(of, "unseen")
 
 
-def test_without_a_plan_the_strips_remain(missed: Told) -> None:
+def test_without_a_plan_the_strips_remain(missed: RecordedRun) -> None:
     """A recording of another line is told without a drawing of the line."""
     of = drawn(replace(missed, name="mine"))
     assert not kinds(of, "track")
@@ -126,7 +126,7 @@ def test_without_a_plan_the_strips_remain(missed: Told) -> None:
     assert "route 4" in words(of)
 
 
-def test_a_violated_statement_is_marked(missed: Told) -> None:
+def test_a_violated_statement_is_marked(missed: RecordedRun) -> None:
     """At the place of its step."""
     of = drawn(replace(missed, broken=(Broken("containment", 200),)))
     (mark,) = kinds(of, "violated")

@@ -122,7 +122,7 @@ def test_how_strongly_a_requirement_is_shown() -> None:
         rows["MRK-1"][0], rows["MRK-1"][1].partition(":")[0],
     ]  # fmt: skip
     assert rows["MRK-D1"][0].startswith("not measured: ") and [] == rows["SAT-1"]
-    assert "how strongly: NOT SHOWN: " in to_html(told)
+    assert "strength: NOT SHOWN: " in to_html(told)
     assert {0} == {len(row["strength"]) for row in report_data(findings(), [target()])["requirements"]}
 
 
@@ -364,7 +364,7 @@ def test_an_unknown_verdict_is_refused(folder: Path, tmp_path: Path, where: str)
     changed = data if where == "whole" else data[where][0]
     changed["verdict"] = "fine"
     (tmp_path / "report.json").write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(InputError, match=r"report.json: does not keep to schema .* is 'fine'; there are proved, held"):
+    with pytest.raises(InputError, match=r"report.json: does not fit schema .* is 'fine'; there are proved, held"):
         render_folder(tmp_path)
     assert not (tmp_path / "index.html").exists()
 

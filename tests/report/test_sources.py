@@ -9,10 +9,10 @@ from safeloc.language.interpret import run
 from safeloc.language.machine import Any_, Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import MM
-from safeloc.railway.pictures import Interval, Refusals, Sources, unreadable
+from safeloc.railway.pictures import NamedInterval, Refusals, Sources, unreadable
+from safeloc.report.recorded_run import RecordedRun
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
-from safeloc.report.told import Told
 from safeloc.reported import Reported
 from tests.report.reading import drawing, kinds, words
 
@@ -20,7 +20,7 @@ VERDICT = members("verdict", "NONE", "TOO_LATE", "CONTRADICTION")
 WHO = members("who", "NONE", "RADAR", "BALISE")
 ONLY_INTERVAL = Reported(position="place_mm", below="margin_mm", above="margin_mm", valid="valid", truth="")
 PICTURE = Sources(
-    "Sources", 100, ONLY_INTERVAL, "lead", (Interval("radar", ONLY_INTERVAL),),
+    "Sources", 100, ONLY_INTERVAL, "lead", (NamedInterval("radar", ONLY_INTERVAL),),
     refusals=(Refusals("radar", "verdict", ("NONE",), ("lead",)),),
 )  # fmt: skip
 
@@ -50,14 +50,14 @@ def system() -> TransitionSystem:
     )  # fmt: skip
 
 
-def told(verdicts: str) -> Told:
+def told(verdicts: str) -> RecordedRun:
     """A step of 0.1 s for each letter: . nothing refused, L too late, C contradiction, and then nothing is stated."""
     names = {".": "NONE", "L": "TOO_LATE", "C": "CONTRADICTION"}
     steps = [
         {"given_place": 1_000 * n, "given_margin": 3_000, "v": names[one], "l": "RADAR" if one == "C" else "NONE", "ok": one != "C"}
         for n, one in enumerate(verdicts)
     ]  # fmt: skip
-    return Told("drive", run(system(), steps), tuple(1_000 * n for n in range(len(verdicts))))
+    return RecordedRun("drive", run(system(), steps), tuple(1_000 * n for n in range(len(verdicts))))
 
 
 def test_every_rejection_is_a_row() -> None:
@@ -80,7 +80,7 @@ def test_intervals_are_bands_and_silence_is_a_box() -> None:
 def test_a_run_without_any_place_has_no_picture() -> None:
     """Nothing stated and no truth: nothing is drawn."""
     silent = told("CCC")
-    assert not sources_picture(PICTURE, Told("drive", silent.trace, (None,) * 3))
+    assert not sources_picture(PICTURE, RecordedRun("drive", silent.trace, (None,) * 3))
 
 
 def test_it_reads_what_the_machine_has() -> None:

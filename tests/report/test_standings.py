@@ -12,8 +12,8 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.railway.pictures import Standing, Standings, unreadable
+from safeloc.report.recorded_run import Broken, RecordedRun
 from safeloc.report.standings import standings_picture
-from safeloc.report.told import Broken, Told
 from safeloc.reported import Reported
 from tests.report.reading import across, begin, drawing, end, kinds, words
 
@@ -46,14 +46,14 @@ def system() -> TransitionSystem:
     )  # fmt: skip
 
 
-def told(first: str, second: str, persons: tuple[int, ...] = (3,) * 10) -> Told:
+def told(first: str, second: str, persons: tuple[int, ...] = (3,) * 10) -> RecordedRun:
     """A run over ten metres: letters F, T, B say what each seat is, metre by metre."""
     names = {"F": "FREE", "T": "TAKEN", "B": "BROKEN"}
     steps = [
         {"given_seat_1": names[a], "given_seat_2": names[b], "given_whose_1": who, "given_whose_2": 0}
         for a, b, who in zip(first, second, persons, strict=True)
     ]
-    return Told("drive", run(system(), steps), tuple(1_000 * n for n in range(10)))
+    return RecordedRun("drive", run(system(), steps), tuple(1_000 * n for n in range(10)))
 
 
 def test_each_part_has_its_strip() -> None:
@@ -86,7 +86,9 @@ def test_what_occurs_is_in_the_legend() -> None:
 def test_a_violated_statement_is_marked() -> None:
     """By name, at its place."""
     run_ = told("F" * 10, "F" * 10)
-    of = drawing(standings_picture(PICTURE, Told(run_.name, run_.trace, run_.truth_mm, (Broken("nobody stands", 4),))))
+    of = drawing(
+        standings_picture(PICTURE, RecordedRun(run_.name, run_.trace, run_.truth_mm, (Broken("nobody stands", 4),)))
+    )
     assert any("violated at step 4: nobody stands" in text for text in words(of))
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from safeloc.railway.pictures import Stanford, unreadable
+from safeloc.report.recorded_run import Broken, RecordedRun
 from safeloc.report.stanford import REGIONS, Region, region, stanford_picture
-from safeloc.report.told import Broken, Told
 from safeloc.reported import Reported
 from tests.report.gauge import drive, system
 from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
@@ -15,12 +15,12 @@ PICTURE = Stanford("Error against margin", Reported(), 10_000)
 PLACES = range(0, 40_000, 1_000)
 
 
-def told(error_mm: int, margin_below_mm: int = 4_000, margin_above_mm: int = 6_000) -> Told:
+def told(error_mm: int, margin_below_mm: int = 4_000, margin_above_mm: int = 6_000) -> RecordedRun:
     """Every step with the same error and margins."""
     return drive([{"given_position": p + error_mm, "given_margin_below": margin_below_mm, "given_margin_above": margin_above_mm} for p in PLACES], PLACES)  # fmt: skip
 
 
-def drawn(run: Told) -> Drawing:
+def drawn(run: RecordedRun) -> Drawing:
     """The picture of a run."""
     return drawing(stanford_picture(PICTURE, run))
 
@@ -100,7 +100,7 @@ def test_the_diagonal_and_the_limit_stand_where_the_axes_say() -> None:
 def test_violated_statements_are_named() -> None:
     """Above the diagram, with the step."""
     run = told(30_000)
-    of = drawn(Told(run.name, run.trace, run.truth_mm, (Broken("containment", 1),)))
+    of = drawn(RecordedRun(run.name, run.trace, run.truth_mm, (Broken("containment", 1),)))
     assert "\N{MULTIPLICATION SIGN} violated at step 1: containment" in words(of)
 
 

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.railway.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, unreadable
+from safeloc.railway.pictures import LoudFibre, NamedInterval, Stretch, TrueEnds, Waterfall, unreadable
 from safeloc.report.png import SIGNATURE
-from safeloc.report.told import Told
+from safeloc.report.recorded_run import RecordedRun
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table
 from safeloc.reported import Reported
 from tests.report.gauge import drive, system
@@ -34,11 +34,11 @@ LOUD = LoudFibre(
     marks={"axle counter": 300_000},
 )
 PICTURE = Waterfall(
-    "Fibre", lambda name: LOUD if name == "drive" else None, (Interval("front", Reported()),), signals=("valid",)
+    "Fibre", lambda name: LOUD if name == "drive" else None, (NamedInterval("front", Reported()),), signals=("valid",)
 )
 
 
-def run(silent: range = range(0)) -> Told:
+def run(silent: range = range(0)) -> RecordedRun:
     """The front 200 m ahead of the step's place, with 50 m below and 80 m above; silent in some steps."""
     places = [200_000 + 50_000 * number for number in range(STEPS)]
     steps = [
@@ -53,7 +53,7 @@ def run(silent: range = range(0)) -> Told:
     return drive(steps, places)
 
 
-def drawn(told: Told) -> Drawing:
+def drawn(told: RecordedRun) -> Drawing:
     """The picture."""
     return drawing(waterfall_picture(PICTURE, told))
 
@@ -76,7 +76,7 @@ def test_every_level_is_a_pixel() -> None:
     assert bytes([16] * 20) == rows[1]
     assert bytes([5] * 20) == rows[2]
     assert bytes([0] * 19 + [15]) == rows[3]
-    assert "nothing told" in words(drawn(run()))
+    assert "no data" in words(drawn(run()))
 
 
 def test_true_ends_stand_at_their_place_and_time() -> None:

@@ -89,7 +89,7 @@ def test_the_place_of_a_defect_is_told() -> None:
     """With kind, first line, and the line of safeloc that failed."""
     with pytest.raises(UnforeseenError) as told, reading("run.csv"):
         whole_number(None)  # type: ignore[arg-type]
-    assert str(told.value).startswith("run.csv: not read, for safeloc itself failed on it (TypeError: ")
+    assert str(told.value).startswith("run.csv: not read: safeloc itself failed on it (TypeError: ")
     assert "safeloc/runtime/outside.py:" in str(told.value)
 
 

@@ -24,6 +24,6 @@ def test_least_and_greatest_lag_of_a_recording() -> None:
     """A source that is always behind shows by its least lag; what it repeats from before tells nothing."""
     clocks = SourceClocks()
     for source, time_ms in (("a", 100), ("b", 60), ("a", 200), ("b", 150), ("b", 140), ("a", 300), ("c", 300)):
-        clocks.hear(source, time_ms)
+        clocks.take(source, time_ms)
     assert {"b": 40, "a": -150, "c": 0} == clocks.least
     assert {"b": 50, "a": -140, "c": 0} == {source: lag.lag_ms for source, lag in clocks.greatest.items()}

@@ -14,7 +14,7 @@ from safeloc.errors import InputError
 from safeloc.sensing.along_track import Delay, along_track, distance_now, lateral
 from safeloc.sensing.echoes import Echo
 from safeloc.sensing.figures import Installation, RadarConfig
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 from safeloc.sensing.signature import Model
 from safeloc.simulation.radar_track import Arc, pose, seen_from
 from tests.sensing.scenes import CONFIG
@@ -37,14 +37,14 @@ def test_every_track_is_held(
     track = [Arc(length, turn * TIGHT.least_radius_mm) for length, turn in bends]
     x, y = pose(track, along_mm).aside(side * (TIGHT.offset_mm + off))
     slant = math.sqrt(x * x + y * y + height * height)
-    held = along_track(Interval(Fraction(slant), Fraction(slant)), TIGHT)
+    held = along_track(ExactBounds(Fraction(slant), Fraction(slant)), TIGHT)
     assert held.low <= along_mm <= held.high
 
 
 def test_on_a_straight_the_bounds_are_tight() -> None:
     """A reflector 50 m ahead, 3 m aside, curves of 3 km at most: 90 mm wide; with turnouts ten times as much; and where
     neither curve nor tolerance has to be reckoned with, 2 mm."""
-    slant = Interval(Fraction(math.hypot(50_000, 3_000)), Fraction(math.hypot(50_000, 3_000)))
+    slant = ExactBounds(Fraction(math.hypot(50_000, 3_000)), Fraction(math.hypot(50_000, 3_000)))
     wide, turnout = along_track(slant, Installation(least_radius_mm=3_000_000)), along_track(slant, CONFIG.installation)
     assert 60 < wide.high - wide.low < 90
     assert 600 < turnout.high - turnout.low < 1_000
@@ -54,13 +54,13 @@ def test_on_a_straight_the_bounds_are_tight() -> None:
 
 def test_nearer_than_the_offset_nothing_is_claimed() -> None:
     """A range shorter than the reflector stands aside: from abreast on."""
-    assert along_track(Interval(0, 2_000), CONFIG.installation).low == 0
+    assert along_track(ExactBounds(0, 2_000), CONFIG.installation).low == 0
 
 
 def test_a_view_around_a_curve_is_refused() -> None:
     """Where the range is longer than the radius, the bounds say nothing; the configuration is refused as well."""
     with pytest.raises(InputError, match=r"^a reflector 899\d{3} mm away is not in view on a radius of 300000 mm;"):
-        along_track(Interval(900_000, 900_000), TIGHT)
+        along_track(ExactBounds(900_000, 900_000), TIGHT)
     with pytest.raises(ValueError, match="a view of 153450 mm reaches around a curve of 150000 mm"):
         RadarConfig(installation=Installation(least_radius_mm=150_000))
 
@@ -125,7 +125,7 @@ def test_tracks_go_where_arcs_say() -> None:
     end, beyond = pose(quarter, math.pi / 2 * 200_000), pose(quarter, math.pi / 2 * 200_000 + 1_000)
     assert (end.x, end.y, end.heading) == pytest.approx((200_000, 200_000, math.pi / 2))
     assert (beyond.x, beyond.y) == pytest.approx((200_000, 201_000))
-    with pytest.raises(InputError, match=r"^a track has no place -1 mm before its beginning\.$"):
+    with pytest.raises(InputError, match=r"^-1 mm lies before the beginning of the track\.$"):
         pose(quarter, -1)
 
 

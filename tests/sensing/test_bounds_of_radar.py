@@ -18,7 +18,7 @@ from safeloc.sensing.images import in_cdb
 from safeloc.sensing.interpolation import FLOAT_CELLS, Places, Points, points
 from safeloc.sensing.radar import Frame
 from safeloc.sensing.reflector_inputs import step_inputs
-from safeloc.sensing.rounding import Interval, outward
+from safeloc.sensing.rounding import ExactBounds, outward
 from safeloc.sensing.sensor_errors import ground_nm, range_nm, sine_ppb
 from safeloc.sensing.signature import MARKS, Model
 from tests.sensing.enclosure import FEWER, Ball, assert_encloses, ends, exact, span
@@ -43,7 +43,7 @@ EXACT = Sensor(scale_error_ppm=0, offset_error_mm=0, ground_reflection_percent=0
 @example(Fraction(1e300), Fraction(1, 3), 1)
 def test_whole_numbers_enclose(low: Fraction, width: Fraction, unit: int) -> None:
     """`outward`: both ends are inside, and each end is less than a unit and a half away."""
-    value, error = outward(Interval(low, low + width), unit)
+    value, error = outward(ExactBounds(low, low + width), unit)
     assert_encloses((value - error) * unit, (value + error) * unit, span(exact(low), exact(low + width)))
     assert 2 * error * unit < width + 3 * unit
 
@@ -276,7 +276,7 @@ def test_distances_along_the_track_enclose(
         exact(along), bend * installation.least_radius_mm, side * aside, height * installation.height_difference_mm
     )
     low, high = ends(slant)
-    held = along_track(Interval(low, high), installation)
+    held = along_track(ExactBounds(low, high), installation)
     assert_encloses(held.low, held.high, exact(along))
 
 
@@ -286,7 +286,7 @@ def test_along_a_straight_track_little_is_given_away(along: float, off: float) -
     """Where nothing but 100 mm aside is unsure: what these cost (100 mm x 3100 / 20 000, both ways), and 2 mm."""
     installation = Installation(height_difference_mm=0, least_radius_mm=10_000_000_000)
     slant, _ = seen(exact(along), 0, exact(3_000) + exact(off) * 100, 0)
-    held = along_track(Interval(*ends(slant)), installation)
+    held = along_track(ExactBounds(*ends(slant)), installation)
     assert held.high - held.low < 2 * 100 * 3_100 / along + 2.5
 
 
@@ -304,7 +304,7 @@ def test_distances_now_enclose(ahead: float, age_ms: int, speed: int, unsure: in
     real = exact(speed) + exact(share) * unsure
     slant, cosine = seen(exact(ahead), bend * config.installation.least_radius_mm, exact(3_000), 0)
     lead_s = exact(config.sensor.lead_us) / MILLION
-    measured_mm, error_mm = outward(Interval(*ends(slant - real * cosine * lead_s)))
+    measured_mm, error_mm = outward(ExactBounds(*ends(slant - real * cosine * lead_s)))
     echo = Echo(Model.A, None, measured_mm, error_mm, 0, 0, 5_000, 2_000)
     delay = Delay(age_ms, age_ms, speed - unsure, speed + unsure)
     held = distance_now(echo, config, delay)

@@ -208,7 +208,7 @@ def test_the_stream_is_judged_before_the_picture() -> None:
 @pytest.mark.parametrize(
     ("message", "wrong"),
     [
-        ("corners 600 mm apart are not told apart with cells of 599 mm", {"sensor": Sensor(bandwidth_mhz=250)}),
+        ("corners 600 mm apart cannot be resolved with cells of 599 mm", {"sensor": Sensor(bandwidth_mhz=250)}),
         ("makes models overlap", {"reflectors": Reflectors(mark_tolerance_mm=201)}),
     ],
     ids=["too coarse", "too tolerant"],
@@ -217,7 +217,7 @@ def test_figures_that_cannot_work_are_refused(message: str, wrong: dict[str, obj
     """When the configuration is made, with what to do."""
     with pytest.raises(ValidationError, match=message):
         RadarConfig(**wrong)  # type: ignore[arg-type]
-    with pytest.raises(ValidationError, match="overload_cdb lies at least 1000 below"):
+    with pytest.raises(ValidationError, match="overload_cdb has to be at least 1000 below"):
         Sensor(overload_cdb=10_000)
     with pytest.raises(ValidationError, match="so that it has a middle"):
         Detection(window_cells=34)

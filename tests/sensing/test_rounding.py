@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.sensing.rounding import Interval, hull, outward
+from safeloc.sensing.rounding import ExactBounds, hull, outward
 
 LOW, HIGH = z3.Reals("low high")
 FLOOR, CEIL = z3.ToInt(LOW), -z3.ToInt(-HIGH)
@@ -56,7 +56,7 @@ def test_the_code_is_the_rule(one: Fraction, other: Fraction, unit: int) -> None
     """`outward` rounds as the rule that was proved."""
     low, high = min(one, other), max(one, other)
     floor, ceil = math.floor(low / unit), math.ceil(high / unit)
-    value, error = outward(Interval(low, high), unit)
+    value, error = outward(ExactBounds(low, high), unit)
     assert ((floor + ceil) // 2, ceil - (floor + ceil) // 2) == (value, error)
     assert unit * (value - error) <= low <= high <= unit * (value + error)
 
@@ -64,13 +64,13 @@ def test_the_code_is_the_rule(one: Fraction, other: Fraction, unit: int) -> None
 def test_an_interval_the_wrong_way_round_is_refused() -> None:
     """Bounds in the wrong order hold nothing."""
     with pytest.raises(InputError, match=r"^an interval from 2 to 1 holds nothing; give the lower bound first\.$"):
-        Interval(2, 1)
+        ExactBounds(2, 1)
 
 
 @given(SOME, SOME, SOME, SOME, SOME, SOME)
 def test_products_and_hulls_hold(a: Fraction, b: Fraction, c: Fraction, d: Fraction, p: Fraction, q: Fraction) -> None:
     """The product of any two members is a member of the product; every member is in the hull."""
-    one, other = Interval(min(a, b), max(a, b)), Interval(min(c, d), max(c, d))
+    one, other = ExactBounds(min(a, b), max(a, b)), ExactBounds(min(c, d), max(c, d))
     x, y = min(max(p, one.low), one.high), min(max(q, other.low), other.high)
     product, both = one * other, hull([one, other])
     assert product.low <= x * y <= product.high

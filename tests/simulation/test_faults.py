@@ -76,7 +76,7 @@ def test_a_fault_that_is_there_for_good_has_no_time() -> None:
     """A time would be left out of account in silence."""
     KINDS.require([Fault("dark")], timed=False)
     for timed in (Fault("dark", begin=1), Fault("dark", end=1)):
-        with pytest.raises(InputError, match=r"is there for good; give neither begin nor end\.$"):
+        with pytest.raises(InputError, match=r"is permanent; give neither begin nor end\.$"):
             KINDS.require([timed], timed=False)
 
 

@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 
 from safeloc.errors import InputError
+from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.law_check import Breach, first_breach
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.sensors import KINDS, Law, measure
+from safeloc.simulation.sensors import KINDS, measure
 
 VEHICLE = VehicleConfig()
 LAWS = [
-    pytest.param(Law(5_000, 50_000), id="SUBSET-041"),
-    pytest.param(Law(6_000, 21_277, 556, 8_333), id="radar"),
-    pytest.param(Law(2, 0), id="rounding only"),
-    pytest.param(Law(2, 1_000_000), id="as wrong as can be"),
-    pytest.param(Law(100_000, 1_000, 10_000), id="coarse"),
+    pytest.param(WHEEL, id="SUBSET-041"),
+    pytest.param(RADAR, id="radar"),
+    pytest.param(ErrorLaw(kind="wheel", constant_mm=2, rate_ppm=0), id="rounding only"),
+    pytest.param(ErrorLaw(kind="wheel", constant_mm=2, rate_ppm=1_000_000), id="as wrong as can be"),
+    pytest.param(ErrorLaw(kind="wheel", constant_mm=100_000, rate_ppm=1_000, floor_mm_s=10_000), id="coarse"),
 ]
 RUNNING = move(VEHICLE, [Leg(20_000, 60.0)], 100)
 
@@ -31,7 +32,7 @@ def still(cycles: int) -> Motion:
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("severity", [0.0, 0.9, 1.0])
-def test_no_seed_breaks_the_law(law: Law, severity: float) -> None:
+def test_no_seed_breaks_the_law(law: ErrorLaw, severity: float) -> None:
     """Running, stopping, reversing and with drop-outs, up to the very ends of the law."""
     for seed in range(8):
         rng = np.random.default_rng(seed)
@@ -43,7 +44,7 @@ def test_no_seed_breaks_the_law(law: Law, severity: float) -> None:
 @pytest.mark.parametrize("kind", ["stuck", "runaway", "jump", "slip", "slide", "freeze"])
 def test_every_fault_breaks_the_law_where_it_begins(kind: str) -> None:
     """The check sees the fault, not before it begins, and within a second."""
-    law, begin = Law(200, 1_000), 60
+    law, begin = ErrorLaw(kind="wheel", constant_mm=200, rate_ppm=1_000), 60
     sound = measure("wheel", RUNNING, law, np.random.default_rng(1))
     assert first_breach(RUNNING, law, sound) is None
     broken = measure("wheel", RUNNING, law, np.random.default_rng(1), faults=[Fault(kind, "wheel", begin, 200)])
@@ -56,14 +57,18 @@ def test_every_fault_breaks_the_law_where_it_begins(kind: str) -> None:
 def test_a_drop_out_is_no_breach_but_an_absence() -> None:
     """A unit that is silent says nothing wrong."""
     unit = measure(
-        "wheel", RUNNING, Law(200, 1_000), np.random.default_rng(1), faults=[Fault("drop-out", "wheel", 5, 9)]
+        "wheel",
+        RUNNING,
+        ErrorLaw(kind="wheel", constant_mm=200, rate_ppm=1_000),
+        np.random.default_rng(1),
+        faults=[Fault("drop-out", "wheel", 5, 9)],
     )
     assert np.flatnonzero(~unit.present).tolist() == [5, 6, 7, 8]
 
 
 def test_one_nanometre_too_much_is_a_breach() -> None:
     """The check is exact: at the end of the band all is well, one beyond is not."""
-    motion, law = still(3), Law(2, 0)
+    motion, law = still(3), ErrorLaw(kind="wheel", constant_mm=2, rate_ppm=0)
     unit = measure("wheel", motion, law, np.random.default_rng(0), severity=0.0)
     for wander, expected in ((1_000_000, None), (1_000_001, Breach("wheel", 1, 1_000_001, 1_000_000))):
         path = np.array([0, wander, 0], dtype=np.int64)
@@ -73,7 +78,7 @@ def test_one_nanometre_too_much_is_a_breach() -> None:
 
 def test_drift_is_allowed_by_rate_floor_and_knee_to_the_nanometre() -> None:
     """1000 mm measured, knee 400 mm, 1000 ppm, floor 10 mm/s for 100 ms: 600 000 + 1 000 000 nm."""
-    law = Law(0, 1_000, 10, 4_000)
+    law = ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=1_000, floor_mm_s=10, knee_mm_s=4_000)
     allowed = 600 * 1_000 + 10 * 100 * 1_000
     unit = dataclasses.replace(
         measure("wheel", still(1), law, np.random.default_rng(0), severity=0.0), step_mm=np.array([1_000])
@@ -85,15 +90,19 @@ def test_drift_is_allowed_by_rate_floor_and_knee_to_the_nanometre() -> None:
 
 def test_wander_rests_while_nothing_is_measured() -> None:
     """An absent measurement must not be used to hide a change of wander."""
-    unit = measure("wheel", still(2), Law(10, 0), np.random.default_rng(0), severity=0.0)
+    unit = measure(
+        "wheel", still(2), ErrorLaw(kind="wheel", constant_mm=10, rate_ppm=0), np.random.default_rng(0), severity=0.0
+    )
     hidden = dataclasses.replace(unit, present=np.array([True, False]), wander_nm=np.array([0, 1]))
-    assert first_breach(still(2), Law(10, 0), hidden) == Breach("wheel", 1, 1, 0)
+    assert first_breach(still(2), ErrorLaw(kind="wheel", constant_mm=10, rate_ppm=0), hidden) == Breach(
+        "wheel", 1, 1, 0
+    )
 
 
 def test_a_constant_that_cannot_hold_the_rounding_is_refused() -> None:
     """Whole millimetres need at least 1 mm of one-off constant."""
     with pytest.raises(InputError, match=r"^wheel: a constant of 0 mm cannot hold the rounding to whole mm; "):
-        measure("wheel", RUNNING, Law(0, 0), np.random.default_rng(0))
+        measure("wheel", RUNNING, ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=0), np.random.default_rng(0))
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -13,8 +11,7 @@ from safeloc.errors import InputError
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL
 from safeloc.simulation.law_check import first_breach
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.physical import RadarConfig, WheelConfig, radar, radar_law, wheel, wheel_law
-from safeloc.simulation.sensors import Law
+from tests.simulation.physical import RadarConfig, WheelConfig, radar, radar_law, wheel, wheel_law
 
 VEHICLE = VehicleConfig()
 TO_AND_FRO = move(VEHICLE, [Leg(15_000, 30.0), Leg(0, 25.0), Leg(-15_000, 60.0)], 100, start_nm=-3)
@@ -46,8 +43,7 @@ def test_default_figures_are_within_the_laws_of_the_odometry_machine() -> None:
     """Wheel and radar as figured may be given to a machine that assumes SUBSET-041."""
     wheel_steps = wheel("wheel", TO_AND_FRO, WheelConfig())
     radar_steps = radar("radar", TO_AND_FRO, RadarConfig(), np.random.default_rng(0))
-    for assumed, unit in ((WHEEL, wheel_steps), (RADAR, radar_steps)):
-        law = Law(assumed.constant_mm, assumed.rate_ppm, assumed.floor_mm_s, assumed.knee_mm_s)
+    for law, unit in ((WHEEL, wheel_steps), (RADAR, radar_steps)):
         assert first_breach(TO_AND_FRO, law, unit) is None
 
 
@@ -72,7 +68,7 @@ def test_a_law_without_the_diameter_is_broken() -> None:
     config = WheelConfig()
     unit = wheel("wheel", TO_AND_FRO, config)
     law = wheel_law(config)
-    assert first_breach(TO_AND_FRO, dataclasses.replace(law, rate_ppm=law.rate_ppm - 1), unit) is not None
+    assert first_breach(TO_AND_FRO, law.model_copy(update={"rate_ppm": law.rate_ppm - 1}), unit) is not None
 
 
 def test_a_law_with_half_the_noise_is_broken() -> None:
@@ -80,7 +76,7 @@ def test_a_law_with_half_the_noise_is_broken() -> None:
     config = RadarConfig(scale_error_ppm=0)
     unit = radar("radar", TO_AND_FRO, config, np.random.default_rng(0))
     law = radar_law(config)
-    assert first_breach(TO_AND_FRO, dataclasses.replace(law, floor_mm_s=law.floor_mm_s // 2), unit) is not None
+    assert first_breach(TO_AND_FRO, law.model_copy(update={"floor_mm_s": law.floor_mm_s // 2}), unit) is not None
 
 
 def test_the_radar_is_silent_when_slow() -> None:

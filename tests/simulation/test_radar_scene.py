@@ -145,7 +145,7 @@ def test_corners_stand_at_the_marks_of_their_model() -> None:
     assert places[:, 1] == pytest.approx([-3_000] * 3)
     assert len(set(places[:, 2])) == 3
     assert len(corners(Reflector(Model.B, 10_000, lost=(0, 2)), CONFIG.reflectors)) == 1
-    with pytest.raises(InputError, match=r"^a reflector that stands somewhere has a model; take A, B, C or D\.$"):
+    with pytest.raises(InputError, match=r"^a reflector needs a model; take A, B, C or D\.$"):
         corners(Reflector(Model.UNKNOWN, 10_000), CONFIG.reflectors)
 
 

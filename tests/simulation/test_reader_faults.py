@@ -73,11 +73,11 @@ def test_another_reader_is_left_alone() -> None:
         ),
         (
             Fault("misplaced", "front_marker", 0, 99, {"reach": 7}),
-            r"marker 2 has no other one 7 further on this line\.$",
+            r"marker 2 has no other one 7 markers further on this line\.$",
         ),
         (
             Fault("misplaced", "front_marker", 0, 99, {"reach": 0}),
-            r"marker 1 has no other one 0 further on this line\.$",
+            r"marker 1 has no other one 0 markers further on this line\.$",
         ),
     ],
 )

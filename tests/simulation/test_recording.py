@@ -10,6 +10,7 @@ import pytest
 from safeloc.errors import InputError
 from safeloc.models.odometry.simulate import simulate
 from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.runtime.border import Reason
 from safeloc.runtime.streams.cycles import cycles
 from safeloc.runtime.streams.record_files import read_records, write_records
@@ -18,7 +19,7 @@ from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.record_faults import disturb
 from safeloc.simulation.recording import records
-from safeloc.simulation.sensors import Law, measure, read_markers
+from safeloc.simulation.sensors import measure, read_markers
 
 PERIOD_MS = 100
 CHANNELS = {"front_wheel": 1, "rear_radar": 1}
@@ -28,7 +29,10 @@ def run(dropout: float = 0.0) -> list[Record]:
     """Twenty seconds with two units and a reader at either end."""
     rng = np.random.default_rng(3)
     motion = move(VehicleConfig(), [Leg(15_000, 20.0)], PERIOD_MS)
-    units = [measure(name, motion, Law(5_000, 20_000), rng, dropout=dropout) for name in CHANNELS]
+    units = [
+        measure(name, motion, ErrorLaw(kind="wheel", constant_mm=5_000, rate_ppm=20_000), rng, dropout=dropout)
+        for name in CHANNELS
+    ]
     places = [(number, number * 40_000) for number in range(1, 9)]
     readings = [
         reading

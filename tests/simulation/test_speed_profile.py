@@ -53,5 +53,5 @@ def test_nothing_beyond_what_the_vehicle_can_do(distance_mm: int, top_mm_s: int,
 
 def test_a_speed_of_nothing_is_refused() -> None:
     """A limit of 0 would never be passed."""
-    with pytest.raises(InputError, match="a speed of 0 is permitted on the way to it, so it is never reached"):
+    with pytest.raises(InputError, match="a speed limit of 0 on the way to it makes it unreachable"):
         drive(TRAIN, [Halt(1_000, 1.0, 100)], [Limit(0, 500, 0)], 100)

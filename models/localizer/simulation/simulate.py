@@ -76,13 +76,13 @@ class Stretch:
     end_mm: int
 
     def holds(self, place_mm: int) -> bool:
-        """Whether a place lies in it."""
+        """Return whether a place lies in it."""
         return self.begin_mm <= place_mm < self.end_mm
 
 
 @dataclass(frozen=True)
 class Journey:
-    """What a vehicle runs along.
+    """Line of a journey.
 
     dark        where no satellite is seen; elsewhere `satellites` are, as far as the receiver has channels
     fibre       where a fibre lies along the track, entered over an axle counter
@@ -125,7 +125,7 @@ class Journey:
         return self.junction.branched(self.groups) if stale and self.junction else list(self.groups)
 
     def undecided(self, place_mm: int) -> bool:
-        """Whether the vehicle may be on either branch there, so that no satellite is predicted along either."""
+        """Return whether the vehicle may be on either branch there, so that no satellite is predicted along either."""
         return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
 
     def trouble(self, kind: str, cycle: int) -> Fault | None:
@@ -156,7 +156,7 @@ def _ghosts(config: str) -> frozenset[str]:
 
 
 def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
-    """What is open at the start: where the vehicle is, how fast, and what train it is."""
+    """Return first values of the open variables: place and speed of the vehicle, and its train."""
     motion = motion_of(config, journey)
     used: dict[str, Value] = {"truth_nm": motion.start_nm}
     if config.motion.check is not None:
@@ -174,7 +174,7 @@ def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
 
 
 def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
-    """How the vehicle runs, from 0 on."""
+    """Return the vehicle's run, from 0 on."""
     vehicle = VehicleConfig(
         max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9), acceleration_mm_s2=journey.acceleration_mm_s2,
         brake_mm_s2=journey.acceleration_mm_s2, length_mm=journey.length_mm,
@@ -190,7 +190,7 @@ def _measured(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np
 
 
 def _passed_on(machine: str, journey: Journey) -> list[Fault]:
-    """What goes wrong on the journey, in the words of the machine's own simulation."""
+    """Return the troubles of the journey as faults of the machine's own simulation."""
     known = PASSED_ON[machine]
     return [replace(known[one.kind], begin=one.begin, end=one.end) for one in journey.troubles if one.kind in known]
 
@@ -337,7 +337,7 @@ def _fibre(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measure
 
 
 def _record(journey: Journey, front: int, speed: int, *, due: bool) -> dict[str, Cell]:
-    """What the axle counter at the area's border tells, in the cycle in which the front passes it."""
+    """Return the report of the axle counter at the area's border, in the cycle in which the front passes it."""
     miscounts = any(one.kind == "fibre miscount" for one in journey.troubles)
     return {
         "reference_due": due, "reference_from": "AXLE_COUNTER" if due else "NOBODY", "record_sound": True,
@@ -357,7 +357,7 @@ def _pattern(
     speed: int,
     inside: bool,
 ) -> dict[str, Cell]:
-    """What the fibre determines in a block, every fifth cycle; nothing between them."""
+    """Return the features that the fibre determines in a block, every fifth cycle; nothing between them."""
     told = inside and cycle % BLOCK_CYCLES == 0
     step: dict[str, Cell] = {
         "associated": told, "fibre_located": told, "fibre_margin_above_mm": 12_000, "fibre_margin_below_mm": 12_000,

@@ -1,4 +1,4 @@
-"""What a satellite front end hands over along a journey: channels against their prediction, and a solution along the track."""
+"""Output of a satellite front end along a journey: channels against their prediction, and a solution along the track."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MULTIPATH_MM = 60_000
 
 
 def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool) -> dict[str, Cell]:
-    """What each channel measured, less what was predicted; the first one comes by a detour where it is `far`."""
+    """Return each channel's measured value less the predicted one; where it is `far`, the first one comes by a detour."""
     step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
     for number in range(1, config.channels + 1):
         name = f"selection.channel_{number}"

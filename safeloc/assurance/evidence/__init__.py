@@ -1,1 +1,1 @@
-"""What the proofs of a target rest on: minimal sets of clauses, lemmas and rows, and every clause broken alone or in pairs."""
+"""Proof cores (minimal sets of clauses, lemmas and rows), and the effects of clauses broken alone and in pairs."""

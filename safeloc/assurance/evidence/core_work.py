@@ -1,4 +1,4 @@
-"""Finds the proof cores of a target in several processes; what an earlier run found of the same content is not asked again."""
+"""Search for the proof cores of a target in several processes; cores of earlier runs with the same content are used again."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 SCHEMA = "safeloc-cores/1"
-KIND = "cores"
-QUESTIONS = 12
-"""How often the limit may be used up for one claim."""
+_KIND = "cores"
+_QUESTIONS = 12
+"""Number of questions with the full limit that one claim may take."""
 
 
 def cores_of(
@@ -34,12 +34,12 @@ def cores_of(
     look_in: Store | None = None,
     keep_in: Store | None = None,
 ) -> list[Core]:
-    """Return the core of each property, in order; `on_core` hears of each as it comes.
+    """Return the core of each property, in order; `on_core` is called with each as soon as it is found.
 
-    look_in  where an earlier run kept what it found; None looks at nothing
-    keep_in  where each core is kept as soon as it is found
+    look_in  store with cores of earlier runs; None: none is used
+    keep_in  store for each new core
     """
-    keeping = Keeping(KIND, asked(target, KIND, limits).key, look_in, keep_in)
+    keeping = Keeping(_KIND, asked(target, _KIND, limits).key, look_in, keep_in)
     by_name = {prop.name: prop for prop in properties}
     found = dict[str, Core]()
     for name, data in kept_or_done([*by_name], lambda left: _work(target, by_name, left, limits), keeping, jobs):
@@ -49,21 +49,21 @@ def cores_of(
 
 
 def _work(target: Target, properties: Mapping[str, Property], left: Sequence[str], limits: Limits) -> list[Batch]:
-    """What is proved of the target for all claims is proved before the processes begin."""
+    """Return the work for these properties. Facts for all claims are proved now, before the processes begin."""
     proved_base(target.system, limits)
     return [Batch((name,), _task(target, properties[name], limits)) for name in left]
 
 
 def _task(target: Target, prop: Property, limits: Limits) -> Task:
     return Task(
-        f"{target.name}: what {prop.name} rests on",
+        f"{target.name}: core of {prop.name}",
         lambda: [asdict(core(target.system, prop, limits))],
-        CLOCK * QUESTIONS * limits.seconds,
+        CLOCK * _QUESTIONS * limits.seconds,
     )
 
 
 def from_data(data: Mapping[str, Any]) -> Core:
-    """Return a core from what `asdict` made of it."""
+    """Return a core from its plain data (`asdict`)."""
     elements = {name: tuple(Element(**one) for one in data[name]) for name in ("rests_on", "open_")}
     return Core(
         data["claim"], elements["rests_on"], data["steps"], data["kept_by"], elements["open_"], data["why_none"]
@@ -71,9 +71,9 @@ def from_data(data: Mapping[str, Any]) -> Core:
 
 
 def needed_by_none(target: Target, cores: Iterable[Core]) -> list[Element]:
-    """Return the clauses and rows that no claim's proof rests on; rows of single machines only.
+    """Return the clauses, and for a single machine the rows, that are in the core of no claim.
 
-    Of a composition, a machine's own claims were proved on that machine, with its clauses.
+    In a composition, claims of one machine were proved on that machine, with its clauses.
     """
     used = {(one.kind, one.machine, one.name) for core in cores for one in core.rests_on}
     every = [Element("clause", one.machine, one.name) for one in assumed_clauses(target.system)]
@@ -84,7 +84,7 @@ def needed_by_none(target: Target, cores: Iterable[Core]) -> list[Element]:
 
 
 def as_data(target: Target, cores: Sequence[Core], *, whole: bool) -> dict[str, Any]:
-    """Return the cores as data for JSON. `whole`: all claims were asked, so it can be told what none of them needs."""
+    """Return the cores as data for JSON. `whole`: these are the cores of all claims, so add the elements in no core."""
     data: dict[str, Any] = {"schema": SCHEMA, "target": target.name, "cores": [asdict(one) for one in cores]}
     for one in data["cores"]:
         one["undecided"] = one.pop("open_")

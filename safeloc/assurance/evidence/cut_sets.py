@@ -1,4 +1,4 @@
-"""Minimal cut sets: the fewest clauses whose breach lets a reported interval miss the truth, of order 1 and 2."""
+"""Minimal cut sets of order 1 and 2: the smallest sets of clauses whose breach lets a reported interval miss the truth."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ TOP = "a reported interval misses the truth"
 
 @dataclass(frozen=True)
 class CutSets:
-    """The cut sets that runs were found for, and what was not decided: it may be a cut set as well."""
+    """The cut sets that were shown by runs, and undecided sets, which may be cut sets as well."""
 
     found: tuple[tuple[ClauseId, ...], ...]
     undecided: tuple[tuple[ClauseId, ...], ...]
 
 
 def cut_sets(effects: Iterable[Effect]) -> CutSets:
-    """Return the minimal cut sets among the effects. Pairs are asked only of clauses that alone do no harm: none holds another."""
+    """Return the minimal cut sets among the effects. Pairs consist of clauses that alone do no harm, so they are minimal."""
     every = list(effects)
     return CutSets(
         tuple(one.broken for one in every if one.end in ("wrong", "withdrawn")),
@@ -42,7 +42,7 @@ def numbered(system: TransitionSystem) -> dict[ClauseId, str]:
 def to_open_psa(system: TransitionSystem, sets: CutSets) -> str:
     """Return the cut sets as a fault tree in the Open-PSA model exchange format: a basic event is the breach of a clause.
 
-    What was not decided stands in a comment: it is no event.
+    Undecided sets are comments, since they are no events.
     """
     numbers = numbered(system)
     root = ElementTree.Element("opsa-mef")
@@ -64,7 +64,7 @@ def to_open_psa(system: TransitionSystem, sets: CutSets) -> str:
 
 
 def _formula(gate: ElementTree.Element, sets: Sequence[tuple[ClauseId, ...]], numbers: dict[ClauseId, str]) -> None:
-    """A gate of one input passes it on; `or` needs two."""
+    """Add the sets to the gate. A single set is added directly: `or` needs two inputs."""
     parent = gate if len(sets) == 1 else ElementTree.SubElement(gate, "or")
     for one in sets:
         holder = parent if len(one) == 1 else ElementTree.SubElement(parent, "and")

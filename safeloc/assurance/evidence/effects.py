@@ -1,7 +1,7 @@
-"""What becomes of a target's claims and of its reported interval when clauses of its world are broken.
+"""The effects of broken clauses of the world on a target's claims and on its reported interval.
 
-A broken clause holds in no cycle of which anything is known: it may be broken once, always, or never. So what is proved
-here holds however long the fault lasts, and a run that is found is one of the worst.
+A broken clause is not assumed in any cycle: it may be broken once, always, or never. So a proof here holds for any duration
+of the fault, and a run that is found is one of the worst.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from safeloc.proof.provers.portfolio import prove_one
 from safeloc.target import Target
 
 End = Literal["contained", "withdrawn", "wrong", "undecided", "no interval"]
-"""What becomes of the reported interval.
+"""Effect on the reported interval.
 
-contained    it holds the truth all the same: proved
-withdrawn    it may miss the truth, and is right again or withdrawn within so many cycles: proved
+contained    it still contains the truth (proved)
+withdrawn    it may miss the truth, but is right again or withdrawn within a number of cycles (proved)
 wrong        a run was found in which it misses the truth for longer
-undecided    neither was decided within the limits
+undecided    undecided within the limits
 no interval  the target reports none, or its truth is unknown
 """
 CYCLES = (1, 2, 5, 10)
-"""How long a wrong interval may stand before it counts as undetected, tried one after the other."""
-TRANSITIONS = 4
-"""So many transitions are looked for that withdraw the interval in the cycle of the breach."""
-SEARCH_SHARE = 0.1
+"""Numbers of cycles within which a wrong interval has to be withdrawn, tried in turn; after more it counts as undetected."""
+_TRANSITIONS = 4
+"""Most transitions that are searched which withdraw the interval in the cycle of the breach."""
+_SEARCH_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -51,18 +51,18 @@ class Run:
 
     @property
     def cycles(self) -> int:
-        """How many cycles it has."""
+        """The number of cycles."""
         return len(self.inputs)
 
 
 @dataclass(frozen=True)
 class Effect:
-    """What becomes of a target when these clauses are broken.
+    """The effect of broken clauses on a target.
 
-    kept, lost, open_  claims that are proved all the same; that a run breaks, with its cycles; that are not decided
-    end                what becomes of the reported interval, and `within_cycles` of `withdrawn`
-    run                of `wrong` and `withdrawn`: the shortest run that ends in a wrong interval
-    withdrawn_by        transitions that can withdraw the interval in the very cycle of the breach
+    kept, lost, open_  claims that are still proved; claims that a run breaks, with its cycles; undecided claims
+    end                effect on the reported interval, with `within_cycles` for `withdrawn`
+    run                for `wrong` and `withdrawn`: the shortest run that ends in a wrong interval
+    withdrawn_by       transitions that can withdraw the interval in the cycle of the breach
     """
 
     broken: tuple[ClauseId, ...]
@@ -76,9 +76,9 @@ class Effect:
 
 
 def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str], limits: Limits) -> Effect:
-    """Return what becomes of the target when these clauses are broken.
+    """Return the effect of these broken clauses on the target.
 
-    asked  names of the claims that may rest on them; every other one is kept, since it was proved without them
+    asked  names of the claims whose proofs may need them; every other claim is kept, since it was proved without them
     """
     system = without(target.system, broken)
     found = Effect(broken)
@@ -128,21 +128,21 @@ def _run(trace: Trace) -> Run:
     return Run(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), fired)
 
 
-# ------------------------------------------------------------------ what withdraws the interval
+# ------------------------------------------------------------------ transitions that withdraw the interval
 
 
 def _withdrawn_by(
     target: Target, system: TransitionSystem, broken: Sequence[ClauseId], limits: Limits
 ) -> tuple[str, ...]:
-    """Transitions of the broken clauses' machines that fire where the first breach of all withdraws the interval."""
+    """Return transitions of the broken clauses' machines that fire when the first breach withdraws the interval."""
     clauses = assumed_clauses(target.system)
     breach = _of_the_step(any_of(~clauses[one] for one in broken), target.system)
     valid = valid_term(target)
     withdrawn = breach & ~previous(once(breach)) & earlier_bool(valid) & ~valid
     tables = _tables(system, {one.machine for one in broken})
-    limited = replace(limits, seconds=limits.seconds * SEARCH_SHARE)
+    limited = replace(limits, seconds=limits.seconds * _SEARCH_SHARE)
     found = list[dict[str, str]]()
-    while len(found) < TRANSITIONS:
+    while len(found) < _TRANSITIONS:
         others = [any_of(table.ne(_row(table, one[table.name])) for table in tables) for one in found]
         claim = reachable("the interval is withdrawn in the cycle of the breach", all_of([withdrawn, *others]))
         run = search(observe(system, claim), limited)
@@ -153,7 +153,7 @@ def _withdrawn_by(
 
 
 def _tables(system: TransitionSystem, machines: Collection[str]) -> list[NumVar]:
-    """The names of the transitions that fire, of these machines."""
+    """Return the variables that name the fired transition of each of these machines."""
     if len(system.machines) == 1:
         return list(system.fired)
     return [fired for fired, one in zip(system.fired, system.machines, strict=True) if one.name in machines]
@@ -165,7 +165,7 @@ def _row(table: NumVar, name: str) -> Lit:
 
 
 def _of_the_step(term: Bool, system: TransitionSystem) -> Bool:
-    """A clause, which is over the state before the step and inputs, as a claim says it."""
+    """Return a clause, which reads state before the step and inputs, in the form of a claim."""
     state = set(system.state)
     twins: dict[Var, Expr] = {
         var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term]) if var in state

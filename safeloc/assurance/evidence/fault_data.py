@@ -1,4 +1,4 @@
-"""What becomes of a target when clauses are broken, as data and in words: for the command, for JSON and for the report."""
+"""The effects of broken clauses as data and in words, for the command, JSON and the report."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ SCHEMA = "safeloc-faults/1"
 
 
 def end_in_words(one: Effect) -> str:
-    """Return what becomes of the reported interval, as a sentence."""
+    """Return the effect on the reported interval as a sentence."""
     run = f"; shortest run: {cycles(one.run.cycles)}, ends with {one.run.fired!r}" if one.run is not None else ""
     match one.end:
         case "contained":
-            return "the reported interval holds the truth all the same (proved)"
+            return "the reported interval still contains the truth (proved)"
         case "withdrawn":
             return f"a wrong interval is right again or withdrawn within {cycles(one.within_cycles)} (proved){run}"
         case "wrong":
             return f"the reported interval can miss the truth for more than {CYCLES[-1]} cycles{run}"
         case "undecided":
-            return f"not decided within the limits{run}"
+            return f"undecided within the limits{run}"
         case "no interval":
-            return "none on an interval: the target reports none"
+            return "none: the target reports no interval"
 
 
 def cycles(number: int) -> str:
-    """Return so many cycles, in words."""
+    """Return a number of cycles in words."""
     return f"{number} cycle" if number == 1 else f"{number} cycles"
 
 
@@ -53,9 +53,9 @@ def faults_data(target: Target, effects: Sequence[Effect], sets: CutSets) -> dic
             for clause in one.broken
         ]
         rows.append(row)
-    told = {
+    sets_data = {
         "top": TOP,
         "minimal": [[numbers[clause] for clause in one] for one in sets.found],
         "not_decided": [[numbers[clause] for clause in one] for one in sets.undecided],
     }
-    return {"schema": SCHEMA, "target": target.name, "effects": rows, "cut_sets": told}
+    return {"schema": SCHEMA, "target": target.name, "effects": rows, "cut_sets": sets_data}

@@ -1,4 +1,4 @@
-"""Breaks every clause of a target's world alone, and every pair that alone do no harm, in several processes."""
+"""Breaking of every clause of a target's world alone, and of pairs of clauses that alone do no harm, in several processes."""
 
 from __future__ import annotations
 
@@ -21,35 +21,35 @@ from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
-KIND = "faults"
+_KIND = "faults"
 SECONDS_A_CLAIM = 10.0
-"""The limit for each claim where none is given, as solvers count."""
+"""Default limit of effort for each claim, in seconds of an idle computer."""
 
 
-class Progress(Protocol):
-    """Hears what begins, with the number of results that will come, and of each result."""
+class _Progress(Protocol):
+    """A display of progress."""
 
     def say(self, text: str, planned: int) -> None:
-        """Hear what begins."""
+        """Begin a phase with the expected number of results."""
 
     def tick(self, line: str) -> None:
-        """Hear of one more result."""
+        """Count one result."""
 
 
 @dataclass(frozen=True, eq=False)
 class Breaking:
-    """How clauses are broken: limits for each claim, processes, who hears of it, and where results are kept."""
+    """A job that breaks clauses: limits for each claim, processes, display of progress, and stores for results."""
 
     limits: Limits
     jobs: int
-    progress: Progress
+    progress: _Progress
     look_in: Store | None = None
     keep_in: Store | None = None
 
     def cores(self, target: Target) -> list[Core]:
-        """Return what the claims of the target, and that its interval holds the truth, rest on."""
+        """Return the proof cores of the target's claims, including the claim that its interval contains the truth."""
         every = _claims(target)
-        self.progress.say(f"what the proofs of {target.name} rest on", len(every))
+        self.progress.say(f"proof cores of {target.name}", len(every))
         return cores_of(
             target,
             every,
@@ -61,14 +61,14 @@ class Breaking:
         )
 
     def singles(self, target: Target, cores: Sequence[Core]) -> list[Effect]:
-        """Return what becomes of the target when each clause of its world is broken alone. `cores`: of this target."""
+        """Return the effect of each clause of the world broken alone. `cores`: the proof cores of the target."""
         clauses = assumed_clauses(target.system)
         return self._effects(target, {(one,): _may_rest_on(target, cores, (one,)) for one in clauses})
 
     def pairs(self, target: Target, cores: Sequence[Core], singles: Sequence[Effect]) -> list[Effect]:
-        """Return the same for every two clauses that do no harm to the interval alone, as far as the interval is concerned.
+        """Return the effect on the interval of each pair of clauses that alone do it no harm.
 
-        Of a composition, for two clauses of different machines.
+        In a composition, only of pairs of clauses of different machines.
         """
         harmless = [one.broken[0] for one in singles if one.end == "contained"]
         rests = [one for one in cores if one.claim == HOLDS]
@@ -82,15 +82,15 @@ class Breaking:
         self, target: Target, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]], *, interval_only: bool = False
     ) -> list[Effect]:
         self.progress.say(f"breaking clauses of {target.name}", len(wanted))
-        key = asked(target, KIND, self.limits, CYCLES, interval_only).key
-        told = _only_interval(target) if interval_only else target
+        key = asked(target, _KIND, self.limits, CYCLES, interval_only).key
+        judged = _only_interval(target) if interval_only else target
         by_name = {"-".join(map(str, one)): one for one in wanted}
         found = dict[tuple[ClauseId, ...], Effect]()
 
         def work(left: Sequence[str]) -> list[Batch]:
-            return [Batch((name,), self._task(told, by_name[name], wanted[by_name[name]])) for name in left]
+            return [Batch((name,), self._task(judged, by_name[name], wanted[by_name[name]])) for name in left]
 
-        for name, data in kept_or_done([*by_name], work, Keeping(KIND, key, self.look_in, self.keep_in), self.jobs):
+        for name, data in kept_or_done([*by_name], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.jobs):
             one = by_name[name]
             found[one] = _undecided(target, one, wanted[one]) if isinstance(data, Lost) else from_data(data)
             self.progress.tick(f"{found[one].end:11} {' and '.join(map(str, one))}")
@@ -106,12 +106,12 @@ class Breaking:
 
 
 def planned(target: Target) -> int:
-    """Return how many results cores and single breaches of a target give."""
+    """Return the number of results of cores and single breaches of a target."""
     return len(_claims(target)) + len(assumed_clauses(target.system))
 
 
 def _claims(target: Target) -> list[Property]:
-    """Its claims but those that a run shows, and that its interval holds the truth."""
+    """Return the target's claims, without reachable ones, and the claim that its interval contains the truth."""
     top = holds_truth(target)
     claims = [prop for prop in target.properties if prop.kind != "reachable"]
     return [*claims, *([top] if top is not None else [])]
@@ -122,9 +122,9 @@ def _only_interval(target: Target) -> Target:
 
 
 def _may_rest_on(target: Target, cores: Sequence[Core], broken: Sequence[ClauseId]) -> frozenset[str]:
-    """The claims whose proof may need one of the clauses. The others were proved without them.
+    """Return the claims whose proof may need one of the clauses; the others were proved without them.
 
-    Of a composition, lemmas and contracts are proved by its machines, from clauses that the core does not tell.
+    In a composition, lemmas and contracts are proved by its machines, from clauses that are not in the core.
     """
     gone = {(one.machine, one.name) for one in broken}
     owed = {part.name for part in target.system.parts if part.owed is not TRUE}
@@ -147,7 +147,7 @@ def _undecided(target: Target, broken: tuple[ClauseId, ...], names: frozenset[st
 
 
 def from_data(data: Mapping[str, Any]) -> Effect:
-    """Return an effect from what `asdict` made of it."""
+    """Return an effect from its plain data (`asdict`)."""
     run = data["run"]
     return Effect(
         tuple(ClauseId(**one) for one in data["broken"]),

@@ -1,4 +1,4 @@
-"""The top event of a target that reports an interval: the interval does not hold the true position."""
+"""The top event of a target that reports an interval: the interval does not contain the true position."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ HOLDS = "the reported interval holds the truth"
 
 
 def holds_truth(target: Target) -> Property | None:
-    """Return the claim that a reported interval always holds the true position; None where there is no interval or truth."""
+    """Return the claim that a reported interval always contains the true position; None without interval or truth."""
     term = _term(target)
     return None if term is None else always(HOLDS, term)
 
 
 def withdrawn_within(target: Target, cycles: int) -> Property:
-    """Return the claim that a wrong interval is right again or withdrawn at most so many cycles later.
+    """Return the claim that a wrong interval is right again or withdrawn after at most `cycles` cycles.
 
     ValueError if the target reports no interval.
     """
@@ -32,7 +32,7 @@ def withdrawn_within(target: Target, cycles: int) -> Property:
 
 
 def valid_term(target: Target) -> Bool:
-    """Return whether an interval is reported, over the state."""
+    """Return the term, over the state, that is true if an interval is reported."""
     assert target.reported is not None
     return ReportedTerms.of(target.reported, target.system.outputs).valid
 
@@ -59,8 +59,8 @@ def _term(target: Target) -> Bool | None:
     truth = None if reported is None else next((var for var in system.ghosts if var.name == reported.truth), None)
     if reported is None or not isinstance(truth, NumVar):
         return None
-    told = ReportedTerms.of(reported, system.outputs)
-    return told.valid.implies((_in_nm(told.low) <= truth) & (truth <= _in_nm(told.high)))
+    ends = ReportedTerms.of(reported, system.outputs)
+    return ends.valid.implies((_in_nm(ends.low) <= truth) & (truth <= _in_nm(ends.high)))
 
 
 def _number(term: Expr) -> Num:

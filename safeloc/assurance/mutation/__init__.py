@@ -1,1 +1,1 @@
-"""Wrong machines, made on purpose: what properties, proofs and recordings notice of them, and what they do not."""
+"""Machines made wrong on purpose (mutants), and which of them properties, proofs and recordings notice."""

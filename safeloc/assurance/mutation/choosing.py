@@ -1,4 +1,4 @@
-"""Which mutants of a declaration are judged: of which part of it, and how many."""
+"""Choice of the mutants to judge: parts of the declaration, and their number."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ MADE: Mapping[Of, Callable[[Declared, Places], list[Mutant]]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Chosen:
-    """Mutants to judge, by part of the declaration; `of` is how many there are in these parts.
+class _Chosen:
+    """Mutants to judge, by part of the declaration; `of` is the number of all mutants of these parts.
 
-    against   mutants of the machine by which weaker claims are weighed; none where no claim is judged
+    against   mutants of the machine with which weaker claims are compared; none if no claim is judged
     existing  the ids of all mutants of these parts, chosen or not
     """
 
@@ -36,12 +36,12 @@ class Chosen:
 
     @property
     def number(self) -> int:
-        """How many will be judged, also those that are judged for the sake of claims only."""
+        """The number of mutants to judge, with those that are only needed for claims."""
         return len({one.id for own in (*self.parts.values(), self.against) for one in own})
 
 
-def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> Chosen:
-    """All mutants of these parts, or at most so many of each part; claims are weighed against as many of the machine."""
+def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> _Chosen:
+    """Return all mutants of these parts, or at most `most` of each; claims are compared with as many of the machine."""
 
     def some(part: Of) -> list[Mutant]:
         every = MADE[part](whole, places)
@@ -52,15 +52,15 @@ def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | 
     made: dict[Of, Sequence[Mutant]] = {part: some(part) for part in dict.fromkeys(parts)}
     of = sum(map(len, existing.values()))
     against = made.get("machine") or some("machine") if "claims" in made else []
-    return Chosen(made, of, against, existing)
+    return _Chosen(made, of, against, existing)
 
 
 def _ids(mutants: Sequence[Mutant]) -> frozenset[str]:
     return frozenset(one.id for one in mutants)
 
 
-def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> Chosen:
-    """These mutants of whatever part; InputError for an id that none has."""
+def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> _Chosen:
+    """Return the mutants with these ids, of any part; InputError for an unknown id."""
     every: dict[Of, list[Mutant]] = {part: make(whole, places) for part, make in MADE.items()}
     made: dict[Of, Sequence[Mutant]] = {part: [one for one in own if one.id in ids] for part, own in every.items()}
     missing = sorted(set(ids) - {one.id for own in made.values() for one in own})
@@ -69,11 +69,11 @@ def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | No
     machine = every["machine"]
     against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
     existing: dict[Of, frozenset[str]] = {part: _ids(own) for part, own in every.items()}
-    return Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
+    return _Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
 
 
-def judge(judging: Judging, some: Chosen) -> list[Judged]:
-    """Judge all of them, the machine's first; in the order of machine, world, claims."""
+def judge(judging: Judging, some: _Chosen) -> list[Judged]:
+    """Judge all chosen mutants; return the results in the order machine, world, claims."""
     machine = {one.id: one for one in some.parts.get("machine", ())} | {one.id: one for one in some.against}
     judged = {one.id: one for one in judging.of_machine([*machine.values()])}
     found = [judged[one.id] for one in some.parts.get("machine", ())]

@@ -1,4 +1,4 @@
-"""What becomes of a weaker claim: whether a proof or a mutant of the machine needs the stronger one.
+"""Judging of a weaker claim: does any proof, or the detection of any mutant of the machine, need the stronger claim?
 
 A claim counts only for what no other claim was seen to notice. If all of that is still noticed with the weaker claim in its
 place, the weaker one kills as much.
@@ -20,11 +20,11 @@ from safeloc.errors import SafelocError
 from safeloc.language.spec import Property
 
 Against = Sequence[tuple[Mutant, Judged]]
-"""Mutants of the machine, and what became of them."""
+"""Mutants of the machine with their results."""
 
 
 def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Relation | str]:
-    """What becomes of the mutant, and how its claim stands to the claim as it is."""
+    """Return the fate of the mutant, and the relation of its claim to the original one."""
     whole = on.whole.declared
     try:
         weaker = mutant.alone(whole)
@@ -38,15 +38,15 @@ def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Rela
     if failed.claims:
         told = "not all decided within the limits" if failed.undecided else "not proved in one step of induction"
         return Outcome(results.NEEDED, tuple(map(str, failed.claims)), told), how
-    return _weighed(on, weaker, noticed_alone(mutant.claim, against), len(against)), how
+    return _weighed(on, weaker, _noticed_alone(mutant.claim, against), len(against)), how
 
 
 def _named(whole: Declared, name: str) -> Property:
     return next(prop for prop in whole.properties if prop.name == name)
 
 
-def noticed_alone(claim: str, against: Against) -> Against:
-    """The mutants that no other claim was seen to notice."""
+def _noticed_alone(claim: str, against: Against) -> Against:
+    """Return the mutants that only this claim was seen to notice."""
     own = {f"property {claim}", f"helper {claim}"}
     return [
         (mutant, one)

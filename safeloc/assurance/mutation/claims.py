@@ -19,14 +19,14 @@ from safeloc.language.system import TransitionSystem, first_without_the_world, i
 from safeloc.language.terms import Sharing, Substitution, variables
 from safeloc.proof.provers.standing import Standing
 
-ClaimKind = Literal["property", "lemma", "range", "rows exclude each other", "helper"]
+_ClaimKind = Literal["property", "lemma", "range", "rows exclude each other", "helper"]
 
 
 @dataclass(frozen=True, eq=False)
 class Claim:
     """One claim: `good` holds in every state of a layer's system. `goal` where it is a property."""
 
-    kind: ClaimKind
+    kind: _ClaimKind
     name: str
     good: Bool
     goal: Goal | None = None
@@ -37,7 +37,7 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Claims that rely on the same: `system` has their observers, and assumes what they rely on.
+    """Claims with the same assumption: `system` has their observers, and this assumption.
 
     given  what is known besides, of the layer before
     """
@@ -69,7 +69,7 @@ class Canon:
 
 
 def _alike(var: Var) -> tuple[object, ...]:
-    """What tells two observers apart: name and kind, and for a number its range."""
+    """Return the features of an observer that distinguish it: name and kind, and for a number its range."""
     return (var.name, var.low, var.high) if isinstance(var, NumVar) else (var.name,)
 
 
@@ -84,7 +84,7 @@ class Held:
 
 
 def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = ()) -> Held:
-    """All claims of a declaration; ModelError or PropertyError where it is none.
+    """Return all claims of a declaration; ModelError or PropertyError if it is not valid.
 
     under_assumption  lemmas that speak of no ghost, and hold under the assumption only
     """
@@ -121,7 +121,7 @@ def _settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
 
 
 def _facts(system: TransitionSystem, under_assumption: Collection[str]) -> tuple[tuple[Claim, ...], tuple[Claim, ...]]:
-    """Ranges of variables and lemmas: those for all inputs, and those under the assumption."""
+    """Return ranges of variables and lemmas: those for all inputs, and those under the assumption."""
     facts: tuple[list[Claim], list[Claim]] = [], []
     for var in system.state:
         if isinstance(var, NumVar):
@@ -160,18 +160,18 @@ def _helper(goal: Goal, settle: Substitution, canon: Canon) -> Bool:
 
 
 def layer_of(system: TransitionSystem, goals: list[Goal], canon: Canon) -> Layer:
-    """These goals as one layer, with nothing else claimed or known."""
+    """Return these goals as one layer, without further claims or known facts."""
     return _layer(system, goals, (), (), canon)
 
 
 def variable(term: Expr) -> Var:
-    """A term that is a variable."""
+    """Return a term that is a variable, as a variable."""
     assert isinstance(term, Var)
     return term
 
 
 def _exclusions(machine: Machine, canon: Canon) -> Iterator[tuple[str, Bool]]:
-    """Of each two rows of one rank that leave a common mode, that they are not enabled together."""
+    """Return the claims that two rows of equal rank that leave a common mode are never enabled together."""
     for first, second in combinations(machine.transitions, 2):
         if first.rank == second.rank and set(first.sources) & set(second.sources):
             one, other = (machine.mode.one_of(*row.sources) & row.when for row in (first, second))

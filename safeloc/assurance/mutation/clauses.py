@@ -1,4 +1,4 @@
-"""Wrong worlds: each clause with one term changed, and each clause left out.
+"""Mutants of the world: each clause with one term changed, and each clause left out.
 
 The machine and its claims stay as they are. Whether the world asks for more or for less then is decided when the mutant is
 judged, by proof: the kinds of change are those of any other term.
@@ -30,11 +30,11 @@ from safeloc.language.expr import Expr
 from safeloc.language.render import infix
 from safeloc.language.terms import Substitution, children
 
-LEFT_OUT = "clause left out"
+_LEFT_OUT = "clause left out"
 
 
 def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """All mutants of the world's clauses, in their order; each form of a wrong term once."""
+    """Return all mutants of the world's clauses, in order; each form of a wrong term occurs once."""
     roots = [root for root in whole.roots if root.part is Part.CLAUSE]
     return numbered([*_left_out(whole, roots, places), *_bare(whole, roots, places), *_of_terms(whole, roots, places)])
 
@@ -57,7 +57,7 @@ def _with_clauses(whole: Declared, change: Substitution) -> Declared:
 
 def _left_out(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
     for root in roots:
-        done = (LEFT_OUT, f"{root.name} is left out", "true")
+        done = (_LEFT_OUT, f"{root.name} is left out", "true")
         yield _mutant(whole, (root,), root.term, done, partial(_without, root.name), places.of(root.term))
 
 

@@ -40,7 +40,7 @@ from safeloc.language.nodes import (
 from safeloc.language.terms import children, in_order
 
 Row = tuple[Value, ...]
-Column: TypeAlias = Sequence[int]
+_Column: TypeAlias = Sequence[int]
 """A value a row: truth values as bytes 0 and 1, numbers as 64 bits each, or as they are where these do not hold them."""
 _COMPARED: Mapping[str, Callable[[Any, Any], Any]] = {"<": operator.lt, "<=": operator.le, "==": operator.eq}
 _OF_TWO: Mapping[type[Expr], Callable[[Any, Any], Any]] = {
@@ -72,7 +72,7 @@ class Columns:
         states = [row for before, _ in paths for row in before]
         told = [row for before, rows in paths for row in _as_many(rows, len(before), nothing)]
         self._length = len(states)
-        self._kept: dict[Expr, Column] = {}
+        self._kept: dict[Expr, _Column] = {}
         self._ends: list[tuple[int, int]] = []
         begin = 0
         for before, _ in paths:
@@ -96,14 +96,14 @@ class Columns:
         moved, broken = (sorted({row for pair in pairs for row in seen.of(*pair)}) for pairs in (moves, goods))
         return [_least(moved, broken, begin, end) for begin, end in self._ends]
 
-    def column(self, term: Expr, besides: dict[Expr, Column]) -> Column:
+    def column(self, term: Expr, besides: dict[Expr, _Column]) -> _Column:
         """The values of a term, worked out with what is kept and what was worked out besides."""
         self._make([term], besides)
         found = self._kept.get(term)
         return besides[term] if found is None else found
 
-    def _make(self, terms: Iterable[Expr], besides: dict[Expr, Column]) -> None:
-        def of(part: Expr) -> Column:
+    def _make(self, terms: Iterable[Expr], besides: dict[Expr, _Column]) -> None:
+        def of(part: Expr) -> _Column:
             return besides[part] if part in besides else self._kept[part]
 
         for node in in_order(terms, self._kept):
@@ -119,7 +119,7 @@ class _Differences:
 
     def __init__(self, known: Columns) -> None:
         self._known = known
-        self._besides: dict[Expr, Column] = {}
+        self._besides: dict[Expr, _Column] = {}
         self._found: dict[Pair, dict[int, Value]] = {}
 
     def of(self, now: Expr, was: Expr) -> Mapping[int, Value]:
@@ -149,7 +149,7 @@ class _Differences:
         values = _values(now, some.__getitem__, len(rows))
         return {row: value for row, value in zip(rows, values, strict=True) if value != old[row]}
 
-    def _in_rows(self, now: Expr, was: Expr, rows: Sequence[int]) -> Column:
+    def _in_rows(self, now: Expr, was: Expr, rows: Sequence[int]) -> _Column:
         changed, old = self._found[now, was], self._known.column(was, self._besides)
         values = [changed[row] if row in changed else old[row] for row in rows]
         return bytes(values) if isinstance(now, Bool) else values
@@ -183,7 +183,7 @@ def _first_within(rows: Sequence[int], begin: int, end: int) -> Sequence[int]:
     return [row for row in rows[place : place + 1] if row < end]
 
 
-def _column(node: Expr, values: Iterable[Any]) -> Column:
+def _column(node: Expr, values: Iterable[Any]) -> _Column:
     if isinstance(node, Bool):
         return bytes(values)
     listed = list(values)

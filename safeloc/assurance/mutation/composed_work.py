@@ -1,4 +1,4 @@
-"""Judges the mutants of a composition: each machine's by its own claims first, what is left by the whole."""
+"""Judging of the mutants of a composition: first by the claims of each machine, then by those of the composition."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from safeloc.proof.cache.targets import asked
 from safeloc.proof.provers.limits import CLOCK
 from safeloc.proof.provers.workers import Lost, Task
 
-KIND = "mutants of the whole"
-AT_ONCE = 4
-QUESTIONS = 40
-"""How often the limit may be used up for one mutant."""
+_KIND = "mutants of the whole"
+_AT_ONCE = 4
+_QUESTIONS = 40
+"""Number of questions with the full limit that one mutant may take."""
 
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Mutants of a composition: of its machines, and of its wires; `existing` are the ids of all there are."""
+    """Mutants of a composition: of its machines, and of its wires; `existing` are the ids of all mutants."""
 
     members: Sequence[Mutant]
     wires: Mapping[str, WireEdit]
@@ -39,17 +39,17 @@ class Parts:
 
     @property
     def of(self) -> int:
-        """How many there are in all."""
+        """The number of all mutants."""
         return len(self.existing)
 
     @property
     def number(self) -> int:
-        """How many will be judged."""
+        """The number of mutants to judge."""
         return len(self.members) + len(self.wires)
 
 
 def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only: Sequence[str] = ()) -> Parts:
-    """All mutants, at most so many, or those with these ids; InputError for an id that none has."""
+    """Return all mutants, at most `most` of them, or those with the ids in `only`; InputError for an unknown id."""
     wires = {edit.mutant.id: edit for edit in wire_edits(whole)}
     every = [*member_mutants(whole, places), *(edit.mutant for edit in wires.values())]
     chosen = [one for one in every if one.id in only] if only else sample(every, most or len(every), seed)
@@ -63,7 +63,7 @@ def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only:
 
 @dataclass(frozen=True, eq=False)
 class JudgingComposed:
-    """Judges mutants of one composition; as `Judging` does of one machine."""
+    """A job that judges mutants of one composition, as `Judging` does for one machine."""
 
     whole: Composed
     plan: Plan
@@ -72,7 +72,7 @@ class JudgingComposed:
     keep_in: Store | None = None
 
     def all(self, some: Parts) -> list[Judged]:
-        """Judge all of them: the machines' in their order, then the wires."""
+        """Judge all mutants: those of machines in order, then those of wires."""
         alone = {one.id: one for name in self.whole.members for one in self._by_itself(name, some.members)}
         left = [one for one in some.members if _is_left(alone[one.id])]
         together = self._in_the_whole([*left, *(edit.mutant for edit in some.wires.values())], alone, some.wires)
@@ -87,7 +87,7 @@ class JudgingComposed:
         return judging.of_machine(own)
 
     def _closed(self, one: Judged) -> None:
-        """Tell what the machine's own claims have decided."""
+        """Report a mutant that the machine's own claims have decided."""
         if not _is_left(one):
             self.on_judged(one)
 
@@ -95,20 +95,20 @@ class JudgingComposed:
         self, mutants: Sequence[Mutant], alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
     ) -> dict[str, Judged]:
         by_id, found = {one.id: one for one in mutants}, dict[str, Judged]()
-        key = asked(self.whole.target, KIND, self.plan.limits, self.plan.seed).key
+        key = asked(self.whole.target, _KIND, self.plan.limits, self.plan.seed).key
 
         def work(left: Sequence[str]) -> list[Batch]:
             on = self._bench
-            chunks = [left[number : number + AT_ONCE] for number in range(0, len(left), AT_ONCE)]
+            chunks = [left[number : number + _AT_ONCE] for number in range(0, len(left), _AT_ONCE)]
             return [self._batch([_piece(on, by_id[one], alone, wires) for one in chunk], chunk) for chunk in chunks]
 
-        for name, data in kept_or_done([*by_id], work, Keeping(KIND, key, self.look_in, self.keep_in), self.plan.jobs):
+        for name, data in kept_or_done([*by_id], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.plan.jobs):
             found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
             self.on_judged(found[name])
         return found
 
     def _batch(self, pieces: Sequence[Callable[[], dict[str, Any]]], names: Sequence[str]) -> Batch:
-        seconds = CLOCK * QUESTIONS * AT_ONCE * self.plan.limits.seconds
+        seconds = CLOCK * _QUESTIONS * _AT_ONCE * self.plan.limits.seconds
         task = Task(f"{self.whole.target.name}: mutants", lambda: [piece() for piece in pieces], seconds)
         return Batch(tuple(names), task)
 
@@ -119,12 +119,12 @@ class JudgingComposed:
 
 
 def _is_left(one: Judged) -> bool:
-    """Whether the machine's own claims leave it to the whole, in one of the two ways."""
+    """Return whether the claims of the machine leave the mutant to the composition, in either way of making it."""
     return _is_open(one.everywhere) or _is_open(one.alone)
 
 
 def _is_open(outcome: Outcome) -> bool:
-    """Whether the machine's own claims leave it to the whole."""
+    """Return whether the claims of the machine leave this outcome to the composition."""
     return outcome.fate not in (*BY_PROOF, *SET_ASIDE)
 
 
@@ -143,7 +143,7 @@ def _wired(on: WholeBench, edit: WireEdit) -> Judged:
 
 
 def _together(on: WholeBench, mutant: Mutant, alone: Judged) -> Judged:
-    """What the machine's own claims left open, in each of the two ways, is asked of the whole."""
+    """Judge by the composition what the claims of the machine left open, for each way of making the mutant."""
     started = time.monotonic()
     only = of_member(on, mutant, everywhere=False) if _is_open(alone.alone) else alone.alone
     if mutant.everywhere is None:

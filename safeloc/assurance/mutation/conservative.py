@@ -19,23 +19,23 @@ from safeloc.language.units import Enumeration
 from safeloc.proof.provers.limits import Limits
 from safeloc.reported import Reported
 
-HOW = "its interval holds the machine's and is withdrawn no later, on every run under the assumption, by two copies side by side"
+_HOW = "its interval holds the machine's and is withdrawn no later, on every run under the assumption, by two copies side by side"
 
 
 def conservative(
     known: Held, runs: Trodden, mutant: Held, reported: Reported | None, canon: Canon, limits: Limits
 ) -> str:
-    """Why the mutant is only more careful, in words; "" where that is not shown. All claims are proved of the mutant."""
+    """Return in words why the mutant is only more careful; "" if that is not shown. All claims are proved for the mutant."""
     if reported is None or any(_is_worse(reported, *told) for told in told_side_by_side(mutant, runs)):
         return ""
     side = Side(known, mutant, canon, limits, still_proved=True)
     goals = _goals(side, reported)
     relations = side.at_first({**side.all_equal(), **dict(_relations(side, reported)), **goals})
-    return HOW if side.follow(side.lasting({**relations, **side.equal_by_mode()}), goals) else ""
+    return _HOW if side.follow(side.lasting({**relations, **side.equal_by_mode()}), goals) else ""
 
 
 def _is_worse(reported: Reported, was: Mapping[str, Value], now: Mapping[str, Value]) -> bool:
-    """Whether the outputs of the mutant are not more careful than those of the machine, in one step."""
+    """Return whether the outputs of the mutant are less careful than those of the machine in one step."""
     old, new = reported.interval_mm(was), reported.interval_mm(now)
     if new is not None and (old is None or new[0] > old[0] or new[1] < old[1]):
         return True
@@ -47,7 +47,7 @@ def _others(reported: Reported, outputs: Mapping[str, object]) -> list[str]:
 
 
 def _both(side: Side, reported: Reported) -> tuple[ReportedTerms, ReportedTerms]:
-    """The machine's interval and the mutant's."""
+    """Return the intervals of the machine and of the mutant."""
     one, other = ({name: pair[number] for name, pair in side.outputs.items()} for number in (0, 1))
     return ReportedTerms.of(reported, one), ReportedTerms.of(reported, other)
 

@@ -27,11 +27,11 @@ from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
-LONGEST = 600
-"""Steps of a recording that are run."""
-DRAWN, STRETCHES, STRETCH = 60, 4, 12
+_LONGEST = 600
+"""Most steps of a recording that are run."""
+_DRAWN, STRETCHES, STRETCH = 60, 4, 12
 """Drawn runs, stretches of each, and steps of a stretch at most."""
-Row = tuple[Value, ...]
+_Row = tuple[Value, ...]
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Run:
 
     name: str
     first: Mapping[str, Value]
-    rows: tuple[Row, ...]
+    rows: tuple[_Row, ...]
     recorded: bool = False
     whole: bool = True
 
@@ -65,13 +65,13 @@ def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, 
 
 
 def run_of(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
-    """A trace as a run, for as many steps as are run."""
-    rows = tuple(tuple(step.inputs[var.name] for var in system.inputs) for step in trace.steps[:LONGEST])
+    """Return a trace as a run, cut to the steps that are run."""
+    rows = tuple(tuple(step.inputs[var.name] for var in system.inputs) for step in trace.steps[:_LONGEST])
     return Run(name, trace.initial, rows, recorded)
 
 
 def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
-    """What ships with a target."""
+    """Return the recordings that ship with a target, as runs."""
     for path in target.streams:
         whole = whole_run(target, path)
         if whole is not None:
@@ -81,11 +81,11 @@ def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
 
 
 def _on_board(system: TransitionSystem, path: Path) -> Run:
-    """A recording without the world: what the world was stays open."""
+    """Return a recording without ghosts; the values of the world stay open."""
     stream, names = read_steps(path), {var.name for var in system.inputs}
     ghosts = {var.name: _rest(var) for var in system.inputs if var in system.ghosts}
     steps = [{**ghosts, **{name: value for name, value in step.items() if name in names}} for step in stream.steps]
-    rows = tuple(tuple(read_inputs(system, step)[var] for var in system.inputs) for step in steps[:LONGEST])
+    rows = tuple(tuple(read_inputs(system, step)[var] for var in system.inputs) for step in steps[:_LONGEST])
     first = {var.name: _rest(var) for var in system.state if var in system.ghosts}
     known = {var.name for var in system.state}
     first |= {name: value for name, value in stream.first.items() if name in known}
@@ -99,7 +99,7 @@ def _rest(var: Var) -> Value:
 
 
 def _witnesses(target: Target, system: TransitionSystem, limits: Limits) -> list[Trace]:
-    """Runs that show that modes are come to and that rows fire, each once."""
+    """Return the runs that show that modes are reached and rows fire, each once."""
     recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
     shown = [one.verdict.witness for one in reached(system, limits, recordings) if isinstance(one.verdict, Proved)]
     kept = {str([step.inputs for step in trace.steps]): trace for trace in shown if trace is not None}
@@ -109,7 +109,7 @@ def _witnesses(target: Target, system: TransitionSystem, limits: Limits) -> list
 def _drawn(system: TransitionSystem, properties: Sequence[Property], known: Sequence[Trace], seed: int) -> list[Run]:
     """Runs from the beginning, or from somewhere along a known one; some have a faulty stretch."""
     driver, draw, runs = Driver(system, properties, known), random.Random(seed), list[Run]()
-    for number in range(DRAWN):
+    for number in range(_DRAWN):
         if known and number % 3:
             driver.follow(draw.randrange(len(known)), draw.random())
         else:
@@ -118,6 +118,6 @@ def _drawn(system: TransitionSystem, properties: Sequence[Property], known: Sequ
             faulty = number % 5 == 4 and stretch == STRETCHES - 1
             kind = draw.choice(FAULTY if faulty else PLAUSIBLE)
             driver.drive(kind, draw.randint(1, STRETCH), draw.randrange(2**16), faulty=faulty)
-        rows = tuple(tuple(step[var.name] for var in system.inputs) for step in driver.stream[:LONGEST])
+        rows = tuple(tuple(step[var.name] for var in system.inputs) for step in driver.stream[:_LONGEST])
         runs.append(Run(f"drawn {number}", dict(driver.first), rows))
     return runs

@@ -1,4 +1,4 @@
-"""A declaration as mutation sees it: its terms by where they stand, and the same declaration with terms exchanged.
+"""A declaration for mutation: its terms by their place, and the same declaration with replaced terms.
 
 A `Root` is a whole term of the declaration: the guard of a row, an update, an output, a clause of the world, a claim. Rows,
 updates and outputs are the machine; the rest is what the machine is held against.
@@ -25,7 +25,7 @@ from safeloc.target import Target
 
 
 class Part(Enum):
-    """What of a declaration a term belongs to."""
+    """The part of a declaration to which a term belongs."""
 
     GUARD = "guard"
     UPDATE = "update"
@@ -43,7 +43,7 @@ ON_BOARD = frozenset({Part.GUARD, Part.UPDATE, Part.OUTPUT})
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """A whole term: of which part it is, and its name there (of a row, an output, a clause, a claim)."""
+    """A complete term: its part of the declaration, and its name there (of a row, an output, a clause, a claim)."""
 
     part: Part
     name: str
@@ -56,7 +56,7 @@ class Root:
 
 @dataclass(frozen=True, eq=False)
 class Declared:
-    """A machine and what is claimed of it."""
+    """A machine and its claims."""
 
     machine: Machine
     properties: tuple[Property, ...]
@@ -65,7 +65,7 @@ class Declared:
 
     @property
     def roots(self) -> Iterator[Root]:
-        """All whole terms, the machine's own first."""
+        """All complete terms, those of the machine first."""
         machine = self.machine
         for row in machine.transitions:
             yield Root(Part.GUARD, f"of {row.name!r}", row.when, row)
@@ -82,7 +82,7 @@ class Declared:
                 yield Root(Part.CLAIM, prop.name, term)
 
     def lowered(self) -> TransitionSystem:
-        """The machine as one map from state to state; which row fired is told as claims know it, whatever the order now."""
+        """The lowered machine. Fired rows keep the numbers that claims use, even if the order of rows has changed."""
         system = lower(self.machine)
         [(fired, term)] = system.fired.items()
         table = fired.unit
@@ -96,7 +96,7 @@ class Declared:
 
 
 def declared(spec: str, config: Any = None) -> tuple[Target, Declared]:
-    """A target and its declaration; InputError for a composition."""
+    """Return a target and its declaration; InputError for a composition."""
     target = load_target(spec, config)
     if len(target.machines) != 1:
         raise InputError(
@@ -106,15 +106,15 @@ def declared(spec: str, config: Any = None) -> tuple[Target, Declared]:
 
 
 def whole_of(target: Target) -> Declared:
-    """The declaration of a target of one machine."""
+    """Return the declaration of a target of one machine."""
     [machine] = target.machines
     return Declared(machine, target.properties)
 
 
 def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | None) -> Declared:
-    """The declaration with the machine's terms rewritten and, if so asked, world, lemmas and claims as well.
+    """Return the declaration with rewritten terms: of the machine by `on_board`, and of world, lemmas and claims by `beyond`.
 
-    ModelError or PropertyError where that is no declaration.
+    ModelError or PropertyError if the result is not a valid declaration.
     """
     rows = [_row(row, on_board) for row in whole.machine.transitions]
     outputs = {name: on_board(term) for name, term in whole.machine.outputs.items()}
@@ -133,14 +133,14 @@ def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | No
 
 
 def remade(machine: Machine, **fields: Any) -> Machine:
-    """The machine with other fields, and the very variable of the row, of which claims speak."""
+    """Return the machine with other fields, and with the same variable for the fired row, since claims read it."""
     made = replace(machine, **fields)
     object.__setattr__(made, "fired_name", machine.fired_name)
     return made
 
 
 def claimed(prop: Property, change: Substitution) -> Property:
-    """The claim with its terms rewritten."""
+    """Return the claim with its terms rewritten."""
     helper = prop.helper
     return replace(
         prop,

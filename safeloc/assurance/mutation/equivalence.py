@@ -1,4 +1,4 @@
-"""Whether a mutant does the same as the machine: the same outputs on every run that the world allows.
+"""Check whether a mutant is equivalent to the machine: the same outputs on every run that the world allows.
 
 First the two are the same function on every state that the machine can be in, as far as is proved of it. Where they are not, two
 copies run side by side: what is equal between them, and in which modes, is the greatest part of a list that lasts from
@@ -18,7 +18,7 @@ from safeloc.proof.provers.limits import Limits
 
 
 def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> str:
-    """Why the mutant does the same, in words; "" where that is not shown.
+    """Return in words why the mutant is equivalent; "" if that is not shown.
 
     known         the machine as it is
     still_proved  all claims are proved of the mutant too, and may be used
@@ -84,7 +84,7 @@ class Side:
             self._facts += [self._second.bool(term) for term in (*_facts(mutant, 2), in_range(_on_board(other)))]
 
     def tells_the_same(self) -> bool:
-        """Whether the outputs are equal on every run."""
+        """Return whether the outputs are equal on every run."""
         goals = {name: equal(one, other) for name, (one, other) in self.outputs.items()}
         plain = self.all_equal()
         if self.follow(self.lasting(plain), goals):
@@ -122,7 +122,7 @@ class Side:
         return kept
 
     def follow(self, kept: Mapping[str, Bool], goals: Mapping[str, Bool]) -> bool:
-        """Whether the goals follow from relations that last."""
+        """Return whether the goals follow from lasting relations."""
         return not self._fails(list(kept.values()), goals)
 
     def _fails(self, given: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:

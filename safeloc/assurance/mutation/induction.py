@@ -1,4 +1,4 @@
-"""Whether all claims of a mutant are still proved, in one step of induction; and which of them are not.
+"""Check by one induction step which claims of a mutant are still proved.
 
 Claims that were proved in one step are asked together: whatever state obeys them all, does the step after it? Where every
 answer is yes, all are proved of the mutant too. Claims for which nothing changed are not asked again. What was not proved
@@ -22,13 +22,13 @@ from safeloc.proof.provers.kinduction import queries
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.proved_base import Base
 
-Asked = tuple[int, str]
+_Asked = tuple[int, str]
 """A layer's number, and a claim as text."""
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
-    """What is asked of a layer: whether the goals follow from the hypotheses."""
+class _Question:
+    """A question about a layer: do the goals follow from the hypotheses?"""
 
     hypotheses: tuple[Bool, ...]
     goals: dict[str, Bool]
@@ -36,7 +36,7 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class Proofs:
-    """How the claims of a machine as it is are proved.
+    """The proofs of the claims of the unchanged machine.
 
     steps   by layer, the question of the step, as it is asked of the machine
     starts  by layer, that of the first state
@@ -45,19 +45,19 @@ class Proofs:
     under_assumption  lemmas that speak of no ghost, and hold under the assumption only
     """
 
-    steps: tuple[Question, ...]
-    starts: tuple[Question, ...]
-    hard: frozenset[Asked]
-    open: frozenset[Asked]
+    steps: tuple[_Question, ...]
+    starts: tuple[_Question, ...]
+    hard: frozenset[_Asked]
+    open: frozenset[_Asked]
     under_assumption: frozenset[str] = frozenset()
 
 
 def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Proofs]:
-    """The claims of the machine as it is, and how they are proved. A lemma that needs the assumption is put under it."""
+    """Return the claims of the unchanged machine with their proofs. A lemma that needs the assumption is moved under it."""
     bound = frozenset[str]()
     while True:
         whole = held(declared, canon, bound)
-        known = proofs(whole, canon, limits)
+        known = _proofs(whole, canon, limits)
         wrong = {
             name.removeprefix("lemma ") for number, name in known.hard if number == 0 and name.startswith("lemma ")
         }
@@ -66,9 +66,9 @@ def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Pr
         bound |= wrong
 
 
-def proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
-    """Prove the machine as it is."""
-    hard = frozenset[Asked]()
+def _proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
+    """Prove the claims of the unchanged machine."""
+    hard = frozenset[_Asked]()
     while True:
         steps = tuple(_step(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
         starts = tuple(_start(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
@@ -87,7 +87,7 @@ def proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
 
 @dataclass(frozen=True, eq=False)
 class Failed:
-    """Claims of a mutant that are not proved any more.
+    """Claims of a mutant that are no longer proved.
 
     undecided  whether a solver gave up on one of them: then it was not refuted even in one step
     """
@@ -97,7 +97,7 @@ class Failed:
 
 
 def no_longer(mutant: Held, known: Proofs, canon: Canon, limits: Limits) -> Failed:
-    """The claims that are not proved of the mutant any more. Those that were open before are not asked."""
+    """Return the claims that are no longer proved for the mutant. Claims that were open before are not asked."""
     failed, undecided = dict[Claim, None](), False
     for number, layer in enumerate(mutant.layers):
         by_name = {str(claim): claim for claim in layer.claims}
@@ -124,7 +124,7 @@ def excluded(mutant: Held, known: Held, canon: Canon, limits: Limits) -> list[st
 def impossible(
     mutant: Held, seen: Collection[tuple[str, int]], canon: Canon, limits: Limits, *, lawful: bool = False
 ) -> list[str]:
-    """Rows that never fire any more, modes that are never come to, and what a property says can happen and cannot.
+    """Return rows that can no longer fire, modes that can no longer be reached, and violated `reachable` properties.
 
     seen    rows and modes that are known to be come to, by number
     lawful  only what the world allows is looked at; otherwise all inputs in range
@@ -154,7 +154,7 @@ def _rows(fired: Num) -> list[tuple[int, str]]:
 
 
 def _unreachable(mutant: Held, canon: Canon, limits: Limits) -> Iterator[str]:
-    """Properties of kind `reachable` that are excluded in one step."""
+    """Return properties of kind `reachable` that are excluded in one step."""
     for prop in mutant.declared.properties:
         if prop.kind == "reachable":
             goal = observe(mutant.system, prop)
@@ -163,7 +163,7 @@ def _unreachable(mutant: Held, canon: Canon, limits: Limits) -> Iterator[str]:
                 yield f"property {prop.name}"
 
 
-def _hard_claims(whole: Held, hard: frozenset[Asked]) -> Iterator[tuple[Asked, Claim]]:
+def _hard_claims(whole: Held, hard: frozenset[_Asked]) -> Iterator[tuple[_Asked, Claim]]:
     for number, layer in enumerate(whole.layers):
         for claim in layer.claims:
             if (number, str(claim)) in hard and claim.kind == "property":
@@ -171,7 +171,7 @@ def _hard_claims(whole: Held, hard: frozenset[Asked]) -> Iterator[tuple[Asked, C
 
 
 def _by_steps(whole: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
-    """Whether a property is proved by several steps, with ranges and lemmas, which are proved."""
+    """Return whether a property is proved by several steps, with proved ranges and lemmas."""
     assert claim.goal is not None
     known = _base(whole, limits)
     for k in range(1, limits.induction + 1):
@@ -191,26 +191,26 @@ def _base(whole: Held, limits: Limits) -> Base:
     return Base(board, world, {}, {}, limits.seconds)
 
 
-def _changed(now: Question, was: Question) -> Question:
-    """What has to be asked: the goals that changed, or all where a hypothesis did."""
+def _changed(now: _Question, was: _Question) -> _Question:
+    """Return the goals to ask: those that changed, or all if a hypothesis changed."""
     if [*map(id, now.hypotheses)] != [*map(id, was.hypotheses)]:
         return now
-    return Question(now.hypotheses, {key: goal for key, goal in now.goals.items() if was.goals.get(key) is not goal})
+    return _Question(now.hypotheses, {key: goal for key, goal in now.goals.items() if was.goals.get(key) is not goal})
 
 
-def _usable(layer: Layer, number: int, hard: frozenset[Asked]) -> Sequence[Claim]:
+def _usable(layer: Layer, number: int, hard: frozenset[_Asked]) -> Sequence[Claim]:
     return [claim for claim in layer.claims if (number, str(claim)) not in hard]
 
 
-def _step(layer: Layer, number: int, canon: Canon, hard: frozenset[Asked]) -> Question:
+def _step(layer: Layer, number: int, canon: Canon, hard: frozenset[_Asked]) -> _Question:
     claims, after = _usable(layer, number, hard), Substitution(dict(layer.system.next))
     given = [claim.good for claim in (*layer.given, *claims)]
     allowed = canon.share.bool(environment(layer.system))
     goals = {str(claim): canon.share.bool(after.bool(claim.good)) for claim in claims}
-    return Question((allowed, *given), goals)
+    return _Question((allowed, *given), goals)
 
 
-def _start(layer: Layer, number: int, canon: Canon, hard: frozenset[Asked]) -> Question:
+def _start(layer: Layer, number: int, canon: Canon, hard: frozenset[_Asked]) -> _Question:
     claims = _usable(layer, number, hard)
     first = canon.share.bool(layer.system.init & in_range(layer.system.state))
-    return Question((first,), {str(claim): claim.good for claim in claims})
+    return _Question((first,), {str(claim): claim.good for claim in claims})

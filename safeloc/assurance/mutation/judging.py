@@ -1,4 +1,4 @@
-"""What becomes of one mutant, the cheap questions first.
+"""Judging of one mutant, cheap questions first.
 
 It may be refused at birth; break a claim on a known run; leave claims that are not proved any more, which a bounded search
 may refute; do the same as the machine, or be only more careful; let a recording come out otherwise. What is left survives.
@@ -27,12 +27,12 @@ from safeloc.proof.provers.reachability import first_runs
 from safeloc.reported import Reported
 from safeloc.target import Target
 
-SEARCH_DEPTH = 6
+_SEARCH_DEPTH = 6
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """All that is known of a target before a mutant is judged."""
+    """All facts about a target that are needed to judge its mutants."""
 
     whole: Held
     proofs: Proofs
@@ -43,7 +43,7 @@ class Bench:
 
 
 def bench(target: Target, declared: Declared, limits: Limits, seed: int, *, searched: bool = True) -> Bench:
-    """Prove the machine as it is, and make the runs; `searched` as for `corpus`."""
+    """Prove the unchanged machine, and make the runs; `searched` as for `corpus`."""
     canon = Canon()
     whole, known = as_it_is(declared, canon, limits)
     canon.asked.learnt()
@@ -60,7 +60,7 @@ def judged(on: Bench, mutant: Mutant) -> Judged:
 
 
 def with_outcome(mutant: Mutant, alone: Outcome, everywhere: Outcome, seconds: float, direction: str = "") -> Judged:
-    """The mutant with what became of it."""
+    """Return the mutant with its outcomes."""
     return Judged(
         id=mutant.id,
         machine=mutant.machine,
@@ -82,7 +82,7 @@ def with_outcome(mutant: Mutant, alone: Outcome, everywhere: Outcome, seconds: f
 
 
 def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declared) -> Outcome:
-    """What becomes of this declaration with the machine wrong; its claims may be weaker than those of the machine as it is."""
+    """Return the outcome of a declaration with a wrong machine; its claims may be weaker than those of the unchanged machine."""
     try:
         mutant = held(make(declared), on.canon, on.proofs.under_assumption)
     except SafelocError as error:
@@ -125,14 +125,14 @@ def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run
     for number, layer in enumerate(mutant.layers):
         some = [claim for claim in claims if any(claim is own for own in layer.claims)]
         goals = {_goal(mutant, claim, unconditional=number < WORLD): claim for claim in some}
-        found = first_runs(list(goals), Limits(depth=SEARCH_DEPTH, seconds=limits.seconds)).found
+        found = first_runs(list(goals), Limits(depth=_SEARCH_DEPTH, seconds=limits.seconds)).found
         if found:
             shortest = min(found, key=lambda goal: len(found[goal].steps))
             names = tuple(str(goals[goal]) for goal in found)
             told = f"{len(found[shortest].steps)} steps: {goals[shortest]}"
             return Outcome(results.SEARCHED, names, told), run_of(mutant.system, "found", found[shortest])
     how = "not all decided within the limits" if failed.undecided else "refuted in one step of induction"
-    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {SEARCH_DEPTH} steps was found"), None
+    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {_SEARCH_DEPTH} steps was found"), None
 
 
 def _goal(mutant: Held, claim: Claim, *, unconditional: bool) -> Goal:

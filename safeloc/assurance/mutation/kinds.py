@@ -38,19 +38,19 @@ from safeloc.language.nodes import (
 from safeloc.language.terms import children, rebuilt
 from safeloc.language.units import Enumeration
 
-BOUND = "bound off by one unit"
-TURNED = "comparison turned"
-DROPPED = "term of a sum dropped"
-EXTREME = "min for max"
-ROUNDING = "rounding turned"
+_BOUND = "bound off by one unit"
+_TURNED = "comparison turned"
+_DROPPED = "term of a sum dropped"
+_EXTREME = "min for max"
+_ROUNDING = "rounding turned"
 CONDITION = "condition dropped"
-AND_OR = "and for or"
-NEIGHBOUR = "figure replaced by its neighbour"
-ZERO = "figure replaced by zero"
+_AND_OR = "and for or"
+_NEIGHBOUR = "figure replaced by its neighbour"
+_ZERO = "figure replaced by zero"
 SIGN = "sign turned"
-VARIABLE = "another variable of the same unit"
-ABSENCE = "absence ignored"
-NEGATED = "condition turned"
+_VARIABLE = "another variable of the same unit"
+_ABSENCE = "absence ignored"
+_NEGATED = "condition turned"
 
 Parts = tuple[Expr, ...]
 
@@ -84,7 +84,7 @@ def changes(node: Expr, others: Others) -> Iterator[Change]:
         case Choose() | ChooseBool():
             yield from _of_choice(node)
         case Not(inner) if not isinstance(inner, Compare):
-            yield Change(NEGATED, "not left out", lambda parts: parts[0])
+            yield Change(_NEGATED, "not left out", lambda parts: parts[0])
         case _:
             pass
     for number, part in enumerate(children(node)):
@@ -99,7 +99,7 @@ def changes_both_ways(node: Expr, others: Others) -> Iterator[Change]:
     if isinstance(node, Compare) and node.op == "<=" and not isinstance(node.left.unit, Enumeration):
         one = Lit(1, node.left.unit)
         unit = one.unit
-        yield Change(BOUND, "one unit less", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+        yield Change(_BOUND, "one unit less", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
 
 
 def _is_spelling(node: Expr, part: Expr) -> bool:
@@ -114,10 +114,10 @@ def of_operand(part: Expr, others: Others) -> Iterator[Change]:
             yield from _of_figure(part)
         case NumVar() | BoolVar():
             if isinstance(part, BoolVar) and part.name.endswith(".present"):
-                yield Change(ABSENCE, f"{part.name} taken as true", lambda _: TRUE)
+                yield Change(_ABSENCE, f"{part.name} taken as true", lambda _: TRUE)
             other = others(part if part.before is None else part.before)
             if other is not None:
-                yield Change(VARIABLE, f"{part.name} becomes {other.name}", lambda parts: _meant(parts[0], other))
+                yield Change(_VARIABLE, f"{part.name} becomes {other.name}", lambda parts: _meant(parts[0], other))
         case _:
             pass
 
@@ -137,20 +137,20 @@ def _meant(part: Expr, other: Var) -> Var:
 def _of_comparison(node: Compare) -> Iterator[Change]:
     unit = node.left.unit
     if isinstance(unit, Enumeration):
-        yield Change(TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
+        yield Change(_TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
         return
     one = Lit(1, unit)
     if node.op == "==":
-        yield Change(TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
-        yield Change(BOUND, "one more", lambda parts: Compare("==", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+        yield Change(_TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
+        yield Change(_BOUND, "one more", lambda parts: Compare("==", _n(parts[0]), Add(_n(parts[1]), one, unit)))
     elif node.op == "<":
-        yield Change(BOUND, "< becomes <=", lambda parts: Compare("<=", _n(parts[0]), _n(parts[1])))
-        yield Change(BOUND, "one unit less", lambda parts: Compare("<", Add(_n(parts[0]), one, unit), _n(parts[1])))
-        yield Change(TURNED, "< becomes >", lambda parts: Compare("<", _n(parts[1]), _n(parts[0])))
+        yield Change(_BOUND, "< becomes <=", lambda parts: Compare("<=", _n(parts[0]), _n(parts[1])))
+        yield Change(_BOUND, "one unit less", lambda parts: Compare("<", Add(_n(parts[0]), one, unit), _n(parts[1])))
+        yield Change(_TURNED, "< becomes >", lambda parts: Compare("<", _n(parts[1]), _n(parts[0])))
     else:
-        yield Change(BOUND, "<= becomes <", lambda parts: Compare("<", _n(parts[0]), _n(parts[1])))
-        yield Change(BOUND, "one unit more", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
-        yield Change(TURNED, "<= becomes >=", lambda parts: Compare("<=", _n(parts[1]), _n(parts[0])))
+        yield Change(_BOUND, "<= becomes <", lambda parts: Compare("<", _n(parts[0]), _n(parts[1])))
+        yield Change(_BOUND, "one unit more", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+        yield Change(_TURNED, "<= becomes >=", lambda parts: Compare("<=", _n(parts[1]), _n(parts[0])))
 
 
 def _of_sum(node: Add | Sub) -> Iterator[Change]:
@@ -158,14 +158,14 @@ def _of_sum(node: Add | Sub) -> Iterator[Change]:
     if not node.left.unit.same(unit):  # a change of unit is written as a sum with nothing
         return
     if isinstance(node, Add):
-        yield Change(DROPPED, "the second is left out", lambda parts: parts[0])
-        yield Change(DROPPED, "the first is left out", lambda parts: parts[1])
+        yield Change(_DROPPED, "the second is left out", lambda parts: parts[0])
+        yield Change(_DROPPED, "the first is left out", lambda parts: parts[1])
         yield Change(SIGN, "+ becomes -", lambda parts: Sub(_n(parts[0]), _n(parts[1]), unit))
     elif isinstance(node.left, Lit) and node.left.value == 0:
         yield Change(SIGN, "minus left out", lambda parts: parts[1])
     else:
-        yield Change(DROPPED, "the second is left out", lambda parts: parts[0])
-        yield Change(DROPPED, "the first is left out", lambda parts: Sub(zero, _n(parts[1]), unit))
+        yield Change(_DROPPED, "the second is left out", lambda parts: parts[0])
+        yield Change(_DROPPED, "the first is left out", lambda parts: Sub(zero, _n(parts[1]), unit))
         yield Change(SIGN, "- becomes +", lambda parts: Add(_n(parts[0]), _n(parts[1]), unit))
 
 
@@ -173,7 +173,7 @@ def _of_extreme(node: Min | Max) -> Iterator[Change]:
     unit = node.unit
     other: type[Min | Max] = Max if isinstance(node, Min) else Min
     words = "min becomes max" if isinstance(node, Min) else "max becomes min"
-    yield Change(EXTREME, words, lambda parts: other(_n(parts[0]), _n(parts[1]), unit))
+    yield Change(_EXTREME, words, lambda parts: other(_n(parts[0]), _n(parts[1]), unit))
 
 
 def _of_division(node: FloorDiv) -> Iterator[Change]:
@@ -184,17 +184,17 @@ def _of_division(node: FloorDiv) -> Iterator[Change]:
         inner = _n(parts[0])
         return Sub(zero, FloorDiv(Sub(Lit(0, inner.unit), inner, inner.unit), divisor, unit), unit)
 
-    yield Change(ROUNDING, "rounded to the other side", up)
+    yield Change(_ROUNDING, "rounded to the other side", up)
     more = divisor + 1
-    yield Change(NEIGHBOUR, f"divided by {more}", lambda parts: FloorDiv(_n(parts[0]), more, unit))
+    yield Change(_NEIGHBOUR, f"divided by {more}", lambda parts: FloorDiv(_n(parts[0]), more, unit))
 
 
 def _of_junction(node: And | Or) -> Iterator[Change]:
     both = isinstance(node, And)
     if both:
-        yield Change(AND_OR, "and becomes or", lambda parts: any_of(map(_b, parts)))
+        yield Change(_AND_OR, "and becomes or", lambda parts: any_of(map(_b, parts)))
     else:
-        yield Change(AND_OR, "or becomes and", lambda parts: all_of(map(_b, parts)))
+        yield Change(_AND_OR, "or becomes and", lambda parts: all_of(map(_b, parts)))
     for number in range(len(node.parts)):
         yield Change(CONDITION, f"condition {number + 1} is left out", partial(_without, both, number))
 
@@ -208,7 +208,7 @@ def _of_choice(node: Choose | ChooseBool) -> Iterator[Change]:
     yield Change(CONDITION, "always the first", lambda parts: parts[1])
     yield Change(CONDITION, "always the second", lambda parts: parts[2])
     yield Change(
-        NEGATED, "the two exchanged", lambda parts: rebuilt(node, (parts[0], parts[2], parts[1]))
+        _NEGATED, "the two exchanged", lambda parts: rebuilt(node, (parts[0], parts[2], parts[1]))
     )  # both are of one kind and unit
 
 
@@ -218,17 +218,17 @@ def _of_figure(lit: Lit) -> Iterator[Change]:
     if isinstance(unit, Enumeration):
         following = Lit((value + 1) % len(unit.members), unit)
         if following.value != value:
-            yield Change(NEIGHBOUR, f"{lit.label} becomes {following.label}", lambda _: following)
+            yield Change(_NEIGHBOUR, f"{lit.label} becomes {following.label}", lambda _: following)
         return
     if value == 0:
-        yield Change(NEIGHBOUR, "0 becomes 1", lambda _: Lit(1, unit))
+        yield Change(_NEIGHBOUR, "0 becomes 1", lambda _: Lit(1, unit))
         return
     beside = value + 1 if value > 0 else value - 1
-    yield Change(NEIGHBOUR, f"{value} becomes {beside}", lambda _: Lit(beside, unit))
-    yield Change(ZERO, f"{value} becomes 0", lambda _: Lit(0, unit))
+    yield Change(_NEIGHBOUR, f"{value} becomes {beside}", lambda _: Lit(beside, unit))
+    yield Change(_ZERO, f"{value} becomes 0", lambda _: Lit(0, unit))
 
 
-def constant(value: bool) -> Change:
+def _constant(value: bool) -> Change:
     """A condition that is always, or never, met."""
     words = "always" if value else "never"
     return Change(CONDITION, words, lambda _: TRUE if value else FALSE)

@@ -1,4 +1,4 @@
-"""A composition as mutation sees it: its machines, each with what is claimed of it by itself, and how they are wired.
+"""A composition for mutation: its machines, each with its own claims, and the wires.
 
 A machine of it is made wrong like any other. Only what its own claims do not notice is put back into the composition.
 """

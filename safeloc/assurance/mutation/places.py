@@ -1,8 +1,8 @@
-"""Where each term of a declaration is written: file, line and columns of the expression that made it.
+"""The place in the source of each term of a declaration: file, line and columns of the expression that made it.
 
-Terms say nothing of where they come from, since nothing but this asks. While a declaration is made inside `noted`, each node
-is noted with the expression that was being evaluated, and each node that was rewritten (a guard as a property looks back
-at it, a machine's term in a composition) with the node that it was rewritten from. What compositions were made of is noted too.
+Terms do not store their origin. While a declaration is made inside `noted`, each new node is recorded with the expression that
+was being evaluated, and each rewritten node (a guard in a property, a machine's term in a composition) with its original. The
+arguments of `compose` are recorded too.
 """
 
 from __future__ import annotations
@@ -38,43 +38,43 @@ from safeloc.language.nodes import (
     Truth,
 )
 
-NOTED: tuple[type[Expr], ...] = (
+_NOTED: tuple[type[Expr], ...] = (
     Lit, Add, Sub, Mul, FloorDiv, Min, Max, Choose, Truth, Not, And, Or, ChooseBool, Compare, Past,
 )  # fmt: skip
 
 
 @dataclass(eq=False)
 class Places:
-    """What was noted. Nodes are kept, so that none gets the identity of another."""
+    """The recorded places. Nodes are referenced, so that no new node gets the identity of an old one."""
 
     _written: dict[Expr, Place] = field(default_factory=dict)
     _from: dict[Expr, Expr] = field(default_factory=dict)
     plans: list[Plan] = field(default_factory=list)
-    """What was handed to each `compose`."""
+    """The arguments of each `compose`."""
 
     def of(self, node: Expr) -> Place | None:
-        """Where the node, or the one that it was rewritten from, is written; None where that was not noted."""
+        """Return the place of the node, or of the one that it was rewritten from; None if it was not recorded."""
         return self._written.get(self.origin(node))
 
     def origin(self, node: Expr) -> Expr:
-        """The node as it was first written."""
+        """Return the original of a rewritten node."""
         while node in self._from:
             node = self._from[node]
         return node
 
     def born(self, node: Expr) -> None:
-        """Note a node that is being made."""
+        """Record a new node."""
         frame = _writer()
         self._written[node] = place_of(frame.f_code, frame.f_lasti)
 
     def rewritten(self, node: Expr, parts: tuple[Expr, ...], result: Expr) -> None:
-        """Note that a node was rewritten; a result that is one of its parts keeps its own place."""
+        """Record that a node was rewritten; a result that is one of its parts keeps its own place."""
         if result is not node and all(result is not part for part in parts):
             self._from[result] = node
 
 
 def _writer() -> FrameType:
-    """The nearest frame that is not the engine's."""
+    """Return the nearest frame outside of the engine."""
     frame = sys._getframe(2)
     while frame.f_back is not None and is_engine(frame.f_globals.get("__name__", "")):
         frame = frame.f_back
@@ -83,12 +83,12 @@ def _writer() -> FrameType:
 
 @contextmanager
 def noted() -> Iterator[Places]:
-    """Note every node that is made or rewritten meanwhile."""
+    """Record every node that is made or rewritten inside."""
     places = Places()
-    plain = {kind: kind.__init__ for kind in NOTED}
+    plain = {kind: kind.__init__ for kind in _NOTED}
     rebuilt, check_plan = terms.rebuilt, composition.check_plan  # type: ignore[attr-defined]
     try:
-        for kind in NOTED:
+        for kind in _NOTED:
             _set_init(kind, _noting(plain[kind], places))
         terms.rebuilt = spec.rebuilt = _tracing(rebuilt, places)  # type: ignore[assignment, attr-defined]
         composition.check_plan = _keeping(check_plan, places)  # type: ignore[assignment, attr-defined]
@@ -96,7 +96,7 @@ def noted() -> Iterator[Places]:
     finally:
         composition.check_plan = check_plan  # type: ignore[attr-defined]
         terms.rebuilt = spec.rebuilt = rebuilt  # type: ignore[attr-defined]
-        for kind in NOTED:
+        for kind in _NOTED:
             _set_init(kind, plain[kind])
 
 

@@ -22,12 +22,12 @@ from safeloc.language.units import Enumeration
 
 WORLD = 1
 """The layer of claims that rely on the assumption."""
-MORE = 400
+_MORE = 400
 """Steps that are run after the first claim has broken, to see which others break."""
 
 
 @dataclass(frozen=True)
-class Broken:
+class _Broken:
     """A claim that a run breaks, after so many steps."""
 
     claim: str
@@ -45,7 +45,7 @@ class Played:
     seen     rows that fire and modes that are come to on the parts of runs on which the mutant does what the machine does
     """
 
-    broken: tuple[Broken, ...]
+    broken: tuple[_Broken, ...]
     differs: str
     other: str
     seen: frozenset[Event] = frozenset()
@@ -65,7 +65,7 @@ class Path:
 
 
 @dataclass(frozen=True, eq=False)
-class Trail:
+class _Trail:
     """A run of what runs on board: its path, the outputs in each state, and which row fired in each step."""
 
     system: TransitionSystem
@@ -90,7 +90,7 @@ class Trodden:
     """
 
     whole: Held
-    board: tuple[Trail, ...]
+    board: tuple[_Trail, ...]
     layers: tuple[tuple[Path, ...], ...]
     on_board: Columns
     columns: tuple[Columns, ...]
@@ -127,19 +127,19 @@ def _paths(judging: _Judging, runs: Sequence[Run]) -> Iterator[Path]:
 
 def played(mutant: Held, known: Trodden) -> Played:
     """Run a mutant along all runs on which it does otherwise."""
-    broken: dict[str, Broken] = {}
+    broken: dict[str, _Broken] = {}
     by_layer = zip(mutant.layers, known.whole.layers, known.layers, known.columns, strict=True)
     for layer, was, paths, columns in by_layer:
         for claim, run, steps in _broken(layer, was, paths, columns):
             name = str(claim)
             if name not in broken or steps < broken[name].steps:
-                broken[name] = Broken(name, run, steps)
+                broken[name] = _Broken(name, run, steps)
     if broken:
         return Played(_confirmed(mutant, known, broken), "", "")
     return _otherwise(mutant, known)
 
 
-def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, Broken]) -> tuple[Broken, ...]:
+def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, _Broken]) -> tuple[_Broken, ...]:
     """All of them, the shortest of them by the interpreter. EngineError where it does not break the claim."""
     first = min(broken.values(), key=lambda one: one.steps)
     run = next(trail.path.run for trail in known.board if trail.path.run.name == first.run)
@@ -148,7 +148,7 @@ def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, Broken]) -> tu
     return tuple(broken.values())
 
 
-def _confirm(layer: Layer, run: Run, broken: Broken) -> None:
+def _confirm(layer: Layer, run: Run, broken: _Broken) -> None:
     """EngineError where the run does not break the claim in the interpreter."""
     claim = next(claim for claim in _judged(layer) if str(claim) == broken.claim)
     system = layer.system
@@ -163,14 +163,14 @@ def _confirm(layer: Layer, run: Run, broken: Broken) -> None:
         raise EngineError(f"{system.name}: {run.name} does not break {claim} in the interpreter.")
 
 
-def first_broken(layer: Layer, runs: Sequence[Run]) -> Broken | None:
+def first_broken(layer: Layer, runs: Sequence[Run]) -> _Broken | None:
     """The claim that breaks first along the first run that breaks one; the interpreter has confirmed it."""
     judging = _Judging(layer)
     for run in runs:
         found = judging.broken(Path(run, (), ()), 0)
         if found:
             place = min(found, key=lambda one: found[one])
-            broken = Broken(str(judging.claims[place]), run.name, found[place])
+            broken = _Broken(str(judging.claims[place]), run.name, found[place])
             _confirm(layer, run, broken)
             return broken
     return None
@@ -191,12 +191,12 @@ def _broken(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -
         entries: Iterator[tuple[Path, int]] = ((path, 0) for path in paths)
     else:
         entries = _entries(layer, was, paths, columns)
-    judging, left = None, MORE
+    judging, left = None, _MORE
     for path, begin in entries:
         judging = judging or _Judging(layer)
         found = judging.broken(path, begin)
         yield from ((judging.claims[place], path.run.name, steps) for place, steps in found.items())
-        left -= len(path.rows) - begin if found or left < MORE else 0
+        left -= len(path.rows) - begin if found or left < _MORE else 0
         if left <= 0:
             return
 
@@ -327,7 +327,7 @@ class _Board:
         self._look = stepped((system.state, ()), list(system.outputs.values()))
         self._fired = stepped((system.state, system.inputs), list(system.fired.values()))
 
-    def trail(self, run: Run) -> Trail:
+    def trail(self, run: Run) -> _Trail:
         """The whole run."""
         rows = tuple(tuple(row[column] for column in self._columns) for row in run.rows)
         states = [_first(self._system, run)]
@@ -335,9 +335,9 @@ class _Board:
             states.append(self._step(states[-1], row))
         told = tuple(self._look(state, ()) for state in states)
         fired = tuple(self._fired(state, row) for state, row in zip(states, rows, strict=False))
-        return Trail(self._system, Path(run, rows, tuple(states)), told, fired)
+        return _Trail(self._system, Path(run, rows, tuple(states)), told, fired)
 
-    def differs(self, trail: Trail, begin: int) -> str:
+    def differs(self, trail: _Trail, begin: int) -> str:
         """The first step from there on after which another output comes, in words; "" where there is none."""
         path, state = trail.path, trail.path.states[begin]
         for number in range(begin, len(path.states)):

@@ -22,14 +22,14 @@ from safeloc.assurance.mutation.results import Of
 from safeloc.errors import InputError
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "mutants"
-SHORTEST = 30
+_SHORTEST = 30
 """Characters of a reason at least: a word is none."""
 
 
 class _Entry(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
     mutants: Annotated[list[str], Field(min_length=1)]
-    reason: Annotated[str, Field(min_length=SHORTEST)]
+    reason: Annotated[str, Field(min_length=_SHORTEST)]
 
 
 class _File(BaseModel):
@@ -41,7 +41,7 @@ class _File(BaseModel):
 
 @dataclass(frozen=True)
 class Reasons:
-    """The reasons of one target, by id of the mutant, for each part of the declaration; `file` is where they stand."""
+    """The reasons of one target, by id of the mutant, for each part of the declaration; `file` contains them."""
 
     file: str = ""
     by_part: Mapping[Of, Mapping[str, str]] = field(default_factory=dict)
@@ -65,7 +65,7 @@ class Reasons:
 
 
 def shipped_reasons(name: str) -> Reasons:
-    """The reasons that ship for a machine of this name; none where it has no file."""
+    """Return the reasons that ship for a machine; none if it has no file."""
     path = SHIPPED / f"{name}.toml"
     return read_reasons(path) if path.is_file() else Reasons()
 

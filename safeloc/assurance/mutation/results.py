@@ -1,4 +1,4 @@
-"""What became of a mutant, as plain data with a stable form (safeloc-mutation/1)."""
+"""The results of mutants, as plain data with a stable schema (safeloc-mutation/1)."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ QUESTIONS = (SURVIVED, RECORDED, TOO_MUCH, UNSEEN, KILLS_AS_MUCH)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one way of making a mutant.
+    """The outcome of one way of making a mutant.
 
     fate   one of the words above
     by     the claims that notice it; of a recording what comes out otherwise
@@ -86,7 +86,7 @@ class Judged:
     direction: str = ""
 
     def outcome(self, *, machine_only: bool) -> Outcome:
-        """What became of it in one of the two ways."""
+        """Return the outcome of one of the two ways of making the mutant."""
         return self.alone if machine_only else self.everywhere
 
     @property
@@ -97,7 +97,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class Score:
-    """How many mutants came to which end.
+    """The numbers of mutants by fate.
 
     by_property  those of the killed ones that some property was seen to notice, and not only a lemma, a range, a row
     conservative proved to be only more careful
@@ -114,7 +114,7 @@ class Score:
 
     @property
     def asked(self) -> int:
-        """How many are wrong."""
+        """The number of mutants that are wrong."""
         return self.mutants - self.set_aside
 
     @property
@@ -132,7 +132,7 @@ def score(outcomes: Sequence[Outcome]) -> Score:
 
 
 def kills_alone(judged: Sequence[Judged]) -> dict[str, list[str]]:
-    """Of each claim the mutants of the machine that no other claim was seen to notice, with the term wrong everywhere."""
+    """Return, for each claim, the mutants of the machine that only it was seen to notice, with the term wrong everywhere."""
     found: dict[str, list[str]] = {}
     for one in of_part(judged, "machine"):
         if one.everywhere.fate in BY_PROOF and len(one.everywhere.by) == 1:
@@ -141,19 +141,19 @@ def kills_alone(judged: Sequence[Judged]) -> dict[str, list[str]]:
 
 
 def of_part(judged: Sequence[Judged], part: Of) -> list[Judged]:
-    """Those in which this part of the declaration is wrong."""
+    """Return the results in which this part of the declaration is wrong."""
     return [one for one in judged if one.of == part]
 
 
 def by_requirement(judged: Sequence[Judged]) -> dict[str, Score]:
-    """The score of the rows that answer for each requirement."""
+    """Return the score of the rows that implement each requirement."""
     judged = of_part(judged, "machine")
     names = sorted({name for one in judged for name in one.requirements})
     return {name: score([one.everywhere for one in judged if name in one.requirements]) for name in names}
 
 
 def questions(judged: Sequence[Judged], *, machine_only: bool = False) -> list[Judged]:
-    """Those that no proof notices."""
+    """Return the results of mutants that no proof notices."""
     return [one for one in judged if one.outcome(machine_only=machine_only).fate in QUESTIONS]
 
 
@@ -171,7 +171,7 @@ def as_data(
     seconds: float,
     reasons: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """The result as JSON has it.
+    """Return the results as data for JSON.
 
     of       how many mutants there are in all
     reasons  by id the written reasons why no proof needs to notice
@@ -203,7 +203,7 @@ def _score_data(one: Score) -> dict[str, Any]:
 
 
 def from_data(data: dict[str, Any]) -> Judged:
-    """One result, read back."""
+    """Return a result from its data."""
     plain = {name: value for name, value in data.items() if name not in ("proves_itself", "reason")}
     for name in ("where", "shared_with", "requirements"):
         plain[name] = tuple(plain[name])

@@ -15,9 +15,9 @@ from safeloc.language.nodes import BoolVar, NumVar, Value
 from safeloc.language.render import infix
 from safeloc.language.terms import children
 
-SKIPPED = "update skipped"
-TARGET = "target changed"
-ORDER = "order of rows changed"
+_SKIPPED = "update skipped"
+_TARGET = "target changed"
+_ORDER = "order of rows changed"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ def row_edits(machine: Machine, others: Others) -> Iterator[RowEdit]:
     yield from _of_outputs(machine, others)
 
 
-Edited = tuple[str, str, str, str, Transition]
+_Edited = tuple[str, str, str, str, Transition]
 """Kind, words, what stands there, what is written instead, and the row with it."""
 
 
@@ -53,13 +53,13 @@ def _replacing(machine: Machine, number: int, row: Transition) -> Callable[[], M
     return lambda: remade(machine, transitions=rows)
 
 
-def _changed(machine: Machine, row: Transition, others: Others) -> Iterator[Edited]:
+def _changed(machine: Machine, row: Transition, others: Others) -> Iterator[_Edited]:
     yield from _guarded(row, others)
     yield from _updated(row, others)
     yield from _aimed(machine, row)
 
 
-def _guarded(row: Transition, others: Others) -> Iterator[Edited]:
+def _guarded(row: Transition, others: Others) -> Iterator[_Edited]:
     told = infix(row.when)
     if row.when is not TRUE:
         yield CONDITION, "always enabled", told, "true", replace(row, when=TRUE)
@@ -70,10 +70,10 @@ def _guarded(row: Transition, others: Others) -> Iterator[Edited]:
             yield change.kind, change.words, told, infix(now), replace(row, when=now)
 
 
-def _updated(row: Transition, others: Others) -> Iterator[Edited]:
+def _updated(row: Transition, others: Others) -> Iterator[_Edited]:
     for var, value in row.set.items():
         told = f"{var.name} := {_text(var, value)}"
-        yield SKIPPED, f"{var.name} keeps its value", told, "", replace(row, set=_but(row.set, var))
+        yield _SKIPPED, f"{var.name} keeps its value", told, "", replace(row, set=_but(row.set, var))
         for change, now in _other_values(var, value, others):
             words = f"{var.name} := {_text(var, now)}"
             yield change.kind, change.words, told, words, replace(row, set={**row.set, var: now})
@@ -103,13 +103,13 @@ def _text(var: Var, value: Expr | Value) -> str:
     return infix(_term(var, value))
 
 
-def _aimed(machine: Machine, row: Transition) -> Iterator[Edited]:
+def _aimed(machine: Machine, row: Transition) -> Iterator[_Edited]:
     """The next mode of the table instead of the target, and for a row that leaves one mode that mode."""
     following = machine.modes[(row.target.value + 1) % len(machine.modes)]
     for target in dict.fromkeys([following, *(row.sources if len(row.sources) == 1 else ())]):
         if target is not row.target:
             told, now = row.target.label, target.label
-            yield TARGET, f"to {now} instead of {told}", told, now, replace(row, target=target)
+            yield _TARGET, f"to {now} instead of {told}", told, now, replace(row, target=target)
 
 
 def _exchanged(machine: Machine) -> Iterator[RowEdit]:
@@ -122,7 +122,7 @@ def _exchanged(machine: Machine) -> Iterator[RowEdit]:
             where = (f"row {first.name!r}", f"row {second.name!r}")
             asked = tuple(dict.fromkeys((*first.requirements, *second.requirements)))
             yield RowEdit(
-                ORDER,
+                _ORDER,
                 words,
                 shown(first.src),
                 f"{first.name!r} before {second.name!r}",

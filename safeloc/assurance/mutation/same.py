@@ -1,4 +1,4 @@
-"""Which terms of a declaration are one term: written at one place, in one form.
+"""Terms of a declaration that count as the same term: written at one place, in one form.
 
 A claim that calls the function which a guard calls gets a term of its own, and often one that looks back at the state before
 the step. Both are written by the same expression, and an edit of it changes both. Terms of one form that are written
@@ -17,8 +17,8 @@ from safeloc.assurance.source_places import Place
 from safeloc.language.nodes import BoolVar, Compare, Expr, FloorDiv, Lit, NumVar, Past, Truth
 from safeloc.language.terms import children, in_order
 
-Form = int
-Key = tuple[Place | None, Form]
+_Form = int
+_Key = tuple[Place | None, _Form]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Term:
 
     @property
     def on_board(self) -> tuple[Root, ...]:
-        """The roots of the machine itself."""
+        """Return the roots of the machine itself."""
         return tuple(root for root in self.roots if root.part in ON_BOARD)
 
     @property
@@ -43,8 +43,8 @@ class Term:
 
 def terms_of(roots: Iterable[Root], places: Places, forms: Forms) -> list[Term]:
     """The terms of a declaration that are made of others, in the order of the roots."""
-    nodes: dict[Key, dict[Expr, None]] = defaultdict(dict)
-    below: dict[Key, dict[Root, None]] = defaultdict(dict)
+    nodes: dict[_Key, dict[Expr, None]] = defaultdict(dict)
+    below: dict[_Key, dict[Root, None]] = defaultdict(dict)
     for root in roots:
         for node in in_order([root.term]):
             if children(node):
@@ -62,7 +62,7 @@ class Forms:
         self._numbers: dict[tuple[object, ...], int] = {}
         self._of: dict[Expr, int] = {}
 
-    def of(self, term: Expr) -> Form:
+    def of(self, term: Expr) -> _Form:
         """The number of the term's form."""
         first = self._places.origin(term)
         for node in in_order([first], self._of):

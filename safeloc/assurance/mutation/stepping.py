@@ -13,12 +13,12 @@ from safeloc.codegen.python_terms import PythonTerms
 from safeloc.language.nodes import Expr, Value, Var
 
 Row = tuple[Value, ...]
-Rows = tuple[Sequence[Var], Sequence[Var]]
+_Rows = tuple[Sequence[Var], Sequence[Var]]
 """The variables of two rows of values, such as state and inputs."""
 Step = Callable[[Row, Row], Row]
 
 
-def stepped(rows: Rows, terms: Sequence[Expr]) -> Step:
+def stepped(rows: _Rows, terms: Sequence[Expr]) -> Step:
     """The terms as a function of two rows of values."""
     python, lines = _named(rows, terms)
     told = "".join(f"{python.code(term)}, " for term in terms)
@@ -34,7 +34,7 @@ def _loaded(lines: Sequence[str]) -> Any:
     return space["made"]
 
 
-def _named(rows: Rows, terms: Sequence[Expr]) -> tuple[PythonTerms, list[str]]:
+def _named(rows: _Rows, terms: Sequence[Expr]) -> tuple[PythonTerms, list[str]]:
     """Python in which every node below the terms has a name, and the statements that give it its value."""
     known = {
         var: f"{row}[{number}]"

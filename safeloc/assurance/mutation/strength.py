@@ -1,6 +1,6 @@
-"""How strongly a requirement is shown: the wrong machines that its own properties notice, of those in which its rows are wrong.
+"""The strength of the evidence for a requirement: how many mutants of its rows its own properties notice.
 
-A label says that a property is meant to show a requirement. Whether it does is seen when the rows that carry the requirement are
+A label only declares that a property verifies a requirement. It is shown when rows that implement the requirement are made
 wrong, and one of these properties notices.
 """
 
@@ -18,8 +18,8 @@ from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.target import Target
 
-KIND = "mutation strength"
-LATEST = "latest"
+_KIND = "mutation strength"
+_LATEST = "latest"
 Strengths = Mapping[str, Sequence["Strength"]]
 """Of each requirement what became of its wrong rules, target by target."""
 
@@ -58,7 +58,7 @@ class Strength:
 
 
 def strengths(target: Target, judged: Sequence[Judged], of: int) -> dict[str, Strength]:
-    """The strength of each requirement that rows of the target carry."""
+    """Return the strength of each requirement that rows of the target implement."""
     machine = of_part(judged, "machine")
     by_label: dict[str, set[str]] = {}
     for prop in (*target.properties, *(prop for own in target.members.values() for prop in own)):
@@ -96,12 +96,12 @@ def keep_strengths(store: Store, target: Target, judged: Sequence[Judged], of: i
         data = {name: asdict(one) for name, one in found.items()}
         _keeping(store, target).keep("all", data)
         before = stamp(store) + json.dumps(data)
-        store.put(KIND, LATEST, hashlib.sha256(before.encode()).hexdigest().encode())
+        store.put(_KIND, _LATEST, hashlib.sha256(before.encode()).hexdigest().encode())
 
 
 def stamp(store: Store) -> str:
-    """What changes whenever strengths are kept: a report that tells them is another one then."""
-    entry = store.get(KIND, LATEST)
+    """Return a value that changes whenever strengths are stored, so that a cached report with old ones is not used."""
+    entry = store.get(_KIND, _LATEST)
     return "" if entry is None else entry.data.decode()
 
 
@@ -112,7 +112,7 @@ def kept_strengths(store: Store | None, target: Target) -> dict[str, Strength]:
 
 
 def strengths_of(store: Store | None, targets: Iterable[Target]) -> dict[str, list[Strength]]:
-    """What earlier runs of `mutate` said of each requirement that these targets carry."""
+    """Return the strengths from earlier runs of `mutate`, for each requirement that these targets implement."""
     found: dict[str, list[Strength]] = {}
     for target in targets:
         for name, one in kept_strengths(store, target).items():
@@ -121,7 +121,7 @@ def strengths_of(store: Store | None, targets: Iterable[Target]) -> dict[str, li
 
 
 def _keeping(store: Store, target: Target) -> Keeping:
-    return Keeping(KIND, asked(target, KIND).key, store, store)
+    return Keeping(_KIND, asked(target, _KIND).key, store, store)
 
 
 def as_text(found: Sequence[Strength]) -> list[str]:
@@ -137,5 +137,5 @@ def as_text(found: Sequence[Strength]) -> list[str]:
 
 
 def as_data(found: Sequence[Strength]) -> list[dict[str, object]]:
-    """The same for JSON."""
+    """Return the strengths as data for JSON."""
     return [{**asdict(one), "shown": one.is_shown} for one in found]

@@ -1,4 +1,4 @@
-"""What became of the mutants, as lines for a person: the score, what each claim notices alone, and the questions that are left."""
+"""The results of mutants as text: the score, the mutants that a single claim notices, and the open questions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from safeloc.assurance.mutation.results import (
     score,
 )
 
-WORDS = {"world": "a clause of the world wrong", "claims": "a weaker claim in its place"}
+_WORDS = {"world": "a clause of the world wrong", "claims": "a weaker claim in its place"}
 
 
 def lines(
@@ -31,7 +31,7 @@ def lines(
     machine_only: bool,
     reasons: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[str]:
-    """All lines of a result; those with a written reason last."""
+    """Return all lines of a result; mutants with a written reason come last."""
     machine = of_part(judged, "machine")
     yield f"{target}: {len(judged)} of {of} mutants"
     if machine:
@@ -39,7 +39,7 @@ def lines(
     for part in OTHERS:
         own = of_part(judged, part)
         if own:
-            yield f"  {WORDS[part]}: {_told(score([one.alone for one in own]))}"
+            yield f"  {_WORDS[part]}: {_told(score([one.alone for one in own]))}"
     yield from _counted(judged, reasons, machine_only=machine_only)
     for with_reason in (False, True):
         some = [one for one in judged if (one.id in reasons) == with_reason]

@@ -37,14 +37,14 @@ from safeloc.language.spec import Property
 from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution, in_order, variables
 
-LATER = "one step later"
-LEFT_OUT = "claim left out"
-NOT_ASKED = "not asked in a mode"
+_LATER = "one step later"
+_LEFT_OUT = "claim left out"
+_NOT_ASKED = "not asked in a mode"
 Relation = Literal["same", "weaker", "stronger", "other"]
 
 
 def claim_mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """All mutants of the claims, one claim after the other; each form of a wrong term once."""
+    """Return all mutants of the claims, claim by claim; each form of a wrong term occurs once."""
     made: list[Mutant] = []
     for prop in whole.properties:
         made += _of_claim(whole, prop, places)
@@ -63,17 +63,17 @@ def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
     """Weaker as a whole."""
     one, told = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
     left_out = partial(_with, prop.name, _nothing)
-    yield replace(one, kind=LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
+    yield replace(one, kind=_LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
     if prop.kind == "within":
         steps = prop.steps + 1
         told_steps, now = f"within {prop.steps} steps", f"within {steps} steps"
         slower = partial(_with, prop.name, partial(_slower, steps))
-        yield replace(one, kind=LATER, words=now, term=told_steps, becomes=now, alone=slower)
+        yield replace(one, kind=_LATER, words=now, term=told_steps, becomes=now, alone=slower)
     machine = whole.machine
     for label in machine.modes if prop.kind != "reachable" and len(machine.modes) > 1 else ():
         words = f"not asked in {label.label}"
         elsewhere = partial(_with, prop.name, partial(_elsewhere, machine.mode.eq(label)))
-        yield replace(one, kind=NOT_ASKED, words=words, term=told, becomes=words, alone=elsewhere)
+        yield replace(one, kind=_NOT_ASKED, words=words, term=told, becomes=words, alone=elsewhere)
 
 
 def _nothing(prop: Property) -> Property:
@@ -135,7 +135,7 @@ def _with(name: str, change: Callable[[Property], Property], whole: Declared) ->
 
 
 def relation(old: Property, new: Property, canon: Canon, seconds: float) -> Relation:
-    """How a claim stands to the one that it was made of; "other" also where that is not decided within the limits."""
+    """Return the relation of a claim to the one it was made of; "other" also if it is undecided within the limits."""
     follows, returns = (_follows(*pair, canon, seconds) for pair in ((old, new), (new, old)))
     if follows:
         return "same" if returns else "weaker"
@@ -143,7 +143,7 @@ def relation(old: Property, new: Property, canon: Canon, seconds: float) -> Rela
 
 
 def _follows(strong: Property, weak: Property, canon: Canon, seconds: float) -> bool:
-    """Whether the second claim follows from the first, whatever the machine does."""
+    """Return whether the second claim follows from the first, for any machine."""
     if strong.steps > weak.steps:
         return False
     wanted = [(strong.response, weak.response)]

@@ -1,4 +1,4 @@
-"""What becomes of a composition one of whose machines, or wires, is wrong: its recordings, its contracts and its own claims.
+"""Judging of a composition with a wrong machine or wire: by its recordings, its contracts and its own claims.
 
 Each contract (what a machine may hear, and what it is owed) and each claim is one question: from the facts of the machines
 before it, before and after the step, and of all machines before the step. Facts of the wrong machine are used too, since all
@@ -28,8 +28,8 @@ from safeloc.proof.provers.relevance import Relevance
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
-    """Whether a contract or a claim follows."""
+class _Question:
+    """A question about a composition: does a contract or a claim follow?"""
 
     name: str
     given: tuple[Bool, ...]
@@ -38,7 +38,7 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class WholeBench:
-    """All that is known of a composition before a mutant is judged.
+    """All facts about a composition that are needed to judge its mutants.
 
     asked  by name, the goals that are proved of it as it is
     told   outputs along its recordings, as it is
@@ -56,13 +56,13 @@ def whole_bench(whole: Composed, limits: Limits) -> WholeBench:
     """Ask everything of the composition as it is; what is not proved within the limits is not asked of mutants."""
     canon = Canon()
     system = shared(whole.target.system, canon)
-    proved = {one.name: one.goal for one in questions(system, whole.claims, canon) if not _fails(one, canon, limits)}
+    proved = {one.name: one.goal for one in _questions(system, whole.claims, canon) if not _fails(one, canon, limits)}
     runs = list(recorded(whole.target, whole.target.system))
     return WholeBench(whole, canon, proved, runs, {run.name: outputs_along(system, run) for run in runs}, limits)
 
 
 def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
-    """What becomes of the composition with this machine wrong, if its own claims do not notice."""
+    """Return the outcome for the composition with this machine wrong, if the machine's own claims do not notice."""
     make = mutant.everywhere if everywhere and mutant.everywhere is not None else mutant.alone
     try:
         wrong = make(on.whole.members[mutant.machine])
@@ -72,7 +72,7 @@ def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
 
 
 def of_wire(on: WholeBench, edit: WireEdit) -> Outcome:
-    """What becomes of the composition with this wire wrong."""
+    """Return the outcome for the composition with this wire wrong."""
     first = on.whole.plan.machines[0]
     try:
         return _judged(on, joined(on.whole, first, edit.wires), on.whole.claims)
@@ -87,7 +87,7 @@ def _judged(on: WholeBench, made: TransitionSystem, claims: Sequence[Property]) 
         return Outcome(results.REFUTED, (broken.claim,), f"{broken.run}, {broken.steps} steps: {broken.claim}")
     failed = [
         one.name
-        for one in questions(system, claims, on.canon)
+        for one in _questions(system, claims, on.canon)
         if one.name in on.asked and one.goal is not on.asked[one.name] and _fails(one, on.canon, on.limits)
     ]
     if failed:
@@ -115,8 +115,8 @@ def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
 # ------------------------------------------------------------------ contracts and claims
 
 
-def questions(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Iterator[Question]:
-    """All contracts, in the order of the machines, then the claims."""
+def _questions(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Iterator[_Question]:
+    """Return the questions for all contracts, in the order of the machines, then for the claims."""
     facts = [_facts(system, number) for number in range(len(system.parts))]
     relevant, after = Relevance(system), Substitution(dict(system.next))
     before = [term for own in facts for term in own]
@@ -128,7 +128,7 @@ def questions(system: TransitionSystem, claims: Sequence[Property], canon: Canon
         ):
             if term is not TRUE:
                 given = relevant.select([lawful, *before, *known], [term])
-                yield Question(f"contract {words}", tuple(given), canon.share.bool(term))
+                yield _Question(f"contract {words}", tuple(given), canon.share.bool(term))
         known += [after.bool(term) for term in own]
     owed = [part.owed for part in system.parts]
     for prop in claims:
@@ -137,14 +137,14 @@ def questions(system: TransitionSystem, claims: Sequence[Property], canon: Canon
 
 def _of_claim(
     system: TransitionSystem, prop: Property, known: Sequence[Bool], relevant: Relevance, canon: Canon
-) -> Question:
+) -> _Question:
     goal = observe(system, prop)
     settle = canon.observers(goal.observers)
     moves = {variable(settle(var)): settle(goal.system.next[var]) for var in goal.observers}
     good = settle.bool(goal.good & goal.helper & in_range(goal.observers))
     wanted = canon.share.bool(Substitution({**system.next, **moves}).bool(good))
     given = relevant.select([environment(goal.plain), *known], [wanted, good])
-    return Question(f"property {prop.name}", (*given, good), wanted)
+    return _Question(f"property {prop.name}", (*given, good), wanted)
 
 
 def _facts(system: TransitionSystem, number: int) -> list[Bool]:
@@ -155,7 +155,7 @@ def _facts(system: TransitionSystem, number: int) -> list[Bool]:
     return [*ranges, *(part.into.bool(term) for term in part.alone.lemmas.values())]
 
 
-def _fails(one: Question, canon: Canon, limits: Limits) -> bool:
+def _fails(one: _Question, canon: Canon, limits: Limits) -> bool:
     return bool(canon.asked.failures(one.given, {"": one.goal}, limits.seconds))
 
 

@@ -1,4 +1,4 @@
-"""Wrong wires of a composition: another wire of the same unit, and a wire that is cut."""
+"""Mutants of the wires of a composition: another wire of the same unit, and a wire that is cut."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from safeloc.language.render import infix
 from safeloc.language.system import canonical
 from safeloc.language.units import Enumeration
 
-CROSSED = "another wire of the same unit"
-CUT = "wire cut"
+_CROSSED = "another wire of the same unit"
+_CUT = "wire cut"
 
 
 @dataclass(frozen=True, eq=False)
 class WireEdit:
-    """A wrong wire: what its input hears now."""
+    """A wrong wire: the term that its input gets instead."""
 
     mutant: Mutant
     wires: Mapping[Var, Expr]
@@ -39,10 +39,10 @@ def _of_machine(whole: Composed, machine: Machine) -> Iterator[tuple[Mutant, Map
     for var, other in _next_of_unit(heard).items():
         if wires[var] is not wires[other]:
             words = f"{var.name} hears what {other.name} hears"
-            yield _mutant(whole, machine, var, CROSSED, words, wires[other]), {**wires, var: wires[other]}
+            yield _mutant(whole, machine, var, _CROSSED, words, wires[other]), {**wires, var: wires[other]}
     for var, changed in _cut(machine, wires):
         words = f"{var.name} hears nothing"
-        yield _mutant(whole, machine, var, CUT, words, changed[var]), {**wires, **changed}
+        yield _mutant(whole, machine, var, _CUT, words, changed[var]), {**wires, **changed}
 
 
 def _inputs(machine: Machine) -> list[Var]:

@@ -1,4 +1,4 @@
-"""Judges the mutants of a target, in several processes; what an earlier run judged of the same content is not judged again."""
+"""Judging of the mutants of a target in several processes; results of earlier runs with the same content are used again."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
-KIND = "mutants"
-AT_ONCE = 6
-"""Mutants that one process judges before the next one begins."""
-QUESTIONS = 12
-"""How often the limit may be used up for one mutant."""
+_KIND = "mutants"
+_AT_ONCE = 6
+"""Number of mutants that one process judges."""
+_QUESTIONS = 12
+"""Number of questions with the full limit that one mutant may take."""
 OnJudged = Callable[[Judged], None]
 
 
@@ -40,12 +40,12 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Judging:
-    """Judges mutants of one target.
+    """A job that judges mutants of one target.
 
-    on_judged  hears of each mutant as it comes
-    look_in    where an earlier run kept what it judged; None looks at nothing
-    keep_in    where each mutant is kept as soon as it is judged, so that an interrupted run goes on from there
-    searched   runs that show rows to fire are looked for
+    on_judged  called with the result of each mutant as soon as it is judged
+    look_in    store with results of earlier runs; None: none is used
+    keep_in    store for each new result, so that the next run continues after an interruption
+    searched   search for runs that show that rows fire
     """
 
     target: Target
@@ -65,28 +65,28 @@ class Judging:
         return self._all(mutants, partial(_timed, of_world))
 
     def of_claims(self, mutants: Sequence[Mutant], against: Against) -> list[Judged]:
-        """Weigh weaker claims against judged mutants of the machine, in order."""
-        told = [(one.id, one.everywhere.fate, one.everywhere.by) for _, one in against]
-        return self._all(mutants, partial(_timed, partial(of_claim, against=against)), told)
+        """Judge weaker claims, compared with judged mutants of the machine, in order."""
+        results = [(one.id, one.everywhere.fate, one.everywhere.by) for _, one in against]
+        return self._all(mutants, partial(_timed, partial(of_claim, against=against)), results)
 
     def _all(
         self, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged], *besides: object
     ) -> list[Judged]:
-        key = asked(self.target, KIND, self.plan.limits, self.plan.seed, self.searched, *besides).key
+        key = asked(self.target, _KIND, self.plan.limits, self.plan.seed, self.searched, *besides).key
         by_id = {mutant.id: mutant for mutant in mutants}
         found = dict[str, Judged]()
 
         def work(left: Sequence[str]) -> list[Batch]:
             return _batches(self._bench, [by_id[one] for one in left], judge)
 
-        for name, data in kept_or_done([*by_id], work, Keeping(KIND, key, self.look_in, self.keep_in), self.plan.jobs):
+        for name, data in kept_or_done([*by_id], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.plan.jobs):
             found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
             self.on_judged(found[name])
         return [found[mutant.id] for mutant in mutants]
 
     @cached_property
     def _bench(self) -> Bench:
-        """Made only where something is not kept."""
+        """The bench, made only if a result is not stored."""
         return bench(self.target, self.declared, self.plan.limits, self.plan.seed, searched=self.searched)
 
 
@@ -97,8 +97,8 @@ def _timed(judge: Callable[[Bench, Mutant], tuple[Outcome, str]], on: Bench, mut
 
 
 def _batches(on: Bench, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged]) -> list[Batch]:
-    chunks = [mutants[number : number + AT_ONCE] for number in range(0, len(mutants), AT_ONCE)]
-    seconds = CLOCK * QUESTIONS * AT_ONCE * on.limits.seconds
+    chunks = [mutants[number : number + _AT_ONCE] for number in range(0, len(mutants), _AT_ONCE)]
+    seconds = CLOCK * _QUESTIONS * _AT_ONCE * on.limits.seconds
     name = f"{on.whole.system.name}: mutants"
     return [Batch(tuple(one.id for one in chunk), Task(name, _work(on, chunk, judge), seconds)) for chunk in chunks]
 
@@ -110,6 +110,6 @@ def _work(
 
 
 def _lost(mutant: Mutant, why: Lost) -> Judged:
-    """What was not judged in time counts as survived, and says so; it is not kept."""
+    """Return the result of a mutant that was not judged in time: it counts as survived; it is not stored."""
     outcome = Outcome(SURVIVED, (), f"not judged: {why.reason}")
     return with_outcome(mutant, outcome, outcome, 0.0)

@@ -1,4 +1,4 @@
-"""The world of a machine, as this room reads and changes it: the only file that knows how a machine declares it."""
+"""Access to the world of a machine for mutation: only this file knows how a machine declares its world."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from safeloc.language.terms import Substitution
 
 
 def clauses(machine: Machine) -> Iterator[tuple[str, Bool]]:
-    """The laws of the world, by name."""
+    """Return the laws of the world, by name."""
     yield from machine.world.terms.items()
 
 
 def moves(machine: Machine) -> Iterator[tuple[str, Expr]]:
-    """How ghosts move, by name."""
+    """Return the moves of ghosts, by name."""
     yield from ((var.name, move) for var, move in machine.world.moves.items())
 
 
 def rewritten(machine: Machine, change: Substitution) -> dict[str, Any]:
-    """The field that declares the world, with clauses and moves rewritten."""
+    """Return the field that declares the world, with clauses and moves rewritten."""
     world = machine.world
     laws = {name: replace(law, term=change.bool(law.term)) for name, law in world.laws.items()}
     return {"world": replace(world, clauses=laws, moves={var: change(term) for var, term in world.moves.items()})}
 
 
 def with_clauses(machine: Machine, change: Substitution) -> dict[str, Any]:
-    """The field that declares the world, with clauses rewritten."""
+    """Return the field that declares the world, with clauses rewritten."""
     laws = {name: replace(law, term=change.bool(law.term)) for name, law in machine.world.laws.items()}
     return {"world": replace(machine.world, clauses=laws)}
 
 
 def without_clause(machine: Machine, left_out: str) -> dict[str, Any]:
-    """The field that declares the world, without one of its clauses."""
+    """Return the field that declares the world, without one of its clauses."""
     laws = {name: law for name, law in machine.world.laws.items() if name != left_out}
     return {"world": replace(machine.world, clauses=laws)}

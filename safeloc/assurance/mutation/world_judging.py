@@ -1,4 +1,4 @@
-"""What becomes of a mutant of the world: a clause that asks for less, for more, or for something else.
+"""Judging of a mutant of the world: a clause that requires less, more, or something else.
 
 Where the world allows more, the question is whether a claim is lost. Where it allows less, no claim can be lost; the question is
 whether it still allows what was recorded, and whether all that a row, a mode or a property speaks of can still happen.
@@ -21,7 +21,7 @@ from safeloc.language.system import environment, in_range
 
 
 def of_world(on: Bench, mutant: Mutant) -> tuple[Outcome, Relation | str]:
-    """What becomes of the mutant, and how its world stands to the world as it is."""
+    """Return the fate of the mutant, and the relation of its world to the original one."""
     try:
         made = held(mutant.alone(on.whole.declared), on.canon, on.proofs.under_assumption)
     except SafelocError as error:
@@ -44,7 +44,7 @@ def _left(how: Relation) -> Outcome:
 
 
 def _relation(on: Bench, made: Held) -> Relation:
-    """Whether the mutant's world allows more; "other" also where that is not decided within the limits."""
+    """Return the relation of the mutant's world to the original; "other" also if it is undecided within the limits."""
     old, new = on.whole.system, made.system
     given = [in_range(old.state), environment(old, assume=False)]
     follows, returns = (
@@ -57,7 +57,7 @@ def _relation(on: Bench, made: Held) -> Relation:
 
 
 def _lost(on: Bench, made: Held) -> Outcome | None:
-    """The claims that are lost in a world that allows more."""
+    """Return the claims that are lost in a world that allows more."""
     seen = played(made, on.known)
     if seen.broken:
         return by_a_run(seen)
@@ -66,7 +66,7 @@ def _lost(on: Bench, made: Held) -> Outcome | None:
 
 
 def _shut_out(on: Bench, made: Held) -> Outcome | None:
-    """What a world that allows less excludes."""
+    """Return the outcome if a world that allows less excludes a recording or an event; None if it excludes neither."""
     lawful = stepped((made.system.state, made.system.inputs), [made.system.assume])
     seen = set[Event]()
     trails = {trail.path.run.name: trail for trail in on.known.board}
@@ -87,6 +87,6 @@ def _shut_out(on: Bench, made: Held) -> Outcome | None:
 
 
 def _lawful_steps(path: Path, lawful: Step, width: int) -> int:
-    """How many steps of a path the world allows; the state of observers is left out."""
+    """Return how many steps of a path the world allows, without regard to the state of observers."""
     pairs = enumerate(zip(path.states, path.rows, strict=False))
     return next((number for number, (state, row) in pairs if not lawful(state[:width], row)[0]), len(path.rows))

@@ -1,7 +1,7 @@
-"""Branches of the Python code that declares a machine: which of them a configuration takes.
+"""The branches that a configuration takes in the Python code that declares a machine.
 
-A configured flag decides what is declared at all (`if config.single_fault_safe: ...`), so that no term tells of it. What is
-looked at are the steps from one instruction to the next while the machine is built.
+A configured flag can decide what is declared (`if config.single_fault_safe: ...`), and no term shows that. So the steps from
+one instruction to the next are recorded while the machine is built.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from safeloc.assurance.source_places import Place, place_of
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import declares
 
-Made = TypeVar("Made")
-Step = tuple[CodeType, int, int]
-Deciding = ast.If | ast.IfExp
+_Made = TypeVar("_Made")
+_Step = tuple[CodeType, int, int]
+_Deciding = ast.If | ast.IfExp
 
 
-def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
-    """Return what `make` returns, and the steps between instructions of machine, world and claims meanwhile."""
-    steps: set[Step] = set()
+def steps_of(make: Callable[[], _Made]) -> tuple[_Made, set[_Step]]:
+    """Call `make`; return its result, and the steps between instructions of machine, world and claims during the call."""
+    steps: set[_Step] = set()
 
     def enter(frame: FrameType, event: str, _: Any) -> Callable[..., Any] | None:
         if event != "call" or not _decided_in(frame.f_code):
@@ -51,8 +51,8 @@ def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
         sys.settrace(before)
 
 
-def taken(steps: set[Step]) -> tuple[set[Split], set[Split]]:
-    """Return the branches that were taken, and those beside them that were not; where nothing was decided, neither."""
+def taken(steps: set[_Step]) -> tuple[set[Split], set[Split]]:
+    """Return the branches that were taken, and the other branches of the same decisions."""
     live: set[Split] = set()
     met: set[Split] = set()
     for code, before, now in steps:
@@ -70,12 +70,12 @@ def taken(steps: set[Step]) -> tuple[set[Split], set[Split]]:
 
 
 def _returns(code: CodeType, offset: int) -> bool:
-    """A function that ends behind a test that fails returns from the test's own place."""
+    """Return whether an instruction returns: after a failed test at the end of a function, it has the place of the test."""
     return code.co_code[offset] == dis.opmap["RETURN_VALUE"]
 
 
-def _decides(place: Place, decision: Deciding) -> bool:
-    """Whether an instruction is of the test; the jump of `a if test else b` is marked with the whole of it."""
+def _decides(place: Place, decision: _Deciding) -> bool:
+    """Return whether an instruction belongs to the test; the jump of `a if test else b` has the place of the whole."""
     whole = (decision.lineno, decision.end_lineno, decision.col_offset, decision.end_col_offset)
     return _within(place, decision.test) or (place.line, place.end_line, place.column, place.end_column) == whole
 
@@ -86,12 +86,12 @@ def _within(place: Place, node: ast.AST) -> bool:
     return start <= (place.line, place.column) and (place.end_line, place.end_column) <= end
 
 
-def _body(decision: Deciding) -> list[Any]:
+def _body(decision: _Deciding) -> list[Any]:
     return decision.body if isinstance(decision, ast.If) else [decision.body]
 
 
-def _sides(decision: Deciding, file: str) -> tuple[Split, Split]:
-    """The side where the test holds, and the other one."""
+def _sides(decision: _Deciding, file: str) -> tuple[Split, Split]:
+    """Return the side where the test holds, and the other side."""
     test = decision.test
     place = Place(file, test.lineno, test.end_lineno or test.lineno, test.col_offset, test.end_col_offset or 0)
     other = decision.orelse if isinstance(decision, ast.If) else [decision.orelse]
@@ -107,8 +107,8 @@ def _refuses(side: list[Any]) -> bool:
 
 
 @cache
-def _decided_in(code: CodeType) -> tuple[Deciding, ...]:
-    """The decisions that this piece of code makes itself."""
+def _decided_in(code: CodeType) -> tuple[_Deciding, ...]:
+    """Return the decisions of this piece of code, without those of functions in it."""
     if not declares(code):
         return ()
     places = {place_of(code, 2 * number) for number in range(len(code.co_code) // 2)}
@@ -116,16 +116,16 @@ def _decided_in(code: CodeType) -> tuple[Deciding, ...]:
 
 
 @cache
-def _decisions(file: str) -> tuple[Deciding, ...]:
+def _decisions(file: str) -> tuple[_Deciding, ...]:
     return tuple(_found(ast.parse(Path(file).read_text(encoding="utf-8"))))
 
 
-def _found(tree: ast.AST) -> Iterator[Deciding]:
+def _found(tree: ast.AST) -> Iterator[_Deciding]:
     for node in ast.walk(tree):
         if isinstance(node, (ast.If, ast.IfExp)) and not _about_kinds(node.test):
             yield node
 
 
 def _about_kinds(test: ast.expr) -> bool:
-    """`isinstance(...)`: about what a term is, not about a configuration."""
+    """Return whether a test is an `isinstance(...)`: that is about a term, not about a configuration."""
     return any(isinstance(node, ast.Name) and node.id == "isinstance" for node in ast.walk(test))

@@ -1,7 +1,7 @@
-"""Whether the declared configurations of the shipped machines leave a case split folded away.
+"""Case splits of shipped machines that are live in no declared configuration.
 
-Targets that are made of one folder (`satellite` and `satellite_drift`) are judged together. A composition answers for what
-it declares itself: its members are proved alone, and what they split is judged there.
+Targets of one folder (`satellite` and `satellite_drift`) are checked together. Of a composition only its own declarations
+are checked: its members are checked by themselves.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from safeloc.catalogue import DEFAULTS, ENTRIES
 from safeloc.target import Entry
 
 SHARED = {
-    "models/motion/world.py: laws is None": "who makes a world hands its laws in; the default is for tests",
-    "models/motion/world.py: seen is None": "who makes a world hands its ghosts in; the default is for tests",
+    "models/motion/world.py: laws is None": "every shipped machine passes its own laws; the default is for tests",
+    "models/motion/world.py: seen is None": "every shipped machine passes its own ghosts; the default is for tests",
 }
 """Branches of shared rooms that no shipped machine takes, and why."""
 OnBuilt = Callable[[str, str], None]
 
 
 def _quiet(_: str, __: str) -> None:
-    """Tell nobody."""
+    """Do nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """The case splits of what is declared in one folder.
+    """The case splits in the declarations of one folder.
 
     found    target and name of the configuration -> its splits
-    hidden   splits that are live nowhere, for which no reason is declared
-    never    splits that are live nowhere, with the declared reason
-    shared   branches of rooms that several machines use, which this one does not take
-    idle     declared reasons that no split needs: it is live, or gone
+    hidden   splits that are live in no configuration, without a declared reason
+    never    splits that are live in no configuration, with the declared reason
+    shared   branches in folders of several machines that these targets do not take
+    idle     declared reasons without a split: it is live, or no longer exists
     """
 
     folder: str
@@ -55,7 +55,7 @@ class Covered:
         return tuple(where for where, splits in self.found.items() if split in splits.live)
 
     def figures(self) -> dict[Split, Change]:
-        """Return for each hidden split one change of one figure of the defaults that makes it live, where there is one."""
+        """Return, for each hidden split, a change of one figure of the defaults that makes it live, if there is one."""
         if not self.hidden:
             return {}
         hidden = Splits(frozenset(), self.hidden)
@@ -63,7 +63,7 @@ class Covered:
         return {split: change for found in every for split, change in found.items()}
 
     def folded(self) -> Mapping[Split, str]:
-        """Return what the defaults of all targets fold away, with what makes it constant."""
+        """Return the splits that the defaults of all targets fold away, each with the reason why it is constant."""
         return together(splits for (_, name), splits in self.found.items() if name == DEFAULTS).dead
 
 
@@ -78,17 +78,17 @@ def targets_of(folder: str) -> list[Entry[Any]]:
 
 
 def configurations_of(entry: Entry[Any]) -> dict[str, BaseModel]:
-    """Return every configuration that a machine is proved in, the defaults first."""
+    """Return every configuration in which a machine is proved, the defaults first."""
     return {DEFAULTS: entry.config(), **entry.configurations.named}
 
 
 def covered(folder: str, on_built: OnBuilt = _quiet) -> Covered:
-    """Build every target of a folder in each of its configurations; return what is live and what is not."""
+    """Build every target of a folder in each of its configurations; return the live and the folded splits."""
     return judge(folder, targets_of(folder), on_built)
 
 
 def judge(folder: str, entries: Sequence[Entry[Any]], on_built: OnBuilt = _quiet) -> Covered:
-    """The same for given targets."""
+    """Build these targets in each of their configurations; return the live and the folded splits."""
     found: dict[tuple[str, str], Splits] = {}
     for entry in entries:
         for name, config in configurations_of(entry).items():
@@ -96,7 +96,7 @@ def judge(folder: str, entries: Sequence[Entry[Any]], on_built: OnBuilt = _quiet
             found[entry.name, name] = _own(folder, _made(entry, config))
     dead = together(found.values()).dead
     reasons = {place: why for entry in entries for place, why in entry.configurations.never.items()}
-    shared = {split: why for split, why in dead.items() if is_shared(split)}
+    shared = {split: why for split, why in dead.items() if _is_shared(split)}
     never = {split: reasons[told(split)] for split in dead if told(split) in reasons}
     needed = {told(split) for split in never}
     hidden = {split: why for split, why in dead.items() if split not in never and split not in shared}
@@ -108,9 +108,9 @@ def _made(entry: Entry[Any], config: BaseModel) -> Splits:
 
 
 def told(split: Split) -> str:
-    """Return how a split is named in `Configurations.never`: file, expression, and the call that led there.
+    """Return the name of a split in `Configurations.never`: file, expression, and the call that led there.
 
-    It does not change when lines are added above it.
+    It contains no line number, so it does not change when lines are added above.
     """
     called = f" from {source_of(split.way[1])}" if len(split.way) > 1 else ""
     return f"{shown(split.place.file)}: {source_of(split.place)}{called}"
@@ -123,23 +123,23 @@ def _own(folder: str, splits: Splits) -> Splits:
 
 
 def _of_others(split: Split, others: Iterable[str]) -> bool:
-    """Whether a split belongs to another machine, whose own configurations answer for it."""
+    """Return whether a split belongs to another machine, whose own configurations cover it."""
     return not _rooms(split).isdisjoint(others)
 
 
 def _rooms(split: Split) -> set[str]:
-    """The folders of the calls that led to a split."""
+    """Return the folders of the calls that led to a split."""
     files = [shown(place.file) for place in split.way]
     return {file.split("/")[1].removesuffix(".py") for file in files if "/" in file}
 
 
-def is_shared(split: Split) -> bool:
-    """Whether a branch stands in a room that several machines use, such as `vocabulary`: one that takes it is enough."""
+def _is_shared(split: Split) -> bool:
+    """Return whether a branch is in a folder of several machines, such as `vocabulary`; one machine that takes it suffices."""
     return len(split.way) == 1 and _rooms(split).isdisjoint({folder_of(name) for name in ENTRIES})
 
 
 def hidden_in_shared_rooms(found: Iterable[Covered]) -> dict[Split, str]:
-    """Return the branches of shared rooms that no machine takes in any of its configurations."""
+    """Return the branches in shared folders that no machine takes in any configuration."""
     every = list(found)
     live = frozenset().union(*(splits.live for one in every for splits in one.found.values()))
     dead = {split: why for one in every for split, why in one.shared.items() if split not in live}

@@ -1,6 +1,6 @@
-"""Which configured figure decides a split that the defaults fold away: each figure is changed alone, and the machine built.
+"""Search for the configured figure that makes a folded split live: each figure is changed alone, and the machine built.
 
-A figure that cannot be changed alone (others contradict it) decides nothing here; the error of the configuration says so.
+A figure that cannot be changed alone, because others contradict it, is skipped.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from safeloc.assurance.splits.observed import Split
 from safeloc.errors import SafelocError
 from safeloc.target import Entry
 
-Plain = dict[str, Any]
+_Plain = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Change:
 
 
 def changes(config: BaseModel, prefix: str = "") -> Iterator[Change]:
-    """Return other values of every figure: the other flag or name, the ends of a range and next to them."""
+    """Yield other values of every figure: the other flag or name; of a number, neighbours, double, half, and the limits."""
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
         if isinstance(value, BaseModel):
@@ -57,7 +57,7 @@ def _inside(value: int, limits: list[int]) -> bool:
 
 
 def changed(config: BaseModel, change: Change) -> BaseModel:
-    """Return the configuration with the change; ValidationError where the other figures contradict it."""
+    """Return the configuration with the change; ValidationError if other figures contradict it."""
     plain = config.model_dump()
     at = plain
     *groups, name = change.figure.split(".")
@@ -70,7 +70,7 @@ def changed(config: BaseModel, change: Change) -> BaseModel:
 def deciding(
     entry: Entry[Any], config: BaseModel, dead: Splits, on_change: Callable[[Change], None] = lambda _: None
 ) -> dict[Split, Change]:
-    """Return for each split that is dead in this configuration the first change of one figure that makes it live."""
+    """Return, for each split that is dead in this configuration, the first change of one figure that makes it live."""
     found: dict[Split, Change] = {}
     for change in changes(config):
         on_change(change)
@@ -82,7 +82,7 @@ def deciding(
 
 
 def _live(entry: Entry[Any], config: BaseModel, change: Change) -> frozenset[Split]:
-    """The live splits with the change; none where no machine comes of it."""
+    """Return the live splits with the change; none if the machine cannot be built."""
     try:
         other = changed(config, change)
         return splits_of(lambda: entry.make(other)).live

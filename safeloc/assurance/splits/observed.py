@@ -1,7 +1,6 @@
-"""What the language was asked for while a machine is built: every comparison, minimum, choice and charge, live or folded.
+"""The case splits that occur while a machine is built: every comparison, minimum, choice and charge, live or folded.
 
-The language is watched from outside, by Python's own hook for returning functions: nothing of it is written for this, so
-what is watched is what is proved.
+Calls of the language are observed from outside, through Python's profiling hook, so the observed code is the proved code.
 """
 
 from __future__ import annotations
@@ -19,15 +18,15 @@ from safeloc.language import expr, nodes
 from safeloc.language.nodes import Add, Expr, Lit, Max, Min, Sub, Truth
 from safeloc.language.terms import Sharing
 
-Made = TypeVar("Made")
-Locals = Mapping[str, Any]
-Judged = tuple[str, str] | None
-"""The kind of split, and why it is folded ("" where it is not); None where there is nothing to split."""
+_Made = TypeVar("_Made")
+_Locals = Mapping[str, Any]
+_Judged = tuple[str, str] | None
+"""The kind of split, and the reason why it is folded ("" if it is not); None if the call makes no split."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """A place where a machine, its world or a claim tells cases apart, or charges a configured figure.
+    """A place where a machine, its world or a claim distinguishes cases, or adds a configured figure.
 
     kind  comparison, minimum, maximum, choice, condition, charge, rounding
     way   the expression, and the calls that led to it, the innermost first
@@ -38,36 +37,36 @@ class Split:
 
     @property
     def place(self) -> Place:
-        """Where it stands."""
+        """The place of the expression."""
         return self.way[0]
 
 
 @dataclass(eq=False)
 class Observed:
-    """Every split met; `live` maps it to its terms as far as these were not folded, `folded` says why others were."""
+    """All splits that occurred: `live` maps a split to its terms that were not folded, `folded` to the reason for folding."""
 
     live: dict[Split, list[Expr]] = field(default_factory=dict)
     folded: dict[Split, str] = field(default_factory=dict)
     share: Sharing = field(default_factory=Sharing)
 
     def alike(self, one: Expr, other: Expr) -> bool:
-        """Whether two terms have the same structure."""
+        """Return whether two terms have the same structure."""
         return self.share(one) is self.share(other)
 
     def add(self, split: Split, term: Expr, folded: str) -> None:
-        """One call of the language."""
+        """Record one call of the language."""
         if folded:
             self.folded.setdefault(split, folded)
         else:
             self.live.setdefault(split, []).append(term)
 
 
-def observe(make: Callable[[], Made]) -> tuple[Made, Observed]:
-    """Return what `make` returns, and what the language was asked for meanwhile."""
+def observe(make: Callable[[], _Made]) -> tuple[_Made, Observed]:
+    """Call `make`; return its result, and the splits that occurred during the call."""
     observed = Observed()
 
     def returned(frame: FrameType, event: str, result: Any) -> None:
-        judge = JUDGES.get(frame.f_code) if event == "return" else None
+        judge = _JUDGES.get(frame.f_code) if event == "return" else None
         if judge is None or result is None:
             return
         judged = judge(frame.f_locals, result, observed)
@@ -91,14 +90,14 @@ def _watching(hook: Callable[[FrameType, str, Any], None]) -> Iterator[None]:
         sys.setprofile(before)
 
 
-# ------------------------------------------------------------------ what a call of the language says
+# ------------------------------------------------------------------ the split of a call of the language
 
 
-def _compared(_: Locals, result: Expr, __: Observed) -> Judged:
+def _compared(_: _Locals, result: Expr, __: Observed) -> _Judged:
     return "comparison", "both sides are constant" if isinstance(result, Truth) else ""
 
 
-def _chosen(given: Locals, result: Expr, observed: Observed) -> Judged:
+def _chosen(given: _Locals, result: Expr, observed: Observed) -> _Judged:
     if isinstance(given["condition"], Truth):
         return "choice", "its condition is constant"
     then, other = given["then"], given["other"]
@@ -106,26 +105,26 @@ def _chosen(given: Locals, result: Expr, observed: Observed) -> Judged:
     return "choice", "both branches are alike" if observed.alike(*both) else ""
 
 
-def _computed(given: Locals, _: Expr, observed: Observed) -> Judged:
-    """A minimum or maximum; a sum or difference with a figure."""
+def _computed(given: _Locals, _: Expr, observed: Observed) -> _Judged:
+    """Return the split of a minimum or maximum, or of a sum or difference with a figure."""
     kind, left, right = given["kind"], given["left"], given["right"]
     constant = isinstance(left, Lit) and isinstance(right, Lit)
-    if kind in EXTREMES:
+    if kind in _EXTREMES:
         why = "both sides are constant" if constant else "both sides are alike" if observed.alike(left, right) else ""
-        return EXTREMES[kind], why
+        return _EXTREMES[kind], why
     if constant or kind not in (Add, Sub):
         return None
     return "charge", "it is 0" if _is(right, 0) or (kind is Add and _is(left, 0)) else ""
 
 
-def _multiplied(given: Locals, _: Expr, __: Observed) -> Judged:
+def _multiplied(given: _Locals, _: Expr, __: Observed) -> _Judged:
     left, right = given["left"], given["right"]
     if isinstance(left, Lit) and isinstance(right, Lit):
         return None
     return "charge", "its factor is 0" if _is(left, 0) or _is(right, 0) else ""
 
 
-def _divided(given: Locals, result: Expr, _: Observed) -> Judged:
+def _divided(given: _Locals, result: Expr, _: Observed) -> _Judged:
     return None if isinstance(result, Lit) else ("rounding", "it divides by 1" if given["divisor"] == 1 else "")
 
 
@@ -133,12 +132,12 @@ def _is(term: Expr, value: int) -> bool:
     return isinstance(term, Lit) and term.value == value
 
 
-EXTREMES = {Min: "minimum", Max: "maximum"}
-JUDGES: Mapping[CodeType, Callable[[Locals, Expr, Observed], Judged]] = {
+_EXTREMES = {Min: "minimum", Max: "maximum"}
+_JUDGES: Mapping[CodeType, Callable[[_Locals, Expr, Observed], _Judged]] = {
     nodes._compare.__code__: _compared,
     nodes.arith.__code__: _computed,
     nodes.product.__code__: _multiplied,
     expr.ite.__code__: _chosen,
     expr.floor_div.__code__: _divided,
 }
-"""The functions of the language that every term goes through, by their code."""
+"""The functions of the language that make every term, by their code."""

@@ -1,4 +1,4 @@
-"""The expressions of a machine through which a term of it was reached."""
+"""The expressions of a machine whose evaluation led to a term."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from types import CodeType, FrameType
 
 from safeloc.assurance.source_places import DECLARING, Place, place_of, shown
 
-MOST_CHARACTERS = 60
-BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation", "target")
+_MOST_CHARACTERS = 60
+_BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation", "target")
 """Files and folders of a machine that declare nothing of it."""
 
 
 def source_of(place: Place) -> str:
-    """Return the text of a place, cut where it is long."""
-    return place.text if len(place.text) <= MOST_CHARACTERS else f"{place.text[:MOST_CHARACTERS]} ..."
+    """Return the source text of a place, cut if it is long."""
+    return place.text if len(place.text) <= _MOST_CHARACTERS else f"{place.text[:_MOST_CHARACTERS]} ..."
 
 
 def way_to(frame: FrameType | None) -> tuple[Place, ...]:
-    """The expressions of machine, world and claims that are being computed, the innermost first."""
+    """Return the expressions of machine, world and claims that are being evaluated, the innermost first."""
     found = []
     while frame is not None:
         if declares(frame.f_code):
@@ -30,6 +30,6 @@ def way_to(frame: FrameType | None) -> tuple[Place, ...]:
 
 @cache
 def declares(code: CodeType) -> bool:
-    """Whether code is of a machine, a world or a claim, not of the engine."""
+    """Return whether code belongs to a machine, a world or a claim, not to the engine."""
     file = Path(shown(code.co_filename))
-    return file.parts[0] in DECLARING and not any(part in BESIDE for part in file.with_suffix("").parts)
+    return file.parts[0] in DECLARING and not any(part in _BESIDE for part in file.with_suffix("").parts)

@@ -1,4 +1,4 @@
-"""Proofs that cvc5 writes, checked step by step by rules of our own.
+"""Check of proofs written by cvc5, step by step, by rules of our own.
 
-Only `solver` asks cvc5; what it hands over is data that `check` takes nothing for granted of.
+Only `solver` uses cvc5; it returns plain data, and `check` trusts no part of these.
 """

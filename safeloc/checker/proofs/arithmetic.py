@@ -1,4 +1,4 @@
-"""Rules of arithmetic, over exact numbers."""
+"""Rules of arithmetic, over exact fractions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _poly_norm(step: Inference) -> Term:
 
 
 def _poly_norm_rel(step: Inference) -> Term:
-    """From c * (a - b) = d * (e - f) follows a ~ b iff e ~ f; c and d of one sign, unless ~ is equality."""
+    """Conclude a ~ b iff e ~ f from c * (a - b) = d * (e - f); c and d have the same sign, unless ~ is equality."""
     claim = only(step.args)
     sides = of(claim, "=")
     factors = []
@@ -101,7 +101,7 @@ def _reduction(step: Inference) -> Term:
 
 
 def _mult_sign(step: Inference) -> Term:
-    """From the signs of its factors follows the sign of a product."""
+    """Conclude the sign of a product from the signs of its factors."""
     conditions, product = two(step.args)
     signs: dict[Term, str] = {}
     for one in of(conditions, "and") if conditions.op == "and" else (conditions,):
@@ -126,7 +126,7 @@ def _factors(product: Term) -> dict[Term, int]:
 
 
 def _tangent(step: Inference) -> Term:
-    """x * y against its tangent plane in (a, b): below it exactly where x - a and y - b have not the same sign."""
+    """Conclude how x * y compares with its tangent plane in (a, b): not above it exactly where x - a and y - b differ in sign."""
     claim = step.claim
     require(len(step.args) == 5, "five arguments were expected")
     x, y, a, b, sign = step.args

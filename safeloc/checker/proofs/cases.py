@@ -1,6 +1,6 @@
-"""Validity by exhaustive cases: every truth value, and every position of every linear form to the bounds asked of it.
+"""Validity by exhaustive cases: every truth value, and every position of every linear form relative to its bounds.
 
-Forms are taken as independent of each other, so more cases are looked at than can occur: what is found valid is valid.
+The forms count as independent of each other, so the check covers more cases than can occur: every claim found valid is valid.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from safeloc.checker.proofs.polynomials import (
 )
 from safeloc.checker.proofs.terms import Term
 
-MOST_TERMS = 200_000  # read in all cases of one claim together: about a second
+MOST_TERMS = 200_000  # evaluated in all cases of one claim together: about a second
 Bound = tuple[Fraction | float, int]  # (v, -1): below v; (v, 0): v itself; (v, 1): above v
 Interval = tuple[Bound, Bound]
-EVERYTHING: Interval = ((float("-inf"), 0), (float("inf"), 0))
+_EVERYTHING: Interval = ((float("-inf"), 0), (float("inf"), 0))
 _SIGNS: Mapping[str, frozenset[int]] = {
     "<": frozenset({-1}),
     "<=": frozenset({-1, 0}),
@@ -38,14 +38,14 @@ _SIGNS: Mapping[str, frozenset[int]] = {
 
 @dataclass(frozen=True)
 class _World:
-    """The decisions made in one case."""
+    """One case: the truth values and the intervals of linear forms that are decided in it."""
 
     truths: Mapping[Term, bool] = field(default_factory=dict)
     places: Mapping[Direction, Interval] = field(default_factory=dict)
 
 
 class _Open(Exception):
-    """A case that has to be split into these."""
+    """The evaluation of a case needs a decision: the case has to be split into these."""
 
     def __init__(self, worlds: Iterable[_World]) -> None:
         super().__init__()
@@ -53,7 +53,7 @@ class _Open(Exception):
 
 
 def valid(claim: Term, premises: Collection[Term] = (), opaque: Collection[Term] = ()) -> bool:
-    """Return whether the claim follows from the premises for any meaning of the opaque terms. False: not shown."""
+    """Return whether the claim is shown to follow from the premises for any meaning of the opaque terms."""
     waiting, left = [_World()], MOST_TERMS
     hidden = frozenset(opaque)
     while waiting:
@@ -70,7 +70,7 @@ def valid(claim: Term, premises: Collection[Term] = (), opaque: Collection[Term]
 
 
 class _Exhausted(Exception):
-    """More terms were read than may be."""
+    """The limit of evaluated terms is exceeded."""
 
 
 class _Reading:
@@ -82,7 +82,7 @@ class _Reading:
         self.forms: dict[Term, Polynomial] = {}
 
     def true(self, term: Term) -> bool:
-        """The truth value in this world; asks for a split where it is open."""
+        """Return the truth value in this case; raise _Open if it is not decided."""
         if term not in self.truths:
             self._count()
             self.truths[term] = _decided(term, self.world) if term in self.opaque else self._truth(term)
@@ -116,7 +116,7 @@ class _Reading:
                 return _decided(term, self.world)
 
     def linear(self, term: Term) -> Polynomial:
-        """The normal form in this world, where every choice is made."""
+        """Return the polynomial of a term in this case, with every choice decided."""
         return polynomial(term, self._leaf, self.opaque)
 
     def _leaf(self, term: Term) -> Polynomial:
@@ -137,7 +137,7 @@ class _Reading:
 
 
 def _divided(values: list[Fraction]) -> Fraction | None:
-    """Division of SMT-LIB, where the remainder is never negative; None by 0."""
+    """Return the quotient as in SMT-LIB, where the remainder is never negative; None for a division by 0."""
     value, by = values
     if not by:
         return None
@@ -166,7 +166,7 @@ def _decided(term: Term, world: _World) -> bool:
 
 
 def _compared(part: Polynomial, op: str, world: _World) -> bool:
-    """Return whether part `op` 0 holds."""
+    """Return whether the comparison of the polynomial with 0 holds; raise _Open if it is not decided."""
     value = as_constant(part)
     if value is not None:
         return (value > 0) - (value < 0) in _SIGNS[op]
@@ -174,7 +174,7 @@ def _compared(part: Polynomial, op: str, world: _World) -> bool:
     bound, turn = -rest / factor, 1 if factor > 0 else -1
     places = [
         (place, turn * sign in _SIGNS[op])
-        for place, sign in _places(bound, line.whole, world.places.get(line, EVERYTHING))
+        for place, sign in _places(bound, line.whole, world.places.get(line, _EVERYTHING))
     ]
     truths = {truth for _, truth in places}
     if len(truths) == 1:
@@ -183,7 +183,7 @@ def _compared(part: Polynomial, op: str, world: _World) -> bool:
 
 
 def _places(bound: Fraction, whole: bool, within: Interval) -> list[tuple[Interval, int]]:
-    """The parts of the interval below, at and above the bound, each with its sign, where not empty."""
+    """Return the non-empty parts of the interval below, at and above the bound, each with its sign relative to the bound."""
     low, high = within
     below: Bound = (Fraction(ceil(bound) - 1), 0) if whole else (bound, -1)
     above: Bound = (Fraction(floor(bound) + 1), 0) if whole else (bound, 1)

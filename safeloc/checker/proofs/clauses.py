@@ -1,4 +1,4 @@
-"""Resolution: clauses as sets of literals."""
+"""Rules of resolution, over clauses as sets of literals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Literals = frozenset[Term]
 
 
 def _without(formula: Term, literal: Term) -> Literals:
-    """The rest of the clause. The formula is the literal itself, or a disjunction that has it."""
+    """Return the clause without the literal. WrongStep unless the formula is the literal or a disjunction that contains it."""
     if formula is literal:
         return frozenset()
     if formula.op == "or" and literal in formula.args:
@@ -21,7 +21,7 @@ def _without(formula: Term, literal: Term) -> Literals:
 
 
 def _as_claimed(literals: Literals, claim: Term) -> Term:
-    """The claim, if it is these literals in some order, repetitions aside. WrongStep if not."""
+    """Return the claim. WrongStep unless it consists of these literals, in any order and with any repetitions."""
     if literals - {FALSE} == _literals(claim) - {FALSE} or literals == {claim}:
         return claim
     raise WrongStep(f"another clause follows: {sorted(map(str, literals))[:5]}")
@@ -44,7 +44,7 @@ def _chain(premises: Sequence[Term], signs: Sequence[Term], pivots: Sequence[Ter
 
 
 def _pair(sign: Term, pivot: Term) -> tuple[Term, Term]:
-    """The literal of the first clause and its opposite of the second."""
+    """Return the literal to remove from the first clause, and the opposite one for the second clause."""
     require(sign in (TRUE, FALSE), "a sign that is no truth value")
     return (pivot, no(pivot)) if sign is TRUE else (no(pivot), pivot)
 

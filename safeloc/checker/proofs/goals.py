@@ -1,4 +1,4 @@
-"""Certificates: for every `check-sat` of a text, a proof of it, checked."""
+"""Check of a certificate by proofs: for every `check-sat` of its text, a proof by cvc5, checked step by step."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ RULES: Mapping[str, Rule] = {**logic.RULES, **clauses.RULES, **arithmetic.RULES,
 
 ATTEMPTS: Sequence[tuple[Mapping[str, str], float]] = (
     ({}, 0.4),
-    ({"simplification": "none"}, 0.3),  # decides some that the first does not
-    ({"ext-rew-prep": "use"}, 0.3),  # the quickest on what is hard, but with steps that name no rule
-)  # options of cvc5, and the share of the time, until one answers
+    ({"simplification": "none"}, 0.3),  # decides some goals that the first does not
+    ({"ext-rew-prep": "use"}, 0.3),  # the fastest on hard goals, but with steps that name no rule
+)  # options of cvc5 with their share of the time, tried in order until one leads to a proof
 
 
 @dataclass(frozen=True)
 class GoalProof:
-    """One `check-sat`: what its proof came to, and the seconds of the processor that making and checking it took."""
+    """The result for one `check-sat`, with the processor time in seconds to make the proof and to check it."""
 
     goal: str
     result: Checked | Failed
@@ -38,9 +38,10 @@ class GoalProof:
 
 
 def check_unsat_proofs(text: str, *, seconds: float) -> list[GoalProof]:
-    """For each `check-sat` of a certificate, in order: cvc5's proof that it is unsat, checked.
+    """Return, for each `check-sat` of a certificate in order, the check of cvc5's proof that it is unsat.
 
-    `seconds`: for cvc5's answer to each; writing the proof and checking it come on top, about as long again.
+    seconds  limit for each answer of cvc5; writing and checking the proof take about as long again
+
     InputError for a text that is no certificate.
     """
     return [_proved(goal, seconds) for goal in read_goals(text)]
@@ -60,10 +61,10 @@ def _proved(goal: Goal, seconds: float) -> GoalProof:
 
 
 def _written(goal: Goal, seconds: float) -> list[Step] | str:
-    """The proof by the first options that lead to one, else the last answer; `sat` ends the search."""
-    said: list[Step] | str = "nothing"
+    """Return the proof by the first options that lead to one, else the last answer; `sat` ends the search."""
+    found: list[Step] | str = "nothing"
     for options, share in ATTEMPTS:
-        said = written(goal, seconds=seconds * share, options=options)
-        if not isinstance(said, str) or said == "sat":
-            return said
-    return said
+        found = written(goal, seconds=seconds * share, options=options)
+        if not isinstance(found, str) or found == "sat":
+            return found
+    return found

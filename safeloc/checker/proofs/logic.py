@@ -1,4 +1,4 @@
-"""Rules of equality and of the connectives: each computes what follows."""
+"""Rules of equality and of the connectives: each computes its conclusion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Parts = tuple[Term, ...]
 
 
 def require(holds: bool, what: str) -> None:
-    """WrongStep with these words if it does not hold."""
+    """Raise WrongStep with the text `what` unless `holds`."""
     if not holds:
         raise WrongStep(what)
 
@@ -24,18 +24,18 @@ def of(term: Term, op: str) -> Parts:
 
 
 def only(parts: Parts) -> Term:
-    """Return the one term there is. WrongStep if there are more or none."""
+    """Return the only term. WrongStep if there are more terms, or none."""
     require(len(parts) == 1, f"one formula was expected, not {len(parts)}")
     return parts[0]
 
 
 def two(parts: Parts) -> tuple[Term, Term]:
-    """Return the two terms there are. WrongStep if there are more or fewer."""
+    """Return both terms. WrongStep if there are more or fewer than two."""
     require(len(parts) == 2, f"two formulas were expected, not {len(parts)}")
     return parts[0], parts[1]
 
 
-def index(term: Term, parts: Parts) -> Term:
+def _index(term: Term, parts: Parts) -> Term:
     """Return the part with this number. WrongStep if there is none."""
     at = exact(term)
     require(at.denominator == 1 and 0 <= at < len(parts), f"there is no part {at}")
@@ -118,11 +118,11 @@ def _and_intro(step: Inference) -> Term:
 
 
 def _and_elim(step: Inference) -> Term:
-    return index(only(step.args), of(only(step.premises), "and"))
+    return _index(only(step.args), of(only(step.premises), "and"))
 
 
 def _not_or_elim(step: Inference) -> Term:
-    return no(index(only(step.args), of(only(of(only(step.premises), "not")), "or")))
+    return no(_index(only(step.args), of(only(of(only(step.premises), "not")), "or")))
 
 
 def _not_and(step: Inference) -> Term:
@@ -135,7 +135,7 @@ def _split(step: Inference) -> Term:
 
 def _cnf_and_pos(step: Inference) -> Term:
     whole, at = two(step.args)
-    return make("or", no(whole), index(at, of(whole, "and")))
+    return make("or", no(whole), _index(at, of(whole, "and")))
 
 
 def _cnf_and_neg(step: Inference) -> Term:
@@ -150,7 +150,7 @@ def _cnf_or_pos(step: Inference) -> Term:
 
 def _cnf_or_neg(step: Inference) -> Term:
     whole, at = two(step.args)
-    return make("or", whole, no(index(at, of(whole, "or"))))
+    return make("or", whole, no(_index(at, of(whole, "or"))))
 
 
 def _ite_eq(step: Inference) -> Term:
@@ -160,17 +160,17 @@ def _ite_eq(step: Inference) -> Term:
 
 
 def _eliminated(op: str, shape: Callable[..., Parts]) -> Rule:
-    """A premise `op` of parts becomes a clause of them."""
+    """Return the rule that turns a premise with operator `op` into a clause of its parts."""
     return lambda step: clause(shape(*of(only(step.premises), op)))
 
 
 def _eliminated_not(op: str, shape: Callable[..., Parts]) -> Rule:
-    """A premise that negates `op` of parts becomes a clause of them."""
+    """Return the rule that turns a negated premise with operator `op` into a clause of its parts."""
     return lambda step: clause(shape(*of(only(of(only(step.premises), "not")), op)))
 
 
 def _always(op: str, shape: Callable[..., Parts]) -> Rule:
-    """A clause that holds of a formula `op` and its parts."""
+    """Return the rule that gives a clause which holds for every formula with operator `op` and its parts."""
     return lambda step: clause(shape(only(step.args), *of(step.args[0], op)))
 
 

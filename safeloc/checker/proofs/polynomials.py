@@ -13,18 +13,19 @@ Monomial = tuple[Term, ...]
 Polynomial = Mapping[Monomial, Fraction]
 Leaf = Callable[[Term], Polynomial]
 
-ZERO: Polynomial = {}
+_ZERO: Polynomial = {}
 
 
 def constant(value: Fraction | int) -> Polynomial:
-    """Return the polynomial that is a number."""
+    """Return the polynomial of a number."""
     return {(): Fraction(value)} if value else {}
 
 
 def polynomial(term: Term, leaf: Leaf | None = None, opaque: Collection[Term] = ()) -> Polynomial:
-    """Return the normal form; `leaf` says what a term is that is no sum, product or constant (itself, if not given).
+    """Return the normal form of a term.
 
-    Opaque terms are not looked into.
+    leaf    returns the polynomial of a term that is no sum, product or constant; the default is the term itself
+    opaque  terms whose parts are not visited
     """
     if term in opaque:
         return single(term)
@@ -34,17 +35,17 @@ def polynomial(term: Term, leaf: Leaf | None = None, opaque: Collection[Term] = 
         case "to_real":
             return polynomial(term.args[0], leaf, opaque)
         case "neg":
-            return scaled(polynomial(term.args[0], leaf, opaque), Fraction(-1))
+            return _scaled(polynomial(term.args[0], leaf, opaque), Fraction(-1))
         case "+" | "-" | "*":
             return _operation(term.op, [polynomial(arg, leaf, opaque) for arg in term.args])
         case "/" if (by := as_constant(polynomial(term.args[1], leaf, opaque))) is not None and by:
-            return scaled(polynomial(term.args[0], leaf, opaque), 1 / by)
+            return _scaled(polynomial(term.args[0], leaf, opaque), 1 / by)
         case _:
             return leaf(term) if leaf else single(term)
 
 
 def single(term: Term) -> Polynomial:
-    """Return the polynomial that is one term; total division by a constant other than 0 is division."""
+    """Return the polynomial of a single term; total division by a constant other than 0 counts as division."""
     if term.op in ("div_total", "mod_total") and _nonzero(term.args[1]):
         term = make(term.op.removesuffix("_total"), *term.args)
     return {(term,): Fraction(1)}
@@ -57,12 +58,12 @@ def _nonzero(term: Term) -> bool:
 def _operation(op: str, parts: list[Polynomial]) -> Polynomial:
     result = parts[0]
     for part in parts[1:]:
-        result = product(result, part) if op == "*" else plus(result, part, Fraction(1 if op == "+" else -1))
-    return scaled(result, Fraction(-1)) if op == "-" and len(parts) == 1 else result
+        result = _product(result, part) if op == "*" else _plus(result, part, Fraction(1 if op == "+" else -1))
+    return _scaled(result, Fraction(-1)) if op == "-" and len(parts) == 1 else result
 
 
-def plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
-    """left + factor * right."""
+def _plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
+    """Return left + factor * right."""
     total = dict(left)
     for monomial, coefficient in right.items():
         total[monomial] = total.get(monomial, Fraction(0)) + factor * coefficient
@@ -70,17 +71,17 @@ def plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
 
 
 def minus(left: Polynomial, right: Polynomial) -> Polynomial:
-    """left - right."""
-    return plus(left, right, Fraction(-1))
+    """Return left - right."""
+    return _plus(left, right, Fraction(-1))
 
 
-def scaled(part: Polynomial, factor: Fraction) -> Polynomial:
-    """factor * part."""
+def _scaled(part: Polynomial, factor: Fraction) -> Polynomial:
+    """Return factor * part."""
     return {monomial: factor * coefficient for monomial, coefficient in part.items()} if factor else {}
 
 
-def product(left: Polynomial, right: Polynomial) -> Polynomial:
-    """left * right."""
+def _product(left: Polynomial, right: Polynomial) -> Polynomial:
+    """Return left * right."""
     total: dict[Monomial, Fraction] = {}
     for one, first in left.items():
         for other, second in right.items():
@@ -90,21 +91,23 @@ def product(left: Polynomial, right: Polynomial) -> Polynomial:
 
 
 def as_constant(part: Polynomial) -> Fraction | None:
-    """Its value if it is a number, else None."""
+    """Return the value of a polynomial that is a number; None for any other."""
     return part.get((), Fraction(0)) if not part or part.keys() == {()} else None
 
 
 @dataclass(frozen=True)
 class Direction:
-    """A direction of half-spaces: those of one direction differ in the bound only. `whole`: its values are whole
-    numbers."""
+    """A linear form without constant and factor: comparisons of one direction differ in the bound only.
+
+    whole  all its variables are whole numbers
+    """
 
     parts: frozenset[tuple[Monomial, Fraction]]
     whole: bool
 
 
 def direction(part: Polynomial) -> tuple[Direction, Fraction, Fraction]:
-    """(d, factor, rest) with part = factor * d + rest, the same d for all multiples. The part is no constant."""
+    """Return (d, factor, rest) with part = factor * d + rest; d is the same for all multiples. The part is no constant."""
     rest = part.get((), Fraction(0))
     open_part = {monomial: coefficient for monomial, coefficient in part.items() if monomial}
     size = Fraction(gcd(*(c.numerator for c in open_part.values())), lcm(*(c.denominator for c in open_part.values())))

@@ -1,4 +1,4 @@
-"""Rewriting steps: whatever the rewrite is called, its instance is shown valid by cases, or by a normal form."""
+"""Rules of rewriting: an instance of a rewrite, whatever its name, is shown to be valid by cases or by a normal form."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ABSORBING = {"and": FALSE, "or": TRUE}
 
 
 def _evaluate(step: Inference) -> Term:
-    """A term without variables and its value."""
+    """Check the value of a term without variables."""
     term, value = of(step.claim, "=")
     require(only(step.args) is term, "the value is of another term")
     require(value.op in ("number", "true", "false") and valid(step.claim), "the value is another one")
@@ -23,7 +23,7 @@ def _evaluate(step: Inference) -> Term:
 
 
 def _aci_norm(step: Inference) -> Term:
-    """The same parts, whatever their order, repetition and nesting."""
+    """Check that two terms have the same parts, in any order, repetition and nesting."""
     claim = only(step.args)
     left, right = of(claim, "=")
     op = left.op if left.op in _NEUTRAL else right.op
@@ -55,9 +55,9 @@ def _absorb(step: Inference) -> Term:
 
 
 def _instance(step: Inference) -> Term:
-    """An instance of a rewrite: valid whatever the terms are that were put in for its variables.
+    """Check that an instance of a rewrite is valid for any meaning of the terms that were substituted for its variables.
 
-    What was put in may hold what else was put in, so that each is looked into in turn. NotImplementedError: not shown.
+    One of these terms may contain another, so each of them is also tried as not opaque. NotImplementedError if it is not shown.
     """
     opaque = _put_in(step.args[1:])
     choices = [opaque, *([other for other in opaque if other is not one] for one in opaque), []]
@@ -67,14 +67,14 @@ def _instance(step: Inference) -> Term:
 
 
 def _without_rule(step: Inference) -> Term:
-    """A step for which cvc5 names no rule, all the same valid by itself. NotImplementedError: not shown."""
+    """Check that a step without a rule of cvc5 is valid by itself. NotImplementedError if it is not shown."""
     if valid(step.claim, step.premises):
         return step.claim
     raise NotImplementedError
 
 
 def _put_in(args: tuple[Term, ...]) -> list[Term]:
-    """List the terms for the rewrite's variables, without constants and negations."""
+    """Return the terms that were substituted for the rewrite's variables, without constants and negations."""
     plain = [_affirmed(part) for arg in args for part in (arg.args if arg.op == "list" else (arg,))]
     return [one for one in plain if one.op not in ("number", "true", "false")]
 

@@ -1,4 +1,4 @@
-"""Converts cvc5's proofs to our own data. This code is not trusted: an error in it cannot make a wrong proof right."""
+"""Conversion of cvc5's proofs to our own data. It need not be trusted: an error here cannot make a wrong proof right."""
 
 # pyright: reportAttributeAccessIssue=false
 # (cvc5's names come out of a compiled module, which pyright cannot read)
@@ -16,8 +16,8 @@ from safeloc.checker.proofs.terms import FALSE, TRUE, Sort, Term, exact, make, n
 from safeloc.checker.proofs.texts import Goal
 from safeloc.errors import EngineError
 
-ENGINE = f"cvc5 {cvc5.__version__}"
-OPTIONS = {"produce-proofs": "true", "proof-granularity": "dsl-rewrite"}
+_ENGINE = f"cvc5 {cvc5.__version__}"
+_OPTIONS = {"produce-proofs": "true", "proof-granularity": "dsl-rewrite"}
 _NAMES = {
     Kind.NOT: "not",
     Kind.AND: "and",
@@ -50,34 +50,35 @@ _NAMED = (ProofRule.DSL_REWRITE, ProofRule.THEORY_REWRITE)
 
 
 def written(goal: Goal, *, seconds: float, options: Mapping[str, str]) -> list[Step] | str:
-    """cvc5's proof that the goal's assertions contradict each other, or its answer in words if it gives none.
+    """Return cvc5's proof that the goal's assertions contradict each other, or its answer in words if it finds none.
 
-    EngineError if cvc5 refuses the goal or writes a term that is unknown here. `seconds` are for the answer; writing
-    the proof comes on top.
+    seconds  limit for the answer; writing the proof takes further time
+
+    EngineError if cvc5 refuses the goal or writes a term that is unknown here.
     """
     manager = cvc5.TermManager()
-    solver, told = cvc5.Solver(manager), _Told(manager)
+    solver, to_cvc5 = cvc5.Solver(manager), _ToCvc5(manager)
     solver.setLogic(goal.logic)
-    for option, value in {**OPTIONS, "tlimit-per": str(max(1, int(seconds * 1000))), **options}.items():
+    for option, value in {**_OPTIONS, "tlimit-per": str(max(1, int(seconds * 1000))), **options}.items():
         solver.setOption(option, value)
     try:
         for assertion in goal.assertions:
-            solver.assertFormula(told.term(assertion))
+            solver.assertFormula(to_cvc5.term(assertion))
         answer = solver.checkSat()
-        return _Writer().steps(solver.getProof()) if answer.isUnsat() else str(answer)
+        return _FromCvc5().steps(solver.getProof()) if answer.isUnsat() else str(answer)
     except (RuntimeError, TypeError) as error:
         raise EngineError(f"cvc5 writes no proof of a certificate: {error}") from error
 
 
-class _Told:
-    """Terms of ours as cvc5's, each made once."""
+class _ToCvc5:
+    """Converts our terms to cvc5's, each once."""
 
     def __init__(self, manager: cvc5.TermManager) -> None:
         self.manager = manager
         self.known: dict[Term, cvc5.Term] = {}
 
     def term(self, root: Term) -> cvc5.Term:
-        """The term of cvc5."""
+        """Return cvc5's term."""
         waiting = [root]
         while waiting:
             term = waiting[-1]
@@ -106,8 +107,8 @@ class _Told:
         return self.manager.getBooleanSort() if sort == "Bool" else self.manager.getIntegerSort()
 
 
-class _Writer:
-    """Steps in order, each proof node and each term turned once."""
+class _FromCvc5:
+    """Converts cvc5's proof to steps in order; each proof node and each term once."""
 
     def __init__(self) -> None:
         self.terms: dict[cvc5.Term, Term] = {}
@@ -115,7 +116,7 @@ class _Writer:
         self.written: list[Step] = []
 
     def steps(self, roots: list[cvc5.Proof]) -> list[Step]:
-        """The steps up to the one that claims false: what cvc5 wraps around it discharges what the text asserts."""
+        """Return the steps up to the one that claims false, without the outer steps that discharge the text's assertions."""
         [root] = roots
         while root.getRule() == ProofRule.SCOPE:
             [root] = root.getChildren()

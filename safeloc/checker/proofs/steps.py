@@ -1,4 +1,4 @@
-"""A proof as data: steps that each claim a formula, from premises before it and under open assumptions."""
+"""A proof as data: each step claims a formula, from earlier steps as premises and under open assumptions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from safeloc.checker.proofs.terms import FALSE, Term, make, no
 
 
 class Step(NamedTuple):
-    """One step: the rule, the numbers of earlier steps it uses, its arguments, and what it claims to follow."""
+    """One step: its rule, the numbers of the earlier steps that are its premises, its arguments, and the formula it claims."""
 
     rule: str
     premises: tuple[int, ...]
@@ -36,7 +36,7 @@ Rule = Callable[[Inference], Term]
 
 @dataclass(frozen=True)
 class Checked:
-    """Every step was checked but those of `trusted` (rule -> count); empty: nothing is left to trust in this proof."""
+    """Every step was checked, except those of `trusted` (rule -> count); if it is empty, the proof needs no trust."""
 
     steps: int
     rules: Mapping[str, int]
@@ -45,7 +45,7 @@ class Checked:
 
 @dataclass(frozen=True)
 class Failed:
-    """There is no proof, or it is wrong: where, and why."""
+    """There is no proof, or it is wrong; `where` gives the step and the reason."""
 
     where: str
 
@@ -53,8 +53,11 @@ class Failed:
 def check(
     steps: Sequence[Step], allowed: Set[Term], rules: Mapping[str, Rule], *, families: Mapping[str, Rule] | None = None
 ) -> Checked | Failed:
-    """Check that the last step proves `false` from allowed assumptions. `families` maps the part of a rule's name before a
-    colon to a rule that may refuse with NotImplementedError; the step is then a trusted one."""
+    """Check that the last step proves `false` from allowed assumptions.
+
+    families  the part of a rule's name before a colon -> rule; a step that such a rule refuses with NotImplementedError counts
+              as trusted
+    """
     trail = _Trail(rules, families or {})
     for at, step in enumerate(steps):
         try:
@@ -70,7 +73,7 @@ def check(
 
 
 class _Trail:
-    """Steps taken so far: what each claims, and the set of assumptions it stands under, as bits of a number."""
+    """The steps checked so far: the claim of each, and the assumptions on which it depends, as bits of a number."""
 
     def __init__(self, rules: Mapping[str, Rule], families: Mapping[str, Rule]) -> None:
         self.rules, self.families = rules, families
@@ -80,7 +83,7 @@ class _Trail:
         self.trusted: Counter[str] = Counter()
 
     def take(self, at: int, step: Step) -> None:
-        """Checks one step and keeps it. WrongStep if it does not follow."""
+        """Check one step and store it. WrongStep if it does not follow."""
         if any(not 0 <= premise < at for premise in step.premises):
             raise WrongStep("uses a step that does not come before it")
         under = 0
@@ -127,5 +130,5 @@ class _Trail:
             raise WrongStep(f"claims {step.claim}, but {found} follows")
 
     def assumptions(self, at: int) -> list[Term]:
-        """The formulas that the step stands under."""
+        """Return the assumptions on which the step depends."""
         return [term for term, bit in self.bits.items() if self.open[at] >> bit & 1]

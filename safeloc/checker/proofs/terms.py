@@ -1,4 +1,4 @@
-"""Terms of a proof, in a representation of our own: each exists once, so that equal terms are the same object."""
+"""Terms of a proof, in our own representation: each exists once, so that equal terms are the same object."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from weakref import WeakValueDictionary
 
 Sort = Literal["Bool", "Int", "Real", "list"]
 
-LOGICAL = frozenset({"not", "and", "or", "=>", "xor"})
-RELATIONS = frozenset({"<", "<=", ">=", ">"})
-WHOLE = frozenset({"div", "mod", "div_total", "mod_total", "to_int"})
-SUMS = frozenset({"+", "-", "*", "neg", "abs"})
+_LOGICAL = frozenset({"not", "and", "or", "=>", "xor"})
+_RELATIONS = frozenset({"<", "<=", ">=", ">"})
+_WHOLE = frozenset({"div", "mod", "div_total", "mod_total", "to_int"})
+_SUMS = frozenset({"+", "-", "*", "neg", "abs"})
 
 
 class Term:
-    """An operator with arguments, or a constant or variable with a value. Made by `make` and its like only."""
+    """An operator with arguments, or a constant or variable with a value. Only the functions of this module make terms."""
 
     __slots__ = ("__weakref__", "args", "op", "sort", "value")
     op: str
@@ -25,7 +25,7 @@ class Term:
     sort: Sort
 
     def __repr__(self) -> str:
-        return shown(self)
+        return _shown(self)
 
 
 _Key = tuple[str, tuple[Term, ...], str | Fraction | None, Sort]
@@ -43,12 +43,12 @@ def _term(op: str, args: tuple[Term, ...], value: str | Fraction | None, sort: S
 
 
 def make(op: str, *args: Term) -> Term:
-    """Return the term `op` of these arguments. TypeError if the operator is unknown or the sorts do not fit."""
+    """Return the term with this operator and arguments. TypeError if the operator is unknown or the sorts do not fit."""
     return _term(op, args, None, _sort(op, args))
 
 
 def number(value: Fraction | int, sort: Sort = "Int") -> Term:
-    """Return a constant. TypeError if it is no whole number and of sort Int."""
+    """Return a constant. TypeError if its sort is Int and its value is no whole number."""
     exact = Fraction(value)
     if sort not in ("Int", "Real") or (sort == "Int" and exact.denominator != 1):
         raise TypeError(f"{exact} is no {sort}.")
@@ -65,7 +65,7 @@ FALSE = _term("false", (), None, "Bool")
 
 
 def no(term: Term) -> Term:
-    """Its negation."""
+    """Return the negation of a term."""
     return make("not", term)
 
 
@@ -75,21 +75,21 @@ def same(left: Term, right: Term) -> Term:
 
 
 def clause(literals: tuple[Term, ...]) -> Term:
-    """Return the disjunction: false of none, the literal itself of one."""
+    """Return the disjunction of literals: false for none, the literal itself for one."""
     return FALSE if not literals else literals[0] if len(literals) == 1 else make("or", *literals)
 
 
 def _sort(op: str, args: tuple[Term, ...]) -> Sort:
     sorts: set[Sort] = {arg.sort for arg in args}
-    if op in LOGICAL:
+    if op in _LOGICAL:
         return _required(op, bool(sorts) and sorts <= {"Bool"} and _arity(op, len(args)), "Bool")
-    if op in RELATIONS:
+    if op in _RELATIONS:
         return _required(op, len(args) == 2 and sorts <= {"Int", "Real"}, "Bool")
     if op in ("=", "distinct"):
         return _required(op, len(args) == 2 and _comparable(sorts), "Bool")
-    if op in WHOLE:
+    if op in _WHOLE:
         return _required(op, len(args) == (1 if op == "to_int" else 2) and sorts <= {"Int", "Real"}, "Int")
-    if op in SUMS:
+    if op in _SUMS:
         fits = bool(sorts) and sorts <= {"Int", "Real"} and (op not in ("neg", "abs") or len(args) == 1)
         return _required(op, fits, "Int" if sorts == {"Int"} else "Real")
     return _sort_of_rest(op, args, sorts)
@@ -122,18 +122,18 @@ def _required(op: str, fits: bool, sort: Sort) -> Sort:
     return sort
 
 
-def shown(term: Term, depth: int = 4) -> str:
-    """Return the term for people, cut below this depth: written out in full, shared terms may be too long for any page."""
+def _shown(term: Term, depth: int = 4) -> str:
+    """Return the term as text for people, cut below this depth: in full, a term with shared parts may be too long to print."""
     if not term.args:
         return term.op if term.value is None else str(term.value)
     if not depth:
         return "..."
-    parts = [shown(arg, depth - 1) for arg in term.args[:6]]
+    parts = [_shown(arg, depth - 1) for arg in term.args[:6]]
     return f"({term.op} {' '.join(parts)}{' ...' if len(term.args) > 6 else ''})"
 
 
 def exact(term: Term) -> Fraction:
-    """Return the value of a constant. TypeError if the term is none."""
+    """Return the value of a constant. TypeError for any other term."""
     if not isinstance(term.value, Fraction):
         raise TypeError(f"{term.op!r} is no constant.")
     return term.value

@@ -1,4 +1,4 @@
-"""The text of a certificate, read by a reader of our own: what each of its goals asks."""
+"""A reader of certificates, independent of the checker's other one: it returns the question of each goal."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _short(command: Expression) -> str:
 
 
 def _expressions(text: str) -> Iterator[Expression]:
-    """Top-level expressions; a comment between them comes as a string that begins with a semicolon."""
+    """Yield the top-level expressions, and the comments between them as strings that begin with a semicolon."""
     open_lists: list[list[Expression]] = []
     for comment, token in _tokens(text):
         if comment:
@@ -118,7 +118,7 @@ def _command(command: Expression, reading: _Reading) -> None:
 
 
 def _new(token: str, reading: _Reading) -> str:
-    """The name, if it is a new one: no definition leads back to itself, and none is changed later."""
+    """Return the name, if it is new, so that no definition refers to itself and none is changed later; else ValueError."""
     name = _bare(token)
     if reading.levels:
         raise ValueError("a declaration between push and pop")
@@ -139,7 +139,7 @@ def _bare(token: str) -> str:
 
 def _truth(term: Term) -> Term:
     if term.sort != "Bool":
-        raise TypeError("what is asserted is no truth value")
+        raise TypeError("the assertion is no truth value")
     return term
 
 

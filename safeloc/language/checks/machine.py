@@ -1,31 +1,36 @@
-"""Rules for the declaration of a machine, checked before anything else reads it: one small function per rule.
+"""Rules for the declaration of a machine, checked before any other code reads it: one small function per rule.
 
-`check` raises ModelError with all complaints, so that one run shows every mistake.
+`check` raises ModelError with all complaints, so that one run shows every error.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from safeloc.errors import ModelError
 from safeloc.language.checks.rule import Rule, complaints, every_complaint
 from safeloc.language.checks.terms import malformed
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
-from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Modes, Transition
+from safeloc.language.first_values import ANY, Initial
 from safeloc.language.nodes import Compare, Past
 from safeloc.language.terms import in_order, variables
+from safeloc.language.transition_table import STAY_NAME, Modes, Transition
 
-RESERVED = ("mode", "fired")
-LONGEST_NAME = 120
+if TYPE_CHECKING:
+    from safeloc.language.machine import Machine
+
+_RESERVED = ("mode", "fired")
+_LONGEST_NAME = 120
 
 
 def check_shape(machine: Machine) -> None:
-    """Raise ModelError where a field holds something that it is not for: nothing else can be asked then."""
+    """Raise ModelError if a field holds something of a wrong kind; the other rules rely on this check."""
     _refuse(machine, complaints(SHAPE, machine))
 
 
 def check(machine: Machine) -> None:
-    """Raise ModelError naming every offence, each with file and line."""
+    """Raise ModelError with every complaint, each with file and line."""
     _refuse(machine, every_complaint(MACHINE, machine))
 
 
@@ -59,7 +64,7 @@ def _variables_are_variables(machine: Machine) -> Iterator[str]:
         if not isinstance(t, Transition):
             yield f"transition {t!r}: make it with Transition(...)."
         elif wrong := [mode for mode in (*t.sources, t.target) if not isinstance(mode, Lit)]:
-            yield f"transition {t.name!r} ({t.src}): {wrong[0]!r} is no mode."
+            yield f"transition {t.name!r} ({t.src}): {wrong[0]!r} is no mode; make modes with modes(...)."
     for mode in machine.modes:
         if not isinstance(mode, Lit):
             yield f"mode {mode!r}: make modes with modes(...)."
@@ -72,17 +77,17 @@ def _terms_are_terms(machine: Machine) -> Iterator[str]:
     truths |= {f"lemma {name!r}": lemma for name, lemma in machine.lemmas.items()}
     for what, term in truths.items():
         if not isinstance(term, Bool):
-            yield f"{what}: {term!r} is no truth-valued term; a constant is written TRUE or FALSE."
+            yield f"{what}: {term!r} is no truth-valued term; write TRUE or FALSE for a constant."
     for name, output in machine.outputs.items():
         if not isinstance(output, (Num, Bool)):
-            yield f"output {name!r}: {output!r} is no term; make it of state variables."
+            yield f"output {name!r}: {output!r} is no term; build a term over state variables."
     for var, move in machine.world.moves.items():
         if not isinstance(move, (Num, Bool)):
-            yield f"move of ghost {var.name!r}: {move!r} is no term; a ghost that rests moves to itself."
+            yield f"move of ghost {var.name!r}: {move!r} is no term; a ghost that keeps its value has itself as its move."
 
 
 def _terms_are_well_formed(machine: Machine) -> Iterator[str]:
-    """Every term is well formed, also one built without the functions of the language."""
+    """Every term is well formed, also a term built without the functions of the language."""
     values = [value for t in machine.transitions for value in t.set.values() if isinstance(value, (Num, Bool))]
     yield from malformed(
         [*_terms(machine), *values, *input_variables(machine), *machine.state, *machine.world.variables]
@@ -99,7 +104,7 @@ def _terms(machine: Machine) -> list[Expr]:
 
 def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
     if not machine.modes:
-        yield "no modes; declare at least one with modes(...)."
+        yield "it has no modes; declare at least one with modes(...)."
         return
     table = machine.modes[0].unit
     if any(mode.unit is not table for mode in machine.modes):
@@ -111,38 +116,38 @@ def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
 
 
 def _names_are_distinct(machine: Machine) -> Iterator[str]:
-    owned = [*input_variables(machine), *machine.state, *machine.world.variables]
-    yield from _repeated("variable", (var.name for var in owned))
-    own_value = {var.name for var in owned if machine.outputs.get(var.name) is var}
-    yield from _repeated("variable or output", {var.name for var in owned} - own_value | set(RESERVED), machine.outputs)
+    declared = [*input_variables(machine), *machine.state, *machine.world.variables]
+    yield from _repeated("variable", (var.name for var in declared))
+    shown = {var.name for var in declared if machine.outputs.get(var.name) is var}  # an output may show a variable
+    yield from _repeated("variable or output", {var.name for var in declared} - shown | set(_RESERVED), machine.outputs)
     yield from _repeated("transition", (t.name for t in machine.transitions))
-    for var in owned:
-        if var.name in RESERVED or var.name.startswith(("before.", "observer.")):
+    for var in declared:
+        if var.name in _RESERVED or var.name.startswith(("before.", "observer.")):
             yield f"variable {var.name!r} ({var.src}): this name is reserved; choose another."
         if var.before is not None:
             yield f"variable {var.name!r} ({var.src}) is a value before the step; only properties may use it."
     if any(t.name == STAY_NAME for t in machine.transitions):
-        yield f"transition name {STAY_NAME!r} is reserved."
+        yield f"transition name {STAY_NAME!r} is reserved; choose another."
 
 
 def _labels_can_be_written(machine: Machine) -> Iterator[str]:
-    """Names stand in reports, certificates and files, each on one line."""
+    """Reports, certificates and files write each name on one line."""
     wrong = set(machine.name) & set("|\\/")
-    if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > LONGEST_NAME:
-        yield f"its name is {machine.name!r}; 1 to {LONGEST_NAME} printable characters, without /, | and \\."
+    if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > _LONGEST_NAME:
+        yield f"its name is {machine.name!r}; use 1 to {_LONGEST_NAME} printable characters, without /, | and \\."
     labels = {"mode": [mode.label for mode in machine.modes], "transition": [t.name for t in machine.transitions]}
     labels |= {"output": list(machine.outputs), "lemma": list(machine.lemmas), "clause": list(machine.world.clauses)}
     for what, names in labels.items():
         for name in names:
-            if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
-                yield f"{what} {name!r}: a name is 1 to {LONGEST_NAME} printable characters, on one line."
+            if not name.strip() or not name.isprintable() or len(name) > _LONGEST_NAME:
+                yield f"{what} {name!r}: a name has 1 to {_LONGEST_NAME} printable characters, on one line."
 
 
 def _names_can_be_written(machine: Machine) -> Iterator[str]:
-    """Proof texts quote names in bars and number the copies of an input with @."""
+    """Certificates quote names in bars, and number the copies of an input with @."""
     for var in [*input_variables(machine), *machine.state, *machine.world.variables]:
         if not var.name or not var.name.isprintable() or set(var.name) & set("@|\\"):
-            yield f"variable {var.name!r} ({var.src}): a name is not empty, printable, and without @, | and \\."
+            yield f"variable {var.name!r} ({var.src}): a name has printable characters, at least one, without @, | and \\."
 
 
 def _repeated(what: str, *groups: Iterable[str]) -> Iterator[str]:
@@ -160,11 +165,11 @@ def _transitions_join_known_modes(machine: Machine) -> Iterator[str]:
             if not any(mode is known for known in machine.modes):
                 yield f"transition {t.name!r} ({t.src}): {mode.label!r} is not a mode of this machine."
         if not t.sources:
-            yield f"transition {t.name!r} ({t.src}) has no source mode."
+            yield f"transition {t.name!r} ({t.src}) has no source mode; name at least one."
 
 
 def _sources_are_named_once(machine: Machine) -> Iterator[str]:
-    """A transition names each source mode once: the number of names decides whether it leaves every mode."""
+    """A transition names each source mode once: lowering counts the names to see whether the transition leaves every mode."""
     for t in machine.transitions:
         twice = sorted({mode.label for mode in t.sources if sum(mode is other for other in t.sources) > 1})
         if twice:
@@ -172,7 +177,7 @@ def _sources_are_named_once(machine: Machine) -> Iterator[str]:
 
 
 def _ranks_are_in_order(machine: Machine) -> Iterator[str]:
-    """Among transitions out of one mode; the order of the table is the order of priority."""
+    """Ranks of transitions out of one mode do not decrease, since the order of the table is the order of priority."""
     highest: dict[Lit, Transition] = {}
     for t in machine.transitions:
         for source in t.sources:
@@ -203,7 +208,10 @@ def _updates_fit(machine: Machine) -> Iterator[str]:
 def _initial_values_fit(machine: Machine) -> Iterator[str]:
     for var, value in [*machine.state.items(), *machine.world.ghosts.items()]:
         if isinstance(value, (Num, Bool)) and not isinstance(value, Lit):
-            yield f"initial value of {var.name!r} ({var.src}): {value!r} is a term; give a value, or ANY and `initially`."
+            yield (
+                f"initial value of {var.name!r} ({var.src}): {value!r} is a term; give a value, or ANY with a condition in "
+                "`initially`."
+            )
         elif value is not ANY:
             yield from _fits(f"initial value of {var.name!r} ({var.src})", var, value)
 
@@ -225,15 +233,15 @@ def _fits(what: str, var: Var, value: Expr | Initial) -> Iterator[str]:
 
 def _reads_are_declared(machine: Machine) -> Iterator[str]:
     state, ghosts = {*machine.state, machine.mode}, {*machine.world.variables}
-    own = {*input_variables(machine), *state}
-    on_board = _Readers(own, "inputs and state")
+    readable = {*input_variables(machine), *state}
+    on_board = _Readers(readable, "inputs and state")
     for t in machine.transitions:
         terms = [t.when, *(value for value in t.set.values() if isinstance(value, (Num, Bool)))]
         yield from on_board.complaints(f"transition {t.name!r} ({t.src})", terms)
     after = _Readers(state, "state (after the step)")
     for name, term in machine.outputs.items():
         yield from after.complaints(f"output {name!r}", [term])
-    anywhere = _Readers(own | ghosts, "declared variables", on_board)
+    anywhere = _Readers(readable | ghosts, "declared variables", on_board)
     for var, move in machine.world.moves.items():
         yield from anywhere.complaints(f"move of ghost {var.name!r}", [move])
     for name, clause in machine.world.terms.items():
@@ -245,19 +253,19 @@ def _reads_are_declared(machine: Machine) -> Iterator[str]:
 
 
 def _world_is_apart(machine: Machine) -> Iterator[str]:
-    """A law that follows the machine proves any machine right."""
+    """A world does not read the state that the machine computes: a law that depends on it can prove a wrong machine right."""
     if not machine.world.reads_machine:
         for what, read in read_of_machine(machine).items():
             yield (
-                f"{what} reads {read[0].name!r}, which the machine computes; the world knows inputs, ghosts and choices. "
-                "Where it cannot be said otherwise, give the reason as reads_machine."
+                f"{what} reads {read[0].name!r}, which the machine computes; let it read inputs, ghosts and choices only. "
+                "If that is impossible, give the reason as reads_machine."
             )
 
 
 def read_of_machine(machine: Machine) -> dict[str, list[Var]]:
-    """Return each clause and each ghost's move that reads what the machine computes, with what it reads.
+    """Return the computed variables that clauses and ghosts' moves read, by the name of the clause or move.
 
-    A state variable that no transition sets is a figure of the site, such as the place of a counter: it follows no edit.
+    A state variable that no transition sets is not among them: it is a figure of the site, such as the place of a counter.
     """
     computed, world = {*_set_by_rows(machine), machine.mode, machine.fired_name}, machine.world
     laws: dict[str, Expr] = {f"clause {name!r}": term for name, term in world.terms.items()}
@@ -271,20 +279,21 @@ def _set_by_rows(machine: Machine) -> set[Var]:
 
 
 class _Readers:
-    """Terms that may read the same variables; what was found in order is not walked again, since they share most parts.
+    """Checks terms that may read the same variables; accepted parts are not visited again, since terms share most parts.
 
-    narrower   those that may read fewer variables: what was found in order of them is in order here as well
+    allowed   the variables that the terms may read; `words` names them in a message
+    narrower  the check of terms that may read fewer variables: parts accepted there are accepted here
     """
 
-    def __init__(self, allowed: set[Var], told: str, narrower: _Readers | None = None) -> None:
-        self._allowed, self._told = allowed, told
+    def __init__(self, allowed: set[Var], words: str, narrower: _Readers | None = None) -> None:
+        self._allowed, self._words = allowed, words
         self._fine: set[Expr] = set() if narrower is None else set(narrower._fine)
 
     def complaints(self, what: str, terms: Iterable[Expr]) -> list[str]:
         """List the errors in these terms, one sentence each."""
         nodes = in_order(terms, self._fine)
         strange = [node for node in nodes if isinstance(node, (NumVar, BoolVar)) and node not in self._allowed]
-        found = [f"{what} reads {var.name!r}; it may read only {self._told}." for var in strange]
+        found = [f"{what} reads {var.name!r}; it may read only {self._words}." for var in strange]
         if any(isinstance(node, Past) for node in nodes):
             found.append(f"{what} uses a past operator; only properties may.")
         if not found:
@@ -295,7 +304,7 @@ class _Readers:
 def _ghosts_move(machine: Machine) -> Iterator[str]:
     for ghost in machine.world.ghosts:
         if ghost not in machine.world.moves:
-            yield f"ghost {ghost.name!r} ({ghost.src}) has no move; give it one in moves (itself, if it rests)."
+            yield f"ghost {ghost.name!r} ({ghost.src}) has no move; give it one in moves (itself, if it keeps its value)."
 
 
 def _guards_can_hold(machine: Machine) -> Iterator[str]:
@@ -335,7 +344,7 @@ SHAPE: tuple[Rule[Machine], ...] = (
     Rule("terms are terms", "a crash", _terms_are_terms),
     Rule("terms are well formed", "a wrong verdict", _terms_are_well_formed),
 )
-"""What the other rules, which walk the terms, rely on: only the first that complains is told."""
+"""Rules on which those of MACHINE rely, since these visit all terms; only the first broken rule is reported."""
 
 MACHINE: tuple[Rule[Machine], ...] = (
     Rule("names are distinct", "a wrong verdict", _names_are_distinct),

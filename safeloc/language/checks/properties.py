@@ -1,4 +1,4 @@
-"""Properties: by themselves, on a system, and several of them watched together."""
+"""Rules for properties: by themselves, on a system, and several of them observed together."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from safeloc.language.spec import Goal, Property
     from safeloc.language.system import TransitionSystem
 
-LONGEST_NAME = 120
-KINDS = ("always", "within", "reachable")
+_LONGEST_NAME = 120
+_KINDS = ("always", "within", "reachable")
 
 
 def check_property(prop: Property) -> None:
-    """Raise PropertyError where the declaration by itself is wrong."""
+    """Raise PropertyError if the declaration by itself is wrong."""
     _refuse(prop, complaints(PROPERTY, prop))
 
 
 def check_reading(reading: Reading) -> None:
-    """Raise PropertyError where a property reads what it cannot read of a system."""
+    """Raise PropertyError if a property reads variables that the system does not have, or that it must not read."""
     _refuse(reading.prop, complaints(READING, reading))
 
 
 def check_watching(goals: Sequence[Goal]) -> None:
-    """Raise PropertyError where goals cannot be watched in one system."""
+    """Raise PropertyError if the observers of several goals cannot be combined in one system."""
     found = complaints(WATCHING, goals)
     if found:
         raise PropertyError(" ".join(found))
@@ -50,17 +50,17 @@ def _name_can_be_written(prop: Property) -> Iterator[str]:
     if (
         not isinstance(prop.name, str)
         or not prop.name.strip()
-        or len(prop.name) > LONGEST_NAME
+        or len(prop.name) > _LONGEST_NAME
         or not prop.name.isprintable()
     ):
-        yield f"a name is 1 to {LONGEST_NAME} printable characters, on one line."
+        yield f"a name has 1 to {_LONGEST_NAME} printable characters, on one line."
     elif set(prop.name) & set("|\\"):
-        yield "a name is without | and \\: proof texts quote it in bars."
+        yield "a name must not contain | and \\, since certificates quote it in bars."
 
 
 def _kind_is_known(prop: Property) -> Iterator[str]:
-    if prop.kind not in KINDS:
-        yield f"kind {prop.kind!r} is none of {', '.join(KINDS)}; use these functions."
+    if prop.kind not in _KINDS:
+        yield f"its kind {prop.kind!r} is none of {', '.join(_KINDS)}; use the functions of these names."
 
 
 def _terms_are_truth_values(prop: Property) -> Iterator[str]:
@@ -70,7 +70,7 @@ def _terms_are_truth_values(prop: Property) -> Iterator[str]:
         ("further assumption", prop.further_assumption),
     ):
         if not isinstance(term, Bool):
-            yield f"its {what} is {term!r}, not a truth-valued term; a constant is written TRUE or FALSE."
+            yield f"its {what} is {term!r}, not a truth-valued term; write TRUE or FALSE for a constant."
 
 
 def _terms_are_well_formed(prop: Property) -> Iterator[str]:
@@ -79,7 +79,7 @@ def _terms_are_well_formed(prop: Property) -> Iterator[str]:
 
 def _steps_can_be_counted(prop: Property) -> Iterator[str]:
     if isinstance(prop.steps, bool) or not isinstance(prop.steps, int) or not 0 <= prop.steps < INT64_MAX:
-        yield f"steps is {prop.steps!r}; it must be a whole number, 0 or more."
+        yield f"its steps is {prop.steps!r}; give a whole number, 0 or more."
 
 
 PROPERTY: tuple[Rule[Property], ...] = (
@@ -96,7 +96,11 @@ PROPERTY: tuple[Rule[Property], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A property on a system; `helper` is what its function made of `waiting`, None without one."""
+    """A property on a system.
+
+    waiting  of `within`, the variable that counts the steps waited
+    helper   the result of the property's helper function for `waiting`; None without one
+    """
 
     system: TransitionSystem
     prop: Property
@@ -109,9 +113,9 @@ def _terms_read_what_is_there(reading: Reading) -> Iterator[str]:
     known, state = {*system.state, *system.inputs, *system.fired}, set(system.state)
     for var in variables([reading.prop.term, reading.prop.response]):
         if var.before is not None and var.before not in state:
-            yield f"it reads {var.name!r}: before() is for state variables."
+            yield f"it reads {var.name!r}, but before() and was() are for state variables of the system only."
         elif var.before is None and var not in known:
-            yield f"it reads {var.name!r}, which {system.name} does not have."
+            yield f"it reads {var.name!r}, which {system.name} does not have; read variables of this system only."
 
 
 def _further_assumption_reads_the_step(reading: Reading) -> Iterator[str]:
@@ -120,15 +124,15 @@ def _further_assumption_reads_the_step(reading: Reading) -> Iterator[str]:
         if var not in known:
             yield f"the further assumption reads {var.name!r}; it may read state before the step, inputs and ghosts."
     if any(isinstance(node, Past) for node in in_order([reading.prop.further_assumption])):
-        yield "the further assumption uses a past operator; say it with state, or make it part of the property."
+        yield "the further assumption uses a past operator; express it by state, or move it into the property."
 
 
 def _helper_speaks_of_states(reading: Reading) -> Iterator[str]:
-    """It is a hypothesis before the step and a goal after it, so that nothing in it may belong to the step between."""
+    """A helper reads no inputs: it is a hypothesis before the step and a goal after it, and an input belongs to one step."""
     if reading.helper is None:
         return
     if not isinstance(reading.helper, Bool):
-        yield f"its helper gives {reading.helper!r}, not a truth-valued term."
+        yield f"its helper returns {reading.helper!r}; it must return a truth-valued term."
         return
     wrong = list(malformed([reading.helper]))
     yield from wrong
@@ -137,9 +141,9 @@ def _helper_speaks_of_states(reading: Reading) -> Iterator[str]:
     allowed: set[Var] = {*reading.system.state} | ({reading.waiting} if reading.waiting is not None else set())
     strange = [repr(var.name) for var in variables([reading.helper]) if var not in allowed]
     if strange:
-        yield f"its helper reads {', '.join(strange)}; it may read state and the steps waited only, no inputs."
+        yield f"its helper reads {', '.join(strange)}; it may read only state and the number of steps waited, no inputs."
     if any(isinstance(node, Past) for node in in_order([reading.helper])):
-        yield "its helper uses a past operator; it may read state and the steps waited only."
+        yield "its helper uses a past operator; it may read only state and the number of steps waited."
 
 
 READING: tuple[Rule[Reading], ...] = (
@@ -153,14 +157,14 @@ READING: tuple[Rule[Reading], ...] = (
 
 
 def _observers_have_distinct_names(goals: Sequence[Goal]) -> Iterator[str]:
-    """Solvers know an observer by its name, which is made of the property's."""
+    """Observers have distinct names: solvers identify an observer by its name, which contains the property's."""
     seen: dict[str, Goal] = {}
     for goal in goals:
         for var in goal.observers:
             other = seen.setdefault(var.name, goal)
             if other is not goal:
                 yield (
-                    f"{goal.prop.src}: property {goal.prop.name!r} is watched together with another one of this name "
+                    f"{goal.prop.src}: property {goal.prop.name!r} is checked together with another one of this name "
                     f"({other.prop.src}); rename one of them."
                 )
 

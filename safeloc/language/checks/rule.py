@@ -6,26 +6,26 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
-Subject = TypeVar("Subject")
+_Subject = TypeVar("_Subject")
 Harm = Literal["a wrong verdict", "a crash", "a slip"]
 
 
 @dataclass(frozen=True)
-class Rule(Generic[Subject]):
+class Rule(Generic[_Subject]):
     """One rule about a subject.
 
-    keeps_out   the harm without the rule: a wrong verdict, a failure without a message for the user, or
-                nothing but a declaration that does not say what its author meant
-    complaints  one sentence for each offence: what, where (file and line), what to do
+    keeps_out   the harm without the rule: a wrong verdict, a crash (a failure without a message for the user), or a slip
+                (a declaration that does not mean what its author intended)
+    complaints  one sentence for each error: what, where (file and line), what to do
     """
 
     name: str
     keeps_out: Harm
-    complaints: Callable[[Subject], Iterator[str]]
+    complaints: Callable[[_Subject], Iterator[str]]
 
 
-def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
-    """Return all complaints of the first rule that has any: later rules may walk what earlier ones have found in order."""
+def complaints(rules: Sequence[Rule[_Subject]], subject: _Subject) -> list[str]:
+    """Return all complaints of the first rule that has any: later rules may rely on the parts that earlier ones accepted."""
     for rule in rules:
         found = list(rule.complaints(subject))
         if found:
@@ -33,6 +33,6 @@ def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
     return []
 
 
-def every_complaint(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
-    """Return all complaints of all rules, so that one look shows every mistake."""
+def every_complaint(rules: Sequence[Rule[_Subject]], subject: _Subject) -> list[str]:
+    """Return the complaints of all rules, so that the user sees every error at once."""
     return [complaint for rule in rules for complaint in rule.complaints(subject)]

@@ -1,4 +1,4 @@
-"""Rules that every system obeys, whether lowered, composed or made by hand; provers and back ends rely on them."""
+"""Rules for every system, whether lowered, composed or built by hand; provers and back ends rely on them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FOUND_SOUND: weakref.WeakSet[TransitionSystem] = weakref.WeakSet()
 
 
 def check_system(system: TransitionSystem) -> None:
-    """Raise ModelError naming every offence; a system that was found sound is not looked at again."""
+    """Raise ModelError with all complaints of the first broken rule; a system that passed is not checked again."""
     if system in _FOUND_SOUND:
         return
     found = complaints(SYSTEM, system)
@@ -40,7 +40,7 @@ def _terms_are_well_formed(system: TransitionSystem) -> Iterator[str]:
 
 
 def _names_are_distinct(system: TransitionSystem) -> Iterator[str]:
-    """Solvers and records know a variable by its name."""
+    """Variables have distinct names: solvers and records identify a variable by its name."""
     seen: dict[str, Var] = {}
     for var in dict.fromkeys((*system.state, *system.inputs, *system.fired)):
         other = seen.setdefault(var.name, var)
@@ -53,24 +53,25 @@ def _one_role_each(system: TransitionSystem) -> Iterator[str]:
     for var in system.state:
         if var in inputs:
             yield (
-                f"{_where(var)} is state of one machine and an input of another; what is shared is an input everywhere, a "
-                "ghost input everywhere, or a ghost everywhere."
+                f"{_where(var)} is state of one machine and an input of another; a shared variable must have one role in all "
+                "machines: input, ghost input or ghost."
             )
     for what, group in (("state", system.state), ("input", system.inputs)):
         counted = Counter(group)
         for var in [var for var, times in counted.items() if times > 1]:
-            yield f"{what} variable {_where(var)} is listed twice."
+            yield f"{what} variable {_where(var)} is listed twice; list it once."
 
 
 def _everything_moves(system: TransitionSystem) -> Iterator[str]:
     for var in system.state:
         move = system.next.get(var)
         if move is None or var not in system.initial:
-            yield f"{_where(var)} has no next value, or no first one."
+            yield f"{_where(var)} has no next value or no first value; give both."
         elif isinstance(var, NumVar) != isinstance(move, Num):
-            yield f"{_where(var)} moves to {move!r}, which is of another type."
+            kind = "number" if isinstance(var, NumVar) else "truth value"
+            yield f"the next value of {_where(var)} is {move!r}, which is no {kind}; give a {kind}."
     for var in set(system.next) - set(system.state):
-        yield f"{_where(var)} has a next value and is no state variable."
+        yield f"{_where(var)} has a next value but is no state variable; list it in the state."
 
 
 def _reads_are_known(system: TransitionSystem) -> Iterator[str]:
@@ -84,7 +85,7 @@ def _reads_are_known(system: TransitionSystem) -> Iterator[str]:
 
 
 def _only(terms: Mapping[str, Expr], allowed: set[Var], text: str) -> Iterator[str]:
-    """Check all terms at once, since they share most of their parts; look at each one only if something is wrong."""
+    """Check all terms at once, since they share most of their parts; check each term alone only to name the wrong one."""
     nodes = in_order(terms.values())
     if all(node in allowed for node in nodes if isinstance(node, Var)) and not _past(nodes):
         return
@@ -100,7 +101,7 @@ def _past(nodes: Iterable[Expr]) -> bool:
     return any(isinstance(node, Past) for node in nodes)
 
 
-def _nothing_on_board_is_told_ghosts(system: TransitionSystem) -> Iterator[str]:
+def _no_ghost_is_read_on_board(system: TransitionSystem) -> Iterator[str]:
     """On-board terms read no ghosts: a guard, a wire or a shared variable must not give the machine the ground
     truth."""
     board: dict[str, Expr] = {repr(var.name): term for var, term in system.next.items() if var not in system.ghosts}
@@ -108,18 +109,18 @@ def _nothing_on_board_is_told_ghosts(system: TransitionSystem) -> Iterator[str]:
     if system.ghosts.isdisjoint(variables(board.values())):
         return
     for what, term in board.items():
-        told = [_where(var) for var in variables([term]) if var in system.ghosts]
-        if told:
-            yield f"{what}, which is computed on board, reads the ghost {', '.join(told)}; only the environment knows it."
+        read = [_where(var) for var in variables([term]) if var in system.ghosts]
+        if read:
+            yield f"{what}, which is computed on board, reads the ghost {', '.join(read)}; let it read inputs and state only."
 
 
 def _ghosts_are_variables(system: TransitionSystem) -> Iterator[str]:
     for var in system.ghosts - {*system.state, *system.inputs}:
-        yield f"the ghost {_where(var)} is neither state nor input."
+        yield f"the ghost {_where(var)} is neither state nor input; list it as one of them."
 
 
 def _optionals_are_whole(system: TransitionSystem) -> Iterator[str]:
-    """A value without its own presence, or two values under one, would be present for some and absent for others."""
+    """Value and presence of an optional input belong together; otherwise an input could be present and absent at once."""
     inputs, used = set(system.inputs), set[Var]()
     for option in system.optionals:
         for var in (option.value, option.present):
@@ -133,17 +134,17 @@ def _optionals_are_whole(system: TransitionSystem) -> Iterator[str]:
 def _facts_are_truth_values(system: TransitionSystem) -> Iterator[str]:
     for what, term in {"initially": system.init, "assumption": system.assume, **system.lemmas}.items():
         if not isinstance(term, Bool):
-            yield f"{what}: {term!r} is no truth-valued term."
+            yield f"{what}: {term!r} is no truth-valued term; write TRUE or FALSE for a constant."
 
 
 SYSTEM: tuple[Rule[TransitionSystem], ...] = (
-    Rule("terms of the whole are well formed", "a crash", _terms_are_well_formed),
-    Rule("facts of the whole are truth values", "a crash", _facts_are_truth_values),
-    Rule("names of the whole are distinct", "a crash", _names_are_distinct),
+    Rule("terms of the system are well formed", "a crash", _terms_are_well_formed),
+    Rule("facts of the system are truth values", "a crash", _facts_are_truth_values),
+    Rule("names of the system are distinct", "a crash", _names_are_distinct),
     Rule("every variable has one role", "a wrong verdict", _one_role_each),
-    Rule("ghosts of the whole are variables", "a slip", _ghosts_are_variables),
+    Rule("ghosts of the system are variables", "a slip", _ghosts_are_variables),
     Rule("every state variable moves", "a crash", _everything_moves),
-    Rule("reads of the whole are known", "a crash", _reads_are_known),
-    Rule("nothing on board is told ghosts", "a wrong verdict", _nothing_on_board_is_told_ghosts),
+    Rule("reads of the system are known", "a crash", _reads_are_known),
+    Rule("no ghost is read on board", "a wrong verdict", _no_ghost_is_read_on_board),
     Rule("optional inputs are whole", "a crash", _optionals_are_whole),
 )

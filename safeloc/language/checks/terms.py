@@ -1,4 +1,4 @@
-"""Rules for terms: a node built by hand obeys the same rules as one made by the language's functions."""
+"""Rules for terms: a node built directly must satisfy the same rules as one built by the language's functions."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ from safeloc.language.nodes import (
 from safeloc.language.terms import children
 from safeloc.language.units import Enumeration, Unit
 
-PARTS = {"previous": 1, "once": 1, "since": 2}
-KINDS = frozenset(get_args(Node))
+_PARTS = {"previous": 1, "once": 1, "since": 2}
+_KINDS = frozenset(get_args(Node))
 
 
 def malformed(roots: Iterable[object]) -> Iterator[str]:
-    """List the errors of all nodes below `roots`, one sentence each; none if the language's functions made them."""
+    """Yield the errors of all nodes below `roots`, one sentence each; none if the language's functions built them."""
     seen: set[int] = set()
     stack: list[object] = list(roots)
     while stack:
@@ -46,7 +46,7 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
             continue
         seen.add(id(node))
         if not _is_node(node):
-            yield f"{node!r} of type {type(node).__name__} stands where a term is expected."
+            yield f"{node!r} of type {type(node).__name__} is no term; build terms with the functions of safeloc.language.expr."
             continue
         wrong = _wrong(node)
         if wrong:
@@ -56,12 +56,12 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
 
 
 def _is_node(found: object) -> TypeGuard[Node]:
-    """Return whether it is one of the language's nodes; the lookup of its own class is the fast path."""
-    return type(found) in KINDS or isinstance(found, Node)
+    """Return whether an object is one of the language's nodes; the lookup of its class is the fast path."""
+    return type(found) in _KINDS or isinstance(found, Node)
 
 
 def _wrong(node: Node) -> str:
-    """Return the error of one node, or ""; the most frequent kinds come first."""
+    """Return the error of one node, or "" if there is none; the most frequent kinds come first."""
     match node:
         case Choose(c, a, b):
             return _no_truth(c) or _no_number(a) or _no_number(b) or _other_unit(a, b)
@@ -89,7 +89,7 @@ def _wrong(node: Node) -> str:
             wrong = "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
             return _no_number(a) or _enumerated(a) or wrong
         case Past(op, parts):
-            right = PARTS.get(op) == len(parts)
+            right = _PARTS.get(op) == len(parts)
             return _first(map(_no_truth, parts)) if right else f"operator {op!r} of {len(parts)} parts"
         case _:
             assert_never(node)
@@ -139,7 +139,7 @@ def _other_unit(left: Num, right: Num) -> str:
 
 
 def _wrong_arithmetic(left: Num, right: Num) -> str:
-    """Check the units of sums; a sum with zero of another unit is allowed, since `with_unit` converts that way."""
+    """Return the error of a sum, or ""; adding zero of another unit is allowed, since `with_unit` converts that way."""
     wrong = _no_number(left) or _no_number(right) or _enumerated(left) or _enumerated(right)
     converts = isinstance(right, Lit) and right.value == 0
     return wrong or ("" if converts else _other_unit(left, right))

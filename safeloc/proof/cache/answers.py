@@ -1,4 +1,4 @@
-"""The cache of solver answers: that every goal of a query is proved, and which hypotheses a proof needs.
+"""The cache of solver answers: the fact that every goal of a query is proved, and the hypotheses that a proof needs.
 
 The key is the text of the query (hypotheses and goals), the solver, and the engine; after an edit of a machine only the
 affected queries are solved again.
@@ -17,8 +17,8 @@ from safeloc.proof.cache.store import Store, utc_now
 from safeloc.proof.cache.turns import Turn, turn
 
 Solver = Literal["z3", "cvc5"]
-KIND, PROVED, NEEDED = "answers", b"proved", "needed"
-BEGINS = "(set-logic "
+_KIND, _PROVED, NEEDED = "answers", b"proved", "needed"
+_BEGINS = "(set-logic "
 
 
 @dataclass(frozen=True)
@@ -34,16 +34,16 @@ _PLACES: list[_Place] = []
 
 @contextmanager
 def kept_in(store: Store | None, *, fresh: bool = False) -> Iterator[None]:
-    """Within, answers are looked up and kept in this store; in processes that are forked meanwhile as well.
+    """Look up and cache answers in this store within the `with` block, and in processes that are forked in it.
 
-    Nowhere, if the engine's files were written since it was loaded.
+    No answers are cached without a store, or if a file of the package was written after the process started.
 
-    fresh  look up only what was answered since now: a question that is asked twice in a run is answered once
+    fresh  use only answers that are cached from now on: a query that occurs twice in a run is solved once
     """
     if store is None or not undisturbed():
         yield
         return
-    engine_digest()  # here, so that processes which begin later do not read what was written meanwhile
+    engine_digest()  # here, so that processes that start later do not read files that were written meanwhile
     _PLACES.append(_Place(store, utc_now() if fresh else ""))
     try:
         yield
@@ -61,20 +61,22 @@ def proved_before(solver: Solver, text: str) -> bool:
     if not _PLACES:
         return False
     place = _PLACES[-1]
-    entry = place.store.get(KIND, _key(solver, text))
-    return entry is not None and entry.data == PROVED and entry.since >= place.since
+    entry = place.store.get(_KIND, _key(solver, text))
+    return entry is not None and entry.data == _PROVED and entry.since >= place.since
 
 
 def keep_proved(solver: Solver, text: str) -> None:
-    """Keep that this solver has proved every goal of this text."""
+    """Cache the fact that this solver has proved every goal of this text."""
     if _PLACES:
-        _PLACES[-1].store.put(KIND, _key(solver, text), PROVED)
+        _PLACES[-1].store.put(_KIND, _key(solver, text), _PROVED)
 
 
 def needed_before(text: str, hypotheses: int) -> list[int] | None:
-    """Return the numbers of the hypotheses of this text that z3 used for its proof, out of so many; None if none are kept.
+    """Return the cached numbers of the hypotheses of this text that z3 used for its proof; None if there are none.
 
-    What is kept is a proposal: whoever uses it has the goals proved from these hypotheses.
+    hypotheses  the number of all hypotheses of the text
+
+    The numbers are a proposal: the caller has to prove the goals from these hypotheses.
     """
     if not _PLACES:
         return None
@@ -87,14 +89,14 @@ def needed_before(text: str, hypotheses: int) -> list[int] | None:
 
 
 def keep_needed(text: str, numbers: Sequence[int]) -> None:
-    """Keep the numbers of the hypotheses of this text that z3 used for its proof."""
+    """Cache the numbers of the hypotheses of this text that z3 used for its proof."""
     if _PLACES:
         _PLACES[-1].store.put(NEEDED, _key("z3", text), b" ".join(b"%d" % number for number in numbers))
 
 
 @contextmanager
 def turn_of(solver: Solver, text: str) -> Iterator[Turn | None]:
-    """Return the lock of this question, by which one process asks it while others wait; None where nothing is cached."""
+    """Provide the lock of this query, by which one process solves it while others wait; None if nothing is cached."""
     if not _PLACES:
         yield None
         return
@@ -103,6 +105,6 @@ def turn_of(solver: Solver, text: str) -> Iterator[Turn | None]:
 
 
 def _key(solver: Solver, text: str) -> str:
-    """Of the text what is decided: its head names other certificates, and says nothing to a solver."""
-    body = text[text.index(BEGINS) :]
+    """Return the key of a query: a digest of engine, solver and text, without the text's header, which solvers ignore."""
+    body = text[text.index(_BEGINS) :]
     return hashlib.sha256("\0".join([engine_digest(), solver, body]).encode()).hexdigest()

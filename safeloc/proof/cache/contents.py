@@ -1,7 +1,7 @@
-"""A digest of a target: of all that its findings depend on, read field by field, so that no field can be forgotten.
+"""The digest of a target, over everything on which its findings depend, field by field, so that no field can be forgotten.
 
-Where a declaration stands in its file does not count, except for a transition, whose line a finding tells. What cannot be
-digested is refused with a TypeError, never left out.
+The place of a declaration in its file does not count, except for a transition, whose line a finding states. An object of an
+unknown type is refused with a TypeError, never left out.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from safeloc.language.system import Part
 from safeloc.language.terms import in_order
 from safeloc.target import Target
 
-PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
-NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Property: {"helper"}}
-"""Fields that no finding depends on, and such as are told below in another way."""
+_PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
+_NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Property: {"helper"}}
+"""Fields on which no finding depends, and fields whose content enters the digest in another way below."""
 
 
 def target_digest(target: Target) -> str:
     """Return the SHA-256, in hexadecimal, of a target with the recordings that ship with it."""
-    reading = _Reading()
+    digest = _Digest()
     for one in (target, *(_Stream(path.name, path.read_bytes()) for path in target.streams)):
-        reading.add(one)
-    return reading.total.hexdigest()
+        digest.add(one)
+    return digest.total.hexdigest()
 
 
 @dataclass(frozen=True)
@@ -43,20 +43,20 @@ class _Stream:
     content: bytes
 
 
-class _Reading:
-    """Tells objects to a digest: what was told before by the number that it had."""
+class _Digest:
+    """A digest of objects; an object that occurs again enters by the number of its first occurrence."""
 
     def __init__(self) -> None:
         self.total = hashlib.sha256()
         self._met: dict[int, int] = {}
-        self._held: list[object] = []  # so that no other object gets the identity of one that was met
+        self._alive: list[object] = []  # so that no other object gets the identity of one that was met
 
     def add(self, thing: object) -> None:
-        """Tell one more object, with all that it is made of."""
-        self.total.update("".join(f"{word}\n" for word in self._told(thing)).encode())
+        """Add one more object, with all its parts."""
+        self.total.update("".join(f"{line}\n" for line in self._lines(thing)).encode())
 
-    def _told(self, thing: object) -> Iterator[str]:
-        if isinstance(thing, PLAIN):
+    def _lines(self, thing: object) -> Iterator[str]:
+        if isinstance(thing, _PLAIN):
             yield f"{type(thing).__name__} {thing!r}"
         elif isinstance(thing, Path):
             yield f"file {thing.name}"
@@ -76,11 +76,11 @@ class _Reading:
         elif is_dataclass(thing) and not isinstance(thing, type):
             yield from self._fields(thing)
         else:
-            raise TypeError(f"{type(thing).__qualname__} cannot be told to a digest: {thing!r}")
+            raise TypeError(f"{type(thing).__qualname__} cannot enter a digest, its type is unknown: {thing!r}")
 
     def _each(self, things: Iterable[object]) -> Iterator[str]:
         for thing in things:
-            yield from self._told(thing)
+            yield from self._lines(thing)
 
     def _fields(self, thing: Any) -> Iterator[str]:
         if self._is_met(thing):
@@ -89,18 +89,18 @@ class _Reading:
         yield f"{type(thing).__qualname__}"
         for name in _names(cast(Hashable, type(thing))):
             yield name
-            yield from self._told(getattr(thing, name))
+            yield from self._lines(getattr(thing, name))
         if isinstance(thing, Transition):
             yield thing.src.replace("\\", "/").rpartition("/")[2]
         if isinstance(thing, Property) and thing.helper is not None:
-            yield from self._told(thing.helper(_waiting(thing)))
+            yield from self._lines(thing.helper(_waiting(thing)))
         if isinstance(thing, Part):
             alone = thing.alone
-            own = [*alone.state, *alone.inputs, *alone.fired, *alone.lemmas.values(), *alone.outputs.values()]
-            yield from self._each(map(thing.into, own))
+            terms = [*alone.state, *alone.inputs, *alone.fired, *alone.lemmas.values(), *alone.outputs.values()]
+            yield from self._each(map(thing.into, terms))
 
     def _term(self, term: Expr) -> Iterator[str]:
-        """Its nodes, parts before wholes, without recursion, since terms are deep; each node once for the whole digest."""
+        """Yield the nodes of a term, operands first, without recursion, since terms are deep; each node once per digest."""
         for node in in_order([term], self):
             self._is_met(node)
             yield type(node).__name__
@@ -111,7 +111,7 @@ class _Reading:
                 elif isinstance(value, tuple) and value and isinstance(value[0], Expr):
                     yield f"as {[self._met[id(part)] for part in value]}"
                 else:
-                    yield from self._told(value)
+                    yield from self._lines(value)
         yield f"term {self._met[id(term)]}"
 
     def __contains__(self, node: object) -> bool:
@@ -122,14 +122,14 @@ class _Reading:
         if id(thing) in self._met:
             return True
         self._met[id(thing)] = len(self._met)
-        self._held.append(thing)
+        self._alive.append(thing)
         return False
 
 
 @cache
 def _names(kind: Any) -> tuple[str, ...]:
-    """The fields that count."""
-    left_out = {"src", *NOT_READ.get(kind, ())}
+    """Return the names of the fields that enter the digest."""
+    left_out = {"src", *_NOT_READ.get(kind, ())}
     return tuple(field.name for field in fields(kind) if field.name not in left_out)
 
 
@@ -143,5 +143,5 @@ def _waiting(prop: Property) -> NumVar:
 
 def _name(thing: object) -> str:
     if not isinstance(thing, Var):
-        raise TypeError(f"a set of {type(thing).__qualname__} cannot be told to a digest: it has no order.")
+        raise TypeError(f"a set of {type(thing).__qualname__} cannot enter a digest: it has no order.")
     return thing.name

@@ -1,4 +1,4 @@
-"""A digest of the code that decides and of what it decides with: with another engine nothing that was kept counts."""
+"""A digest of the engine: the verification code, Python and the packages it uses. Another engine ignores all cached results."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2]
 DECLARING = ("models", "properties", "shipped")
-"""Folders that declare what is decided: a target's own digest covers what comes of them."""
+"""Folders with declarations: the digest of a target covers the objects that they declare."""
 SHOWING = (
     "cli",
     "checker",
@@ -23,33 +23,33 @@ SHOWING = (
     "runtime/service",
     "simulation",
 )
-"""Folders that show, check, host or simulate: no finding of `verify` comes through them."""
-LONGEST_START_S = 10.0
-DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
+"""Folders that only display, check, host or simulate: no finding of `verify` depends on them."""
+_LONGEST_START_S = 10.0  # assumed age of the process where the system does not tell it
+_DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
 
 
 @cache
 def engine_digest() -> str:
-    """Return the SHA-256 over the files of the engine, and the versions of Python and of the packages that it decides with."""
+    """Return the SHA-256 over the files of the engine, and the versions of Python and of the packages in _DECIDE_WITH."""
     total = hashlib.sha256(f"{platform.python_implementation()} {platform.python_version()}\0".encode())
-    total.update("".join(f"{name} {metadata.version(name)}\0" for name in DECIDE_WITH).encode())
+    total.update("".join(f"{name} {metadata.version(name)}\0" for name in _DECIDE_WITH).encode())
     return _over(total.hexdigest(), _engine_files())
 
 
 @cache
 def source_digest() -> str:
-    """Return the SHA-256 over all files of the package: two reports with the same digest were made by the same safeloc."""
+    """Return the SHA-256 over all files of the package: reports with equal digests were made by the same safeloc."""
     return _over("", _files(PACKAGE, ()))
 
 
 def undisturbed() -> bool:
-    """Return whether no file of the package was written since this process began.
+    """Return whether no file of the package was written since this process started.
 
     Otherwise the loaded code may differ from the digested files, and no result may enter the cache.
     """
     try:
         return all(path.stat().st_ctime <= _BEGAN for path in _files(PACKAGE, ()))
-    except FileNotFoundError:  # one was taken away while they were looked at
+    except FileNotFoundError:  # a file was deleted during the check
         return False
 
 
@@ -59,7 +59,7 @@ def _began() -> float:
         ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
         age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")
     except (OSError, AttributeError, ValueError):
-        age_s = LONGEST_START_S
+        age_s = _LONGEST_START_S
     return time.time() - age_s
 
 

@@ -1,4 +1,4 @@
-"""Files under digests: written at once or not at all, and read only if their checksum is right."""
+"""The files of the cache, named by digests: written completely or not at all, and read only if their checksum is right."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-FORMAT = "safeloc-kept/1"
-LONGEST_HEAD = 1000
-MOST_BYTES = 1_000_000_000
-"""What is kept in all; the longest unused goes first."""
+_FORMAT = "safeloc-kept/1"
+_LONGEST_HEAD = 1000
+_MOST_BYTES = 1_000_000_000
+"""Greatest size of the cache; beyond it the least recently used files are deleted."""
 
 
 def usual_folder() -> Path:
-    """Return the user's own folder for what can be made again."""
+    """Return the user's cache folder for safeloc."""
     return user_cache_path("safeloc")
 
 
 def utc_now() -> str:
-    """Return the time of day as entries tell it; later is greater."""
+    """Return the present time as entries store it (UTC); a later time is a greater text."""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
@@ -41,26 +41,26 @@ class Entry:
 
 @dataclass(frozen=True)
 class Store:
-    """A folder of entries by kind and key; several processes may use it at a time. What cannot be written is not kept."""
+    """A folder of entries by kind and key, for several processes at once. An entry that cannot be written is not cached."""
 
     folder: Path
 
     def get(self, kind: str, key: str) -> Entry | None:
-        """Return the entry; None where there is none, or none that can be trusted to be what was put there."""
+        """Return the entry; None if there is none, or if its file does not contain what `put` wrote."""
         path = self._path(kind, key)
         try:
             head, _, data = path.read_bytes().partition(b"\n")
-            told = json.loads(head) if len(head) < LONGEST_HEAD else {}
+            header = json.loads(head) if len(head) < _LONGEST_HEAD else {}
         except (OSError, ValueError):
             return None
-        if not isinstance(told, dict) or told != _head(kind, key, str(told.get("since")), data):
+        if not isinstance(header, dict) or header != _head(kind, key, str(header.get("since")), data):
             return None
         with contextlib.suppress(OSError):
             os.utime(path)
-        return Entry(data, told["since"])
+        return Entry(data, header["since"])
 
     def put(self, kind: str, key: str, data: bytes) -> None:
-        """Keep it. Where the folder cannot be written, nothing is kept: whatever it is can be made again."""
+        """Store an entry; if the folder cannot be written, do nothing, since the entry can be computed again."""
         path = self._path(kind, key)
         head = json.dumps(_head(kind, key, utc_now(), data))
         with contextlib.suppress(OSError):
@@ -68,10 +68,10 @@ class Store:
             _put_in_place(path, head.encode() + b"\n" + data)
 
     def entries(self) -> Iterator[tuple[Path, os.stat_result]]:
-        """Return the files, each with what the system knows of it."""
+        """Yield the path of every file of the cache, with its size and times."""
         for folder, _, names in os.walk(self._own):
             for path in (Path(folder, name) for name in names):
-                with contextlib.suppress(OSError):  # another process may have taken it away
+                with contextlib.suppress(OSError):  # another process may have deleted it
                     yield path, path.stat()
 
     @property
@@ -79,8 +79,8 @@ class Store:
         """The total size of all cached files."""
         return sum(found.st_size for _, found in self.entries())
 
-    def trim(self, most_bytes: int = MOST_BYTES) -> None:
-        """Take away what has not been used for longest, until no more is left than that."""
+    def trim(self, most_bytes: int = _MOST_BYTES) -> None:
+        """Delete the least recently used files until the cache has at most `most_bytes`."""
         found = sorted(self.entries(), key=lambda one: one[1].st_mtime)
         left = sum(one.st_size for _, one in found)
         for path, one in found:
@@ -90,7 +90,7 @@ class Store:
             left -= one.st_size
 
     def clean(self) -> None:
-        """Take away all that is kept, and nothing else that may stand in the folder."""
+        """Delete all files of the cache, and nothing else in the folder."""
         if self._own.exists():
             shutil.rmtree(self._own)
 
@@ -103,7 +103,7 @@ class Store:
 
 
 def _put_in_place(path: Path, content: bytes) -> None:
-    """Write a file whole, or leave nothing behind."""
+    """Write a file completely, or not at all."""
     with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
         try:
             file.write(content)
@@ -115,6 +115,6 @@ def _put_in_place(path: Path, content: bytes) -> None:
 
 
 def _head(kind: str, key: str, since: str, data: bytes) -> dict[str, str]:
-    """Make the header of a file: its kind and key, and a checksum over everything."""
-    total = hashlib.sha256("\0".join([FORMAT, kind, key, since, ""]).encode() + data)
-    return {"format": FORMAT, "kind": kind, "key": key, "since": since, "sha256": total.hexdigest()}
+    """Return the header of a file: format, kind, key, time, and a checksum over these and the data."""
+    total = hashlib.sha256("\0".join([_FORMAT, kind, key, since, ""]).encode() + data)
+    return {"format": _FORMAT, "kind": kind, "key": key, "since": since, "sha256": total.hexdigest()}

@@ -1,6 +1,6 @@
-"""Findings of targets, kept under the digests of engine and target, and what was asked for.
+"""The cache of the findings of targets. The key is a digest of engine, target and request.
 
-A target of which anything was not decided is not kept: it is asked again, when the machine may be less busy.
+Findings with an undecided result are not cached: the next run tries again, perhaps on a less busy computer.
 """
 
 from __future__ import annotations
@@ -19,27 +19,27 @@ from safeloc.proof.results import Finding
 from safeloc.proof.verification.plain import pack_findings, unpack_findings
 from safeloc.target import Target
 
-KIND = "findings"
-QUICKLY = 3  # of gzip's levels: a third more than the smallest, in a fifth of the time
+_KIND = "findings"
+_QUICKLY = 3  # of gzip's levels: a third more than the smallest, in a fifth of the time
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A request about a target, with its key."""
+    """A request for the findings of a target, with its key."""
 
     target: Target
     key: str
 
 
 def asked(target: Target, *question: object) -> Asked:
-    """Return a question to a target, such as the plan of its verification; `question` is told by its repr."""
-    told = "\0".join([engine_digest(), target_digest(target), *map(repr, question)])
-    return Asked(target, hashlib.sha256(told.encode()).hexdigest())
+    """Return the request for the findings of a target; `question`, such as the plan, enters the key by its repr."""
+    request = "\0".join([engine_digest(), target_digest(target), *map(repr, question)])
+    return Asked(target, hashlib.sha256(request.encode()).hexdigest())
 
 
 def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
-    """Return the findings, each with the time since when it is kept; None where the question has to be asked."""
-    entry = None if store is None else store.get(KIND, one.key)
+    """Return the cached findings, each with the time at which it was cached; None if there are none."""
+    entry = None if store is None else store.get(_KIND, one.key)
     if entry is None:
         return None
     findings = unpack_findings(json.loads(gzip.decompress(entry.data)), one.target.system)
@@ -47,8 +47,8 @@ def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
 
 
 def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> None:
-    """Keep the findings, if all was decided, and by the engine whose files are there."""
+    """Cache the findings, if all are decided and no file of the package was written since the process started."""
     if store is None or any(isinstance(finding.result, Unknown) for finding in findings) or not undisturbed():
         return
     plain = pack_findings(findings, one.target.system)
-    store.put(KIND, one.key, gzip.compress(json.dumps(plain).encode(), QUICKLY, mtime=0))
+    store.put(_KIND, one.key, gzip.compress(json.dumps(plain).encode(), _QUICKLY, mtime=0))

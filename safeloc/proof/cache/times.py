@@ -1,4 +1,4 @@
-"""The last running time of each target, by name: an estimate only, on which no result depends."""
+"""The last running time of each target, by name, as an estimate for the next run; no result depends on it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterable
 
 from safeloc.proof.cache.store import Store
 
-KIND = "times"
+_KIND = "times"
 
 
 def keep_seconds(store: Store, target: str, question: object, seconds: float) -> None:
-    """Keep how long the question took of this target."""
-    store.put(KIND, _key(target, question), f"{seconds:.1f}".encode())
+    """Store the seconds that a request took for this target."""
+    store.put(_KIND, _key(target, question), f"{seconds:.1f}".encode())
 
 
 def seconds_before(store: Store, targets: Iterable[str], question: object) -> dict[str, float]:
-    """Return the seconds that each took, of those of which it is known."""
-    found = {name: store.get(KIND, _key(name, question)) for name in targets}
+    """Return the seconds that a request took for each target, for those with a stored time."""
+    found = {name: store.get(_KIND, _key(name, question)) for name in targets}
     return {name: float(entry.data) for name, entry in found.items() if entry is not None}
 
 

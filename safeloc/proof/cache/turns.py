@@ -1,7 +1,7 @@
-"""Turns: of several processes that would ask a solver the same question, one asks and the others wait.
+"""Turns: of several processes that would solve the same query, one solves it and the others wait.
 
-A question is one byte of one file in the store's folder, locked by the process that asks. The operating system takes the lock
-back when that process ends, however it ends. Where the system or the folder has no locks, everybody asks.
+Each query has one byte of one file in the store's folder, which the solving process locks. The operating system releases the
+lock when that process ends, however it ends. If the system or the folder has no locks, every process solves the query.
 """
 
 from __future__ import annotations
@@ -11,39 +11,39 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-NAME = "turns"
-DIGITS = 15
-"""So many hexadecimal digits of a key are the byte's place; two questions of one place only wait for each other."""
+_NAME = "turns"
+_DIGITS = 15
+"""Number of hexadecimal digits of a key that give the byte's place; two queries with one place merely wait for each other."""
 
 
 class Turn:
-    """The lock of one question."""
+    """The lock of one query."""
 
     def __init__(self, file: int, place: int) -> None:
         self._file, self._place = file, place
 
     def taken(self) -> bool:
-        """Take the turn; False if another process has it."""
-        import fcntl  # not on every system; where it is missing no process is forked either
+        """Try to take the lock, and return whether this process has it; True also if there are no locks."""
+        import fcntl  # not on every system; without it no process is forked either
 
         try:
             fcntl.lockf(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, self._place)
         except (BlockingIOError, PermissionError):
             return False
-        except OSError:  # a folder without locks: the question is asked, perhaps twice
+        except OSError:  # a folder without locks: the query may be solved twice
             return True
         return True
 
 
 @contextmanager
 def turn(folder: Path, key: str) -> Iterator[Turn | None]:
-    """Return the lock of the question with that key, given back at the end; None where the folder cannot be written."""
-    file = _opened(folder / NAME)
+    """Provide the lock of the query with this key, and release it at the end; None if the folder cannot be written."""
+    file = _opened(folder / _NAME)
     if file is None:
         yield None
         return
     try:
-        yield Turn(file, int(key[:DIGITS], 16))
+        yield Turn(file, int(key[:_DIGITS], 16))
     finally:
         os.close(file)
 

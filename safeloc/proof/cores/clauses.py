@@ -1,4 +1,4 @@
-"""The clauses of a system's worlds by name, and the same system in a world that breaks some of them."""
+"""The clauses of a system's worlds by name, and the same system without the assumption of some of them."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class ClauseId:
 
 
 def assumed_clauses(system: TransitionSystem) -> dict[ClauseId, Bool]:
-    """Return what the system assumes in every step, clause by clause, over its state before the step and inputs.
+    """Return the clauses that the system assumes in every step, over its state before the step and inputs.
 
-    Of a composition, what earlier machines guarantee is proved and is not among them.
+    Clauses that earlier machines of a composition guarantee are proved, and are not among them.
     """
     if system.parts:
         return {ClauseId(part.name, name): term for part in system.parts for name, term in part.assumed.items()}
@@ -32,13 +32,13 @@ def assumed_clauses(system: TransitionSystem) -> dict[ClauseId, Bool]:
 
 
 def laws(system: TransitionSystem) -> dict[ClauseId, Law]:
-    """Return every assumed clause as it was declared, with its statement and owner."""
+    """Return every assumed clause as declared, with its statement and owner."""
     by_machine = {one.name: one.world.laws for one in system.machines}
     return {one: by_machine[one.machine][one.name] for one in assumed_clauses(system)}
 
 
 def without(system: TransitionSystem, broken: Collection[ClauseId]) -> TransitionSystem:
-    """Return the system in a world that keeps every clause but these; KeyError for one that it does not assume."""
+    """Return the system without the assumption of these clauses; KeyError for a clause that it does not assume."""
     clauses = assumed_clauses(system)
     if unknown := set(broken) - set(clauses):
         raise KeyError(f"{system.name} assumes no clause {min(unknown)}; it assumes {', '.join(map(str, clauses))}.")
@@ -47,7 +47,7 @@ def without(system: TransitionSystem, broken: Collection[ClauseId]) -> Transitio
 
 
 def _part_without(part: Part, broken: Collection[ClauseId]) -> Part:
-    """The machine by itself, which does not rely on these clauses either."""
+    """Return the part with its machine by itself not relying on these clauses either."""
     gone = {one.name for one in broken if one.machine == part.name}
     if not gone:
         return part

@@ -1,7 +1,7 @@
-"""Proof cores: for a proved claim a smallest set of clauses, lemmas and rows that still proves it, by itself.
+"""Proof cores: for each proved claim, a minimal set of clauses, lemmas and rows that suffices to prove it.
 
-"Smallest" means that no element can be taken away; another set may have fewer. Every set was proved again with that set
-alone. The sets are found by z3; the verdicts themselves rest on the certificates of `prove`, not on them.
+"Minimal" means that no element can be left out; another set may have fewer elements. The claim is proved again from each set
+alone. z3 finds the sets; the verdicts rest on the certificates of `prove`, not on the sets.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import inherited, prove_one
 from safeloc.proof.provers.proved_base import Base, base
 
-QUESTION_SHARE = 0.2
-"""Of the limit for a claim, for each question whether it can do without an element."""
-ORDER = ("range", "lemma", "contract", "row", "clause")
-"""What is tried to be left out first: what is left then rests on as few clauses as can be."""
+_QUESTION_SHARE = 0.2
+"""Share of the time limit for a claim that each query gets which tries to leave out one element."""
+_ORDER = ("range", "lemma", "contract", "row", "clause")
+"""The order in which kinds of elements are left out; clauses come last, when the core is small already."""
 
 
 @dataclass(frozen=True)
 class Core:
-    """What the proof of a claim rests on.
+    """A minimal set of elements from which a claim is proved.
 
     rests_on  the elements, none of which can be left out (unless `open_` names it)
     steps     k of the k-induction
-    kept_by   of a composition's claim that is one machine's own: the machine, which the set is of
-    open_     elements for which it was not decided within the limits whether they can be left out
-    why_none  where there is no set: the reason
+    kept_by   for an inherited claim of a composition: the machine on which it is proved, and to which the elements belong
+    open_     elements of which no solver decided within the limits whether they can be left out
+    why_none  if there is no set: the reason
     """
 
     claim: str
@@ -43,12 +43,12 @@ class Core:
 
 
 def core(system: TransitionSystem, prop: Property, limits: Limits) -> Core:
-    """Return what the proof of the claim rests on; of kind `reachable`, which a run shows, there is none."""
+    """Return the core of the claim; a claim of kind `reachable` has none, since a run shows it."""
     if prop.kind == "reachable":
         return Core(prop.name, why_none="shown by a run")
-    own = inherited(observe(system, prop))
-    if own is not None:
-        part, claim = own
+    of_one_machine = inherited(observe(system, prop))
+    if of_one_machine is not None:
+        part, claim = of_one_machine
         return _core(part.alone, claim, limits, prop.name, part.name)
     return _core(system, prop, limits, prop.name, "")
 
@@ -63,16 +63,16 @@ def _core(system: TransitionSystem, prop: Property, limits: Limits, name: str, k
 
 
 def _proof(claim: Asked, limits: Limits) -> Switched | None:
-    """The proof with the fewest steps; None where several steps do not prove it."""
+    """Return the proof with the least k; None if no k within the limits proves the claim."""
     for k in range(1, limits.induction + 1):
-        proof = Switched(claim, k, replace(limits, seconds=limits.seconds * QUESTION_SHARE))
+        proof = Switched(claim, k, replace(limits, seconds=limits.seconds * _QUESTION_SHARE))
         if proof.proved_by(claim.elements) is not None:
             return proof
     return None
 
 
 def _with_invariant(system: TransitionSystem, prop: Property, known: Base, limits: Limits) -> Switched | None:
-    """The proof with the invariant that the provers find for the claim, as one more lemma."""
+    """Return the proof with the invariant that the provers find for the claim as an additional lemma; None without one."""
     goal = observe(system, prop)
     verdict = prove_one(goal, limits)
     if not isinstance(verdict, Proved) or verdict.invariant is None:
@@ -82,12 +82,12 @@ def _with_invariant(system: TransitionSystem, prop: Property, known: Base, limit
 
 
 def _smallest(proof: Switched) -> tuple[tuple[Element, ...], tuple[Element, ...]]:
-    """Leave out one after the other, as long as the rest proves the claim."""
+    """Leave out elements one by one, as long as the rest proves the claim; return the rest, and its undecided elements."""
     every = proof.elements
     left, open_ = list(proof.proved_by(every) or every), list[Element]()
     if proof.proved_by(left) is None:
         left = list(every)
-    for one in sorted(left, key=lambda element: (ORDER.index(element.kind), element.name)):
+    for one in sorted(left, key=lambda element: (_ORDER.index(element.kind), element.name)):
         if one not in left:
             continue
         fewer = proof.proved_by([other for other in left if other is not one])

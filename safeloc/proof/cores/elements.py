@@ -1,8 +1,7 @@
-"""What a proof may rest on, one by one: clauses of worlds, contracts, lemmas, ranges of ghosts, and rows of the machine.
+"""The elements that a proof may use: clauses of worlds, contracts, lemmas, ranges of ghosts, and rows of the machine.
 
-A row is asked of like a clause: the values after a step are variables of their own, and the row says what they are when it
-fires. Without it they may be anything in range. So is a claim's look at the values after the step, which would else be
-the row's own terms.
+To leave out a row like a clause, the values after a step become variables of their own, and each row is a condition on them
+when it fires. Without the row they may be anything in range. The claim reads these variables too, instead of the row's terms.
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ Kind = Literal["clause", "contract", "lemma", "range", "row"]
 
 @dataclass(frozen=True, order=True)
 class Element:
-    """Something that a proof may rest on.
+    """An element that a proof may use.
 
     clause    a clause of a world
-    contract  of a composition: its earlier machines guarantee what a machine assumes
+    contract  of a composition: earlier machines guarantee the discharged assumption of a machine
     lemma     a proved lemma
     range     a ghost stays in its declared range
     row       a transition of the machine
@@ -42,11 +41,11 @@ class Element:
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A claim as a goal, with all that its proof may rest on.
+    """A claim as a goal, with all elements that its proof may use.
 
     steps     clause, contract or row -> condition in each step
     states    lemma or range -> condition in each state
-    together  whether a lemma that is used has to be proved along with the claim; of a composition its machines prove them
+    together  True if lemmas in use have to be proved together with the claim; in a composition the machines prove them
     """
 
     goal: Goal
@@ -56,14 +55,14 @@ class Asked:
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """All that the proof may rest on."""
+        """All elements that the proof may use."""
         return (*self.steps, *self.states)
 
 
 def asked(
     system: TransitionSystem, prop: Property, known: Base, found: Mapping[Element, Bool] = MappingProxyType({})
 ) -> Asked:
-    """Return the claim with all that its proof may rest on; rows are told of single machines only.
+    """Return the claim with all elements that its proof may use; a composition has no rows among them.
 
     found  further invariants, over the state and observers of the claim
     """
@@ -94,7 +93,7 @@ def _contracts(known: Base) -> dict[Element, Bool]:
 
 
 def _facts(goal: Goal, known: Base) -> dict[Element, Bool]:
-    """Lemmas and ranges of ghosts that the claim may use. The machine's own ranges hold for all inputs: no elements."""
+    """Return the lemmas and ranges of ghosts that the claim may use; on-board ranges hold for all inputs and are no elements."""
     usable = {id(term) for term in given_facts(goal, known)}
     ghosts = {var.name for var in goal.original.ghosts}
     found = dict[Element, Bool]()
@@ -105,7 +104,7 @@ def _facts(goal: Goal, known: Base) -> dict[Element, Bool]:
 
 
 def _rows(system: TransitionSystem, after: Mapping[Var, Var]) -> Iterator[tuple[Element, Bool]]:
-    """What each row sets when it fires. Where none fires, everything stays; that is part of no row."""
+    """Yield each row with the condition on the values that it sets when it fires."""
     [machine], [(name, fired)] = system.machines, system.fired.items()
     for number, row in enumerate(machine.transitions, 1):
         new: dict[Var, Expr | Value] = {machine.mode: row.target, **row.set}
@@ -114,13 +113,13 @@ def _rows(system: TransitionSystem, after: Mapping[Var, Var]) -> Iterator[tuple[
 
 
 def nothing_fires(system: TransitionSystem, goal: Goal) -> Bool:
-    """Everything stays where no row fires; of a composition the terms of the step say so."""
+    """Return the condition that on-board state stays if no row fires; TRUE for a composition, whose terms state this."""
     if system.parts:
         return all_of(())
     [(name, fired)] = system.fired.items()
     moved = goal.system.next
-    own = [var for var in system.state if var not in system.ghosts]
-    return fired.eq(Lit(0, name.unit)).implies(all_of(_same(moved[var], var) for var in own))
+    on_board = [var for var in system.state if var not in system.ghosts]
+    return fired.eq(Lit(0, name.unit)).implies(all_of(_same(moved[var], var) for var in on_board))
 
 
 def _same(var: Expr, value: Expr | Value) -> Bool:

@@ -1,6 +1,7 @@
-"""A claim's k-induction for z3 with a switch at each element, so that it can be asked which of them the proof needs.
+"""A claim's k-induction for z3 with a switch for each element, to find out which of them the proof needs.
 
-A lemma that is switched on is a hypothesis, and has to hold after the step as well. What is switched off is not there.
+A lemma that is switched on is a hypothesis, and has to hold after the step as well. An element that is switched off has no
+effect.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from safeloc.proof.provers.limits import Limits
 
 
 class Switched:
-    """Start and step of a k-induction, in two solvers that stay.
+    """Start and step of a k-induction, in two solvers that answer all queries.
 
-    k          the number of steps that the induction looks back
-    undecided  whether the last question was not decided within the limits
+    k          the number of consecutive states that the induction step assumes
+    undecided  True if the last query was not decided within the limits
     """
 
     def __init__(self, claim: Asked, k: int, limits: Limits) -> None:
@@ -37,8 +38,8 @@ class Switched:
         self._go_on(k)
 
     def proved_by(self, chosen: Sequence[Element]) -> tuple[Element, ...] | None:
-        """Return those of the chosen elements that the solvers used; None where the claim does not follow from the chosen
-        ones, or where that was not decided within the limits."""
+        """Return those of the chosen elements that the solvers used; None if the claim does not follow from the chosen
+        ones, or if this was not decided within the limits."""
         on, used = set(chosen), set[str]()
         self.undecided = False
         switches = [term if one in on else z3.Not(term) for one, term in self._switch.items()]
@@ -51,7 +52,7 @@ class Switched:
         return tuple(one for one in chosen if str(self._switch[one]) in used)
 
     def _begin(self, k: int) -> None:
-        """The first k states: one of them is wrong."""
+        """Add the query of the start: one of the first k states violates the claim."""
         goal = self._claim.goal
         self._start.add(self._states[0].bool(all_of([goal.system.init, in_range(goal.system.state)])))
         for number in range(k - 1):
@@ -62,7 +63,7 @@ class Switched:
         self._start.add(z3.Or(*(self._wrong(number) for number in range(k))))
 
     def _go_on(self, k: int) -> None:
-        """After k good states comes a wrong one."""
+        """Add the query of the step: k good states are followed by one that violates the claim."""
         for number in range(k):
             self._step.add(self._states[number].bool(self._wanted), *self._facts(number), *self._moves(number))
         self._step.add(self._wrong(k))
@@ -88,11 +89,11 @@ class Switched:
 
 
 def _in_every_step(claim: Asked) -> Bool:
-    """Ranges of inputs and of the machine's own variables, and what the claim itself assumes."""
+    """Return the hypotheses of every step: ranges of inputs and on-board state, and the claim's further assumption."""
     goal = claim.goal
-    own = [var for var in goal.original.state if var not in goal.original.ghosts]
-    given = [environment(goal.system, assume=False), in_range(own), nothing_fires(goal.original, goal)]
-    return all_of([*given, goal.prop.further_assumption])
+    on_board = [var for var in goal.original.state if var not in goal.original.ghosts]
+    always = [environment(goal.system, assume=False), in_range(on_board), nothing_fires(goal.original, goal)]
+    return all_of([*always, goal.prop.further_assumption])
 
 
 def _named(claim: Asked, number: int) -> Terms:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.language.composition import contract_text
+from safeloc.language.composed_names import contract_text
 from safeloc.language.expr import NumVar
 from safeloc.language.system import Part, TransitionSystem
 

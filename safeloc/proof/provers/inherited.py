@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.composition import lemma_name
+from safeloc.language.composed_names import lemma_name
 from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before, was
 from safeloc.language.spec import Property, always
 from safeloc.language.system import Part, TransitionSystem, environment
@@ -91,7 +91,7 @@ def _renamed(part: Part, facts: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
     """Translate facts of a machine to the variables of the composition."""
     ranges = {range_of(var): range_of(_twin(part, var)) for var in part.alone.state if isinstance(var, NumVar)}
     return {
-        ranges.get(key, Fact("lemma", lemma_name(part.machine, key.of))): part.into.bool(term)
+        ranges.get(key, Fact("lemma", lemma_name(part.name, key.of))): part.into.bool(term)
         for key, term in facts.items()
     }
 

@@ -130,7 +130,7 @@ class _Asked:
         """Return the breach of the condition in a cycle with these values and this distance."""
         read = {var: values[var] for var in variables([self.term])}
         laws = tuple(map(broken, self.clauses))
-        return Breach(laws, self.distance.told(by), self.distance.unit.name, read_values(read))
+        return Breach(laws, self.distance.of_value(by), self.distance.unit.name, read_values(read))
 
 
 def _asked(around: Seen, *, with_truth: bool) -> list[_Asked]:
@@ -167,7 +167,7 @@ class _Judging:
         for cycle, values in enumerate(self._cycles(trace), 1):
             results = self._judge(values)
             for one, so_far, holds, by in zip(self._asked, found, results[::2], results[1::2], strict=True):
-                so_far.near(cycle, one.distance.told(int(by)))
+                so_far.near(cycle, one.distance.of_value(int(by)))
                 if not holds:
                     seen_by_inputs = one.by != "truth" or self._is_seen(one.clauses[0], values)
                     so_far.breaches.append(AtCycle(cycle, one.breach(values, int(by)), seen_by_inputs))
@@ -222,7 +222,7 @@ def _clocks(target: Target, path: Path, period_ms: int) -> tuple[tuple[SourceClo
     for source, time_ms in recorded_times(target, path):
         latest_ms = max(latest_ms, time_ms)
         cycle = max(1, -(-latest_ms // period_ms))
-        lag = clocks.hear(source, time_ms)
+        lag = clocks.take(source, time_ms)
         if lag is None:
             continue
         found.near(cycle, lag.distance_ms(period_ms))

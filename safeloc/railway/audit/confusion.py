@@ -1,4 +1,4 @@
-"""By how many missed or misread reflectors one route comes to look like another (RFL-D6)."""
+"""Counts the missed or misread reflectors that make one route look like another (RFL-D6)."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def faults_towards(
 ) -> int | None:
     """Return the fewest missed or misread sightings that make the true route look like the believed one; None: never.
 
-    gate_mm     two places farther apart are never taken for each other; None: places are not looked at
-    same_start  positions count from a common place; else any sighting may be the first one of the other route
+    gate_mm     places farther apart than this are never confused; None: places are not compared
+    same_start  positions count from a common place; otherwise any sighting may be the first of the other route
     """
     least = _faults(truth, believed, gate_mm, same_start)
     return None if least >= NEVER else least
@@ -65,9 +65,10 @@ def _without_common_ends(
 
 
 def _aligned(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: int | None, shift_mm: int) -> int:
-    """Each sighting of the believed route is one of the true route's, in order; the rest of those were missed.
+    """Return the fewest faults with which the believed route's sightings are among the true route's, in order.
 
-    An expected reflector that is not found ends the procedure (RFL-D3), so none of the believed route may be absent.
+    True sightings without a partner were missed. Every believed sighting needs a partner, because an expected reflector
+    that is not found ends the procedure (RFL-D3).
     """
     costs = [0] + [NEVER] * len(believed)
     for seen in truth:
@@ -80,7 +81,7 @@ def _aligned(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: i
 
 
 def _reading(seen: Sighting, expected: Sighting, gate_mm: int | None, shift_mm: int) -> int:
-    """0 where what is seen fits what is expected, 1 where its model must be misread, NEVER where it cannot be taken so."""
+    """Return the faults needed to take a sighting for the expected one: 0 equal, 1 model misread, NEVER impossible."""
     if gate_mm is not None and abs(seen.position_mm - shift_mm - expected.position_mm) > gate_mm:
         return NEVER
     if seen.what == expected.what:

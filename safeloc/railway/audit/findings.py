@@ -15,7 +15,7 @@ from safeloc.railway.map.places import Place, kilometre_text
 
 @dataclass(frozen=True)
 class Finding:
-    """A rule that does not hold: where, for what, and the figures. `severity` is violated or advice."""
+    """A rule that is broken, with place, subject and figures. `severity` is `violated` or `advice`."""
 
     severity: str
     rule: str
@@ -28,12 +28,12 @@ class Finding:
     def as_text(self) -> str:
         """Return one line for people."""
         kilometre = f", km {self.kilometre}" if self.kilometre else ""
-        figures = f": {shown(self.figures)}" if self.figures else ""
+        figures = f": {_shown(self.figures)}" if self.figures else ""
         where = f"{self.place.edge} at {self.place.position_mm} mm{kilometre}"
         return f"{self.severity:9} {self.rule} [{' '.join(self.requirements)}] {self.subject}, on {where}{figures}"
 
 
-def shown(figures: Figures) -> str:
+def _shown(figures: Figures) -> str:
     """Return figures as people read them: `distance 502.000 m, must be <= 465.250 m`."""
     actual, required = _amount(figures.actual, figures.unit), _amount(figures.required, figures.unit)
     return f"{figures.what} {actual}, must be {figures.relation} {required}".lstrip()
@@ -47,19 +47,19 @@ def _amount(value: int, unit: str) -> str:
 
 @dataclass(frozen=True)
 class Likeness:
-    """After how many missed or misread reflectors each of two routes looks like the other; None: never."""
+    """The number of missed or misread reflectors after which each of two routes looks like the other; None: never."""
 
     first_as_second: int | None
     second_as_first: int | None
 
     @property
     def least(self) -> int | None:
-        """The smaller number."""
+        """The smaller of both numbers; None: never."""
         known = [count for count in (self.first_as_second, self.second_as_first) if count is not None]
         return min(known, default=None)
 
     def as_text(self, first: str, second: str) -> str:
-        """For people, with the names of the two."""
+        """Return a phrase for people, with the names of both routes."""
         match self.least:
             case None:
                 return "never"
@@ -90,14 +90,14 @@ class RoutePair:
     place: Place
 
     def as_text(self) -> str:
-        """Return one line for people: missed or misread reflectors that make the one look like the other."""
+        """Return one line for people: how many missed or misread reflectors make one route look like the other."""
         first, second = self._labels()
         alone, every = self.by_models.as_text(first, second), self.by_all.as_text(first, second)
         suffix = _suffix(self.first_models, self.second_models, self.common_suffix)
         return f"{first} / {second}: by models alone {alone}; with distances and balises {every}{suffix}"
 
     def _labels(self) -> tuple[str, str]:
-        """The models, where they tell the two apart; the edges otherwise."""
+        """Return names for both routes: their models if these differ, else their edges."""
         if self.first_models and self.second_models and self.first_models != self.second_models:
             return self.first_models, self.second_models
         return _label(self.first, self.first_models), _label(self.second, self.second_models)
@@ -116,7 +116,7 @@ def _suffix(first: str, second: str, common: int) -> str:
 
 @dataclass(frozen=True)
 class AuditReport:
-    """The whole result, for one vehicle's figures. `cases` counts how often every rule was put to the test."""
+    """The result of an audit for one vehicle's figures. `cases` is the number of checks of every rule."""
 
     vehicle: str
     line: str
@@ -131,18 +131,18 @@ class AuditReport:
 
     @property
     def violated(self) -> tuple[Finding, ...]:
-        """Broken rules that are no mere advice."""
+        """The broken rules, without advice."""
         return tuple(finding for finding in self.findings if finding.severity == "violated")
 
     def as_data(self) -> dict[str, Any]:
-        """For JSON (schema safeloc-audit/1)."""
+        """Return data for JSON (schema safeloc-audit/1)."""
         own = asdict(self) | {"layout": self.layout.model_dump()}
         return {"schema": "safeloc-audit/1", "holds": not self.violated, **own}
 
 
 @dataclass
 class Ledger:
-    """Puts rules to figures, and keeps count and what was broken."""
+    """Checks rules, and collects the findings and the number of checks."""
 
     edges: dict[str, TrackEdge]
     cases: Counter[str] = field(default_factory=Counter)
@@ -157,7 +157,7 @@ class Ledger:
         return False
 
     def add(self, rule: Rule, place: Place, subject: str, figures: Figures | None = None) -> None:
-        """Add a finding without a term: the element that the rule requires is missing."""
+        """Add a finding without a check, for instance because an element that the rule requires is missing."""
         severity = "advice" if rule.advice else "violated"
         kilometre = kilometre_text(self.edges[place.edge], place.position_mm)
         self.findings.append(Finding(severity, rule.name, rule.requirements, subject, place, kilometre, figures))

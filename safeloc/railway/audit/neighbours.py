@@ -15,7 +15,7 @@ from safeloc.railway.map.walk import Seen, Walk
 
 
 def check_reflectors(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Check every view zone, and every two reflectors near enough, on one route or across tracks, to be confused."""
+    """Check every view zone, and every two reflectors so close that they could be confused, on one route or across tracks."""
     for one in walk.line.reflectors:
         place, figures = (
             Place(one.edge, one.position_mm),
@@ -49,7 +49,7 @@ def _pair(pair: Pair, rules: Rules, ledger: Ledger) -> None:
 
 
 def check_balises(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Check every two linked groups near enough on some route for their expectation windows to meet."""
+    """Check every two linked groups that are so close on some route that their expectation windows may meet."""
     accuracies = [_accuracy_mm(rules, group) for group in walk.line.balise_groups if group.linked]
     reach = 2 * (max(accuracies, default=0) + rules.layout.tolerance_mm + rules.layout.detection_accuracy_mm) + 1
     nearest: dict[frozenset[str], _Linked] = {}

@@ -11,8 +11,8 @@ from safeloc.railway.map.elements import BaliseGroup, Reflector
 from safeloc.railway.map.topology import Run
 from safeloc.railway.map.walk import Reference, Seen, Walk, carried
 
-SLACK_MM = 1_000_000
-"""How much farther than stated a reflector is looked for, so that its true distance can be told."""
+_SLACK_MM = 1_000_000
+"""The search for a reflector goes this much farther than its stated distance, so that the report can give the true one."""
 
 
 class References:
@@ -24,7 +24,7 @@ class References:
         self._reach = longest(0, rules.layout)
 
     def check(self) -> None:
-        """Function tests first, since a reflector counts from the last balise where one is possible."""
+        """Check all references; function tests first, since reflectors are counted from the last balise with a function test."""
         for seen in self.walk.everywhere():
             if isinstance(seen.element, BaliseGroup):
                 self._function_test(seen, seen.element)
@@ -54,22 +54,24 @@ class References:
             self._testing.setdefault(seen.run, set()).add(group.id)
 
     def _telegrams(self, seen: Seen, group: BaliseGroup) -> None:
-        for told in group.telegram_reflectors:
-            if told.direction == seen.run.direction:
-                reach = told.distance_mm + SLACK_MM
+        for announced in group.telegram_reflectors:
+            if announced.direction == seen.run.direction:
+                reach = announced.distance_mm + _SLACK_MM
                 ahead = self.walk.ahead(seen.run, seen.offset_mm, reach)
                 found = next(
-                    (one for one in ahead if one.element.id == told.reflector and is_reflector(one.element)), None
+                    (one for one in ahead if one.element.id == announced.reflector and is_reflector(one.element)), None
                 )
-                self._told(seen, group, found, told.reflector, told.distance_mm, told.search_from_mm)
+                self._announced(
+                    seen, group, found, announced.reflector, announced.distance_mm, announced.search_from_mm
+                )
 
-    def _told(
+    def _announced(
         self, seen: Seen, group: BaliseGroup, found: Seen | None, reflector: str, stated: int, search_from: int | None
     ) -> None:
         place = self.walk.place(seen.run, seen.offset_mm)
         subject = f"{name(group)}, {seen.run.direction}, to reflector {reflector}"
         if found is None and self.walk.line.part and reflector not in {one.id for one in self.walk.line.reflectors}:
-            return  # on another part of the map, that was not loaded
+            return  # on a part of the map that is not loaded
         if found is None:
             self.ledger.add(self.rules.reference_distance, place, f"{subject}: it is not ahead on any route")
             return
@@ -91,7 +93,7 @@ class References:
             )
 
     def _direction(self, seen: Seen, group: BaliseGroup) -> None:
-        """A balise without orientation, between reflectors: the models before and after it tell the direction."""
+        """Check that the reflector models before and after a balise without orientation differ: they determine the direction."""
         if group.orientation is not None:
             return
         behind = [one for one in self.walk.behind(seen.run, seen.offset_mm, self._reach) if is_reflector(one.element)]
@@ -122,10 +124,10 @@ class References:
 
     def _missing(self, run: Run, offset: int, subject: str) -> None:
         self.ledger.cases[self.rules.after_balise.name] += 1
-        told = f"{subject}: on some route no balise with a function test comes before it"
+        missing = f"{subject}: on some route no balise with a function test comes before it"
         most = self.rules.layout.reflectors_per_balise
         figures = Figures("reflectors since balise", UNBOUNDED, "<=", most, "count")
-        self.ledger.add(self.rules.after_balise, self.walk.place(run, offset), told, figures)
+        self.ledger.add(self.rules.after_balise, self.walk.place(run, offset), missing, figures)
 
     def _counted(self, run: Run, count: int) -> Iterator[tuple[int, Reference, int]]:
         testing = self._testing.get(run, set())
@@ -137,7 +139,7 @@ class References:
                 count = 0
 
     def _entering(self, run: Run) -> int:
-        """Behind a seam the last balise may lie on another part of the map."""
+        """Return the reflectors since a balise at the edge of the map; 0 at a seam, since the balise may lie on the part before."""
         return 0 if self.walk.topology.comes_over_seam(run) else UNBOUNDED
 
     def _leaving(self, run: Run) -> int | None:
@@ -155,5 +157,5 @@ def _greatest(counts: Iterable[int]) -> int:
 
 
 def is_reflector(element: Reference) -> bool:
-    """Return whether it is a reflector, not a balise group."""
+    """Return whether the element is a reflector rather than a balise group."""
     return isinstance(element, Reflector)

@@ -1,7 +1,7 @@
-"""Routes told apart by what is seen on them (RFL-D6).
+"""Checks that routes differ in the reflectors and balises seen on them (RFL-D6).
 
-Where a line has few routes, every pair of them is compared from end to end. Where it has many, the ways on from every
-place with a choice are compared until they meet again or leave the horizon: the work grows with the line.
+On a line with few routes every pair is compared from end to end. On a line with many, the ways behind every facing switch
+are compared until they meet again or leave the horizon; so the work grows in proportion to the line.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from safeloc.railway.map.walk import Reference, Walk
 
 MOST_ROUTES = 24
 MOST_WORK = 2_000_000
-"""Comparisons of two sightings that all pairs of routes may take; beyond, ways are compared behind choices."""
-WAYS_ON = 32
-HORIZON_STRETCHES = 3
-LONGEST_COMPARED_MM = 10_000_000
-KEPT_PAIRS = 100
+"""Greatest number of compared sightings for all pairs of routes; beyond it, only the ways behind switches are compared."""
+_WAYS_ON = 32
+_HORIZON_STRETCHES = 3
+_LONGEST_COMPARED_MM = 10_000_000
+_KEPT_PAIRS = 100
 
 
 @dataclass(frozen=True)
-class Way:
-    """A way along the line, with what is seen on it, in order."""
+class _Way:
+    """A way along the line, with the sightings on it in order."""
 
     name: str
     runs: tuple[Run, ...]
@@ -47,17 +47,17 @@ class Way:
 
 
 def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, tuple[RoutePair, ...]]:
-    """Return the number of routes, None where they are too many to compare one by one, and the pairs that were compared."""
+    """Check the routes; return their number (None if too many to compare one by one) and the pairs that were compared."""
     count = route_count(walk.topology)
     few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
-    pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules, ledger))]
+    pairs = [*(_end_to_end(walk, rules) if few else _behind_choices(walk, rules, ledger))]
     for pair in pairs:
         subject = f"{pair.first} and {pair.second}"
         ledger.check(rules.routes, pair.place, subject, faults_to_confuse=_faults(pair))
     if few:
         return count, tuple(pairs)
     close = sorted((pair for pair in pairs if pair.by_all.least is not None), key=_faults)
-    return None, tuple(close[:KEPT_PAIRS])
+    return None, tuple(close[:_KEPT_PAIRS])
 
 
 def _references(walk: Walk) -> int:
@@ -80,14 +80,14 @@ def route_count(topology: Topology) -> int | None:
 
 
 def _gate_mm(rules: Rules) -> int:
-    """Two places this near may be one by estimate: both errors, as in `separable_by_distance`."""
+    """Return the distance within which two estimated places may be one: both errors, as in `separable_by_distance`."""
     return 2 * (rules.layout.tolerance_mm + rules.layout.reflector_fix_mm)
 
 
 # ------------------------------------------------------------------ few routes
 
 
-def _whole(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
+def _end_to_end(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
     ways = [_way(walk, route) for route in through_routes(walk.topology, MOST_ROUTES)]
     for first, second in combinations(ways, 2):
         same_start = first.runs[0] == second.runs[0]
@@ -95,17 +95,17 @@ def _whole(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
         yield _pair(first, second, rules, same_start, place)
 
 
-def _way(walk: Walk, route: Route) -> Way:
+def _way(walk: Walk, route: Route) -> _Way:
     return _seen_along(walk, route.name, route.runs)
 
 
-def _seen_along(walk: Walk, name: str, runs: Sequence[Run]) -> Way:
+def _seen_along(walk: Walk, name: str, runs: Sequence[Run]) -> _Way:
     seen: list[Sighting] = []
     start = 0
     for run in runs:
         seen += [_sighting(element, run, start + offset) for offset, element in walk.references[run]]
         start += walk.topology.length_mm(run)
-    return Way(name, tuple(runs), tuple(seen), start)
+    return _Way(name, tuple(runs), tuple(seen), start)
 
 
 def _sighting(element: Reference, run: Run, position_mm: int) -> Sighting:
@@ -116,12 +116,12 @@ def _sighting(element: Reference, run: Run, position_mm: int) -> Sighting:
 
 
 def _parting(first: Sequence[Run], second: Sequence[Run]) -> Run:
-    """The first run of one route that is not the other's."""
+    """Return the first run of one route that the other does not have."""
     differing = (one for one, other in zip(first, second, strict=False) if one != other)
     return next(differing, first[-1])
 
 
-def _pair(first: Way, second: Way, rules: Rules, same_start: bool, place: Place) -> RoutePair:
+def _pair(first: _Way, second: _Way, rules: Rules, same_start: bool, place: Place) -> RoutePair:
     one, other = ([seen for seen in way.seen if not seen.certain] for way in (first, second))
     alone = _likeness(one, other, None, same_start)
     every = _likeness(first.seen, second.seen, _gate_mm(rules), same_start)
@@ -138,16 +138,16 @@ def _likeness(first: Sequence[Sighting], second: Sequence[Sighting], gate_mm: in
 
 
 def _behind_choices(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RoutePair]:
-    horizon = HORIZON_STRETCHES * min(longest(0, rules.layout), LONGEST_COMPARED_MM)
+    horizon = _HORIZON_STRETCHES * min(longest(0, rules.layout), _LONGEST_COMPARED_MM)
     for run in walk.runs:
         place = walk.place(run, walk.topology.length_mm(run))
         ways = [_ways_on(walk, branch, horizon) for branch in _branches(walk, run)]
-        if any(len(one) > WAYS_ON for one in ways):
-            ledger.add(rules.all_ways, place, f"more than {WAYS_ON} ways lead on from {walk.topology.end(run)}")
+        if any(len(one) > _WAYS_ON for one in ways):
+            ledger.add(rules.all_ways, place, f"more than {_WAYS_ON} ways lead on from {walk.topology.end(run)}")
         for one, other in combinations(ways, 2):
             pairs = [
                 _pair(*_until_they_meet(walk, left, right, rules), rules, True, place)
-                for left, right in product(one[:WAYS_ON], other[:WAYS_ON])
+                for left, right in product(one[:_WAYS_ON], other[:_WAYS_ON])
             ]
             yield min(pairs, key=_faults)
 
@@ -158,10 +158,10 @@ def _branches(walk: Walk, run: Run) -> list[Run]:
 
 
 def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
-    """The ways on from the start of a run, as far as the horizon; one more than are compared, if there are so many."""
+    """Return the ways from the start of a run up to the horizon, at most one more than are compared."""
     found: list[tuple[Run, ...]] = []
     open_ways: list[tuple[tuple[Run, ...], int]] = [((run,), walk.topology.length_mm(run))]
-    while open_ways and len(found) <= WAYS_ON:
+    while open_ways and len(found) <= _WAYS_ON:
         runs, length = open_ways.pop()
         after = [] if length >= horizon_mm else [one for one in walk.topology.after(runs[-1]) if one not in runs]
         open_ways += [((*runs, one), length + walk.topology.length_mm(one)) for one in reversed(after)]
@@ -170,8 +170,8 @@ def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
     return found
 
 
-def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[Way, Way]:
-    """Both ways up to where they meet and on to the next reference, which comes later on the longer way."""
+def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[_Way, _Way]:
+    """Return both ways up to the place where they meet and on to the next reference, which comes later on the longer way."""
     met = next((run for run in left if run in right), None)
     if met is None:
         ways = _named(walk, left), _named(walk, right)
@@ -183,7 +183,7 @@ def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rule
     return _named(walk, (*_before(left, met), *tail)), _named(walk, (*_before(right, met), *tail))
 
 
-def _named(walk: Walk, runs: Sequence[Run]) -> Way:
+def _named(walk: Walk, runs: Sequence[Run]) -> _Way:
     return _seen_along(walk, " > ".join(run.edge for run in runs), runs)
 
 
@@ -191,7 +191,7 @@ def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:
     return runs[: runs.index(met)]
 
 
-def _shortened(way: Way, length_mm: int) -> Way:
+def _shortened(way: _Way, length_mm: int) -> _Way:
     """Cut the way at this length, because the other way was followed no further."""
-    kept = tuple(one for one in way.seen if one.position_mm <= length_mm)
-    return Way(way.name, way.runs, kept, length_mm)
+    seen = tuple(one for one in way.seen if one.position_mm <= length_mm)
+    return _Way(way.name, way.runs, seen, length_mm)

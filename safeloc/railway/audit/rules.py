@@ -1,4 +1,4 @@
-"""The rules by name: the terms of `layout_rules` over variables that the audit fills with figures of the map."""
+"""The rules of the audit by name: terms of `layout_rules` over variables that stand for figures of the map."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models import layout_rules as terms
 from safeloc.models.layout_rules import LayoutConfig
 
-TURNED = {"<=": ">=", "<": ">", "==": "=="}
-REACH_MM = 10**12
+_TURNED = {"<=": ">=", "<": ">", "==": "=="}
+_REACH_MM = 10**12
 UNBOUNDED = 10**12
-"""Stands for `no bound at all`: a loop without references, a reflector without any balise before it."""
+"""Stands for `without bound`: a loop without references, a reflector without any balise before it."""
 
 
 @dataclass(frozen=True)
 class Figures:
-    """A comparison that failed: `actual` should be `relation` `required`. `what` names the actual figure, if one figure."""
+    """A failed comparison: `actual` should be `relation` `required`. `what` names the actual figure; "" for a compound term."""
 
     what: str
     actual: int
@@ -33,7 +33,7 @@ class Figures:
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """One rule of the layout. An `advice` rule makes life easier; breaking it is no violation."""
+    """One rule of the layout. Breaking an `advice` rule is no violation."""
 
     name: str
     requirements: tuple[str, ...]
@@ -49,11 +49,11 @@ class Rule:
         return {var.name: var for var in variables([self.term])}
 
     def broken(self, values: Mapping[str, Value]) -> bool:
-        """Return whether figures, given by name, violate the rule; KeyError for a missing one."""
+        """Return whether the figures (name -> value) violate the rule; KeyError for a missing one."""
         return not self._program(self._bound(values))[0]
 
     def figures(self, values: Mapping[str, Value]) -> Figures | None:
-        """Return the comparison that makes a broken rule fail; None where it is no comparison of figures."""
+        """Return the comparison that makes a broken rule fail; None if it is not a comparison of figures."""
         bound = self._bound(values)
         failed = _failing(self.term, bound)
         if failed is None:
@@ -61,7 +61,7 @@ class Rule:
         left, right = evaluate([failed.left, failed.right], bound)
         unit = failed.left.unit.name
         if isinstance(failed.right, NumVar) and not isinstance(failed.left, NumVar):
-            return Figures(_words(failed.right), right, TURNED[failed.op], left, unit)
+            return Figures(_words(failed.right), right, _TURNED[failed.op], left, unit)
         return Figures(_words(failed.left), left, failed.op, right, unit)
 
     def _bound(self, values: Mapping[str, Value]) -> dict[Var, Value]:
@@ -69,12 +69,12 @@ class Rule:
 
 
 def _words(term: Num) -> str:
-    """`view_from_mm` as people say it; nothing for a compound term."""
+    """Return the name of a figure in words (`view_from_mm`: view from); "" for a compound term."""
     return term.name.removesuffix("_mm").replace("_", " ") if isinstance(term, NumVar) else ""
 
 
 def _failing(term: Bool, values: Mapping[Var, Value]) -> Compare | None:
-    """The first comparison that is to blame for a term that is false."""
+    """Return the first comparison that makes the term false."""
     match term:
         case Compare():
             return term
@@ -103,24 +103,24 @@ class Rules:
     @cached_property
     def after_balise(self) -> Rule:
         """Reflectors follow balises."""
-        count = number("reflectors_since_balise", COUNT, 0, REACH_MM)
+        count = number("reflectors_since_balise", COUNT, 0, _REACH_MM)
         return Rule("reflector after its balise", ("RFL-7",), terms.reflector_follows_balise(count, self.layout))
 
     @cached_property
     def reference_distance(self) -> Rule:
-        """Telegram or system variable and map agree."""
+        """The distance in the telegram, or the system variable, agrees with the map."""
         term = terms.reference_distance_agrees(_mm("stated_mm"), _mm("distance_mm"), self.layout)
         return Rule("distance from balise to reflector", ("RFL-8", "RFL-9"), term)
 
     @cached_property
     def function_test(self) -> Rule:
-        """The function test can be made over the balise."""
+        """The function test is possible over the balise."""
         figures = (_mm("distance_mm"), _mm("view_from_mm"), _mm("view_to_mm"))
         return Rule("function test", ("RFL-6",), terms.reference_measurement_possible(*figures, self.layout), True)
 
     @cached_property
     def search_start(self) -> Rule:
-        """The telegram lets the search begin in time."""
+        """The search for the reflector, by the telegram, begins early enough."""
         figures = (_mm("search_from_mm"), _mm("distance_mm"), _mm("view_from_mm"))
         return Rule("search begins in time", ("RFL-8", "RFL-9"), terms.search_starts_in_time(*figures, self.layout))
 
@@ -132,14 +132,14 @@ class Rules:
 
     @cached_property
     def neighbours(self) -> Rule:
-        """No reflector is taken for its neighbour."""
+        """No reflector can be confused with its neighbour."""
         figures = (_mm("spacing_mm"), _mm("next_view_from_mm"), _mm("previous_view_to_mm"))
         term = terms.told_apart(boolean("same_model"), *figures, self.layout)
         return Rule("neighbours told apart", ("RFL-8", "RFL-10"), term)
 
     @cached_property
     def across_tracks(self) -> Rule:
-        """No reflector is taken for one beside another track."""
+        """No reflector can be confused with one beside another track."""
         term = terms.told_apart_across_tracks(boolean("same_model"), _mm("spacing_mm"), self.layout)
         return Rule("reflectors across tracks", ("RFL-10",), term)
 
@@ -162,12 +162,12 @@ class Rules:
     @cached_property
     def routes(self) -> Rule:
         """Routes are distinguishable."""
-        faults = number("faults_to_confuse", COUNT, 0, REACH_MM)
+        faults = number("faults_to_confuse", COUNT, 0, _REACH_MM)
         return Rule("routes told apart", ("RFL-D6",), terms.routes_told_apart(faults, self.layout))
 
     @cached_property
     def all_ways(self) -> Rule:
-        """The rule that all ways behind a choice are compared; a finding where there are too many."""
+        """All ways behind a switch are compared; a finding if there are too many."""
         return Rule("ways compared", ("RFL-D6",), TRUE, advice=True)
 
     @cached_property
@@ -197,4 +197,4 @@ class Rules:
 
 
 def _mm(name: str) -> NumVar:
-    return number(name, MM, -REACH_MM, REACH_MM)
+    return number(name, MM, -_REACH_MM, _REACH_MM)

@@ -26,7 +26,7 @@ def _check(walk: Walk, rules: Rules, ledger: Ledger, stop: StopPoint) -> None:
         return
     known = next((one for one in walk.line.reflectors if one.id == stop.reflector), None)
     if known is None:
-        return  # on another part of the map, that was not loaded
+        return  # on a part of the map that is not loaded
     found = _ahead(walk, run, stop, known)
     if found is None:
         ledger.add(rules.standstill, place, f"{subject}: reflector {stop.reflector} is not ahead of it")
@@ -38,7 +38,7 @@ def _check(walk: Walk, rules: Rules, ledger: Ledger, stop: StopPoint) -> None:
 
 
 def _ahead(walk: Walk, run: Run, stop: StopPoint, reflector: Reflector) -> int | None:
-    """The distance from the stop point to its reflector; None where it is not ahead."""
+    """Return the distance from the stop point to its reflector; None if the reflector is not ahead."""
     reach = max(2 * stop.standstill_distance_mm, reflector.view_from_mm) + 1_000_000
     start = along(run.direction, walk.topology.length_mm(run), stop.position_mm)
     seen = (one for one in walk.ahead(run, start, reach) if one.element is reflector)

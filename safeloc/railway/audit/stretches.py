@@ -1,4 +1,4 @@
-"""Odometry stretches: from every reference, and from every way onto the map, to the next reference (RFL-D1)."""
+"""Checks odometry stretches: from every reference, and from every entry to the map, to the next reference (RFL-D1)."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from safeloc.railway.map.walk import Reference, Walk, carried
 
 
 @dataclass(frozen=True)
-class Since:
-    """The distance since the last reference, the position error that it left, and its name."""
+class _Since:
+    """The last reference: distance since it, position error at it, and its name."""
 
     distance_mm: int
     fix_error_mm: int
@@ -26,7 +26,7 @@ class Since:
 
 
 class Stretches:
-    """The stretches of one line, for one vehicle's figures."""
+    """Checks the stretches of one line for one vehicle's figures."""
 
     def __init__(self, walk: Walk, rules: Rules, ledger: Ledger) -> None:
         self.walk, self.rules, self.ledger = walk, rules, ledger
@@ -34,7 +34,7 @@ class Stretches:
         self._longest: dict[int, int] = {}
 
     def check(self) -> None:
-        """Check every stretch, the longest of all routes where several lead to one reference."""
+        """Check every stretch; where several routes lead to one reference, the worst of them."""
         arriving, loops = carried(self.walk, self._entering, self._leaving, self._through, self._worst)
         for loop in loops:
             subject = f"a loop over {len(loop)} edges without any reference"
@@ -44,7 +44,7 @@ class Stretches:
         for run, since in arriving.items():
             self._along(run, since)
 
-    def _along(self, run: Run, since: Since) -> None:
+    def _along(self, run: Run, since: _Since) -> None:
         for offset, element in self.walk.references[run]:
             self._check(since, run, offset, begins_mm(element, offset, self.layout), name(element))
             since = self._after(element, offset)
@@ -52,7 +52,7 @@ class Stretches:
             length = self.walk.topology.length_mm(run)
             self._check(since, run, length, length, "the end of the map")
 
-    def _check(self, since: Since, run: Run, at_mm: int, begins: int, goal: str) -> None:
+    def _check(self, since: _Since, run: Run, at_mm: int, begins: int, goal: str) -> None:
         distance = max(since.distance_mm + begins, 0)
         self.ledger.check(
             self.rules.stretch,
@@ -62,23 +62,23 @@ class Stretches:
             fix_error_mm=since.fix_error_mm,
         )
 
-    def _entering(self, run: Run) -> Since:
-        return Since(0, 0, f"the edge of the map at {self.walk.topology.start(run)}")
+    def _entering(self, run: Run) -> _Since:
+        return _Since(0, 0, f"the edge of the map at {self.walk.topology.start(run)}")
 
-    def _leaving(self, run: Run) -> Since | None:
+    def _leaving(self, run: Run) -> _Since | None:
         there = self.walk.references[run]
         if not there:
             return None
         after = self._after(there[-1][1], there[-1][0])
         return self._through(run, after)
 
-    def _after(self, element: Reference, offset_mm: int) -> Since:
-        return Since(-ends_mm(element, offset_mm, self.layout), fix_error_mm(element, self.layout), name(element))
+    def _after(self, element: Reference, offset_mm: int) -> _Since:
+        return _Since(-ends_mm(element, offset_mm, self.layout), fix_error_mm(element, self.layout), name(element))
 
-    def _through(self, run: Run, since: Since) -> Since:
-        return Since(since.distance_mm + self.walk.topology.length_mm(run), since.fix_error_mm, since.origin)
+    def _through(self, run: Run, since: _Since) -> _Since:
+        return _Since(since.distance_mm + self.walk.topology.length_mm(run), since.fix_error_mm, since.origin)
 
-    def _worst(self, several: Iterable[Since]) -> Since:
+    def _worst(self, several: Iterable[_Since]) -> _Since:
         return max(several, key=lambda since: since.distance_mm - self._longest_mm(since.fix_error_mm))
 
     def _longest_mm(self, fix_error: int) -> int:
@@ -88,7 +88,7 @@ class Stretches:
 
 
 def longest(fix_error: int, layout: LayoutConfig) -> int:
-    """Return the longest tolerable stretch after a fix; without bound where odometry errors do not grow."""
+    """Return the longest tolerable stretch after a fix, in mm; practically unbounded if odometry errors do not grow."""
     if layout.odometry_rate_ppm == 0:
         return UNBOUNDED - fix_error
     return int(evaluate([longest_stretch_mm(as_num(fix_error, MM), layout)], {})[0])

@@ -1,4 +1,4 @@
-"""Behind switches: models on the branches differ, and the switch lies in view (RFL-11, RFL-12)."""
+"""Checks reflectors behind switches: models on the branches differ, and the switch lies in their view (RFL-11, RFL-12)."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from safeloc.railway.map.walk import Seen, Walk
 
 
 def check_switches(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Check every place where a vehicle may go two ways: the first reflectors on both.
+    """Check the first reflectors behind every facing switch.
 
-    Where both ways meet again before the first reflector, it is the same one; then the routes are not told apart.
+    Where both ways meet again before the first reflector, it is the same one, and does not distinguish the routes.
     """
     reach = longest(0, rules.layout) + max((one.view_from_mm for one in walk.line.reflectors), default=0)
     for run in walk.runs:

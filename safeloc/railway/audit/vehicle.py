@@ -12,11 +12,11 @@ from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.map.toml_place import line_of
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "vehicles"
-TABLE = "localization"
+_TABLE = "localization"
 
 
 def find_layout(name: str) -> LayoutConfig:
-    """Return the figures of a shipped vehicle by name, or of a file. InputError with line and key for what does not fit."""
+    """Return the figures of a shipped vehicle by name, or of a file. InputError with line and key for anything wrong in it."""
     shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
     if name not in shipped and not Path(name).is_file():
         raise InputError(f"{name}: no such file, and no shipped vehicle; shipped are {', '.join(shipped)}.")
@@ -32,12 +32,12 @@ def find_layout(name: str) -> LayoutConfig:
 
 
 def _layout(path: Path, text: str, data: dict[str, object]) -> LayoutConfig:
-    if TABLE not in data:
-        raise InputError(f"{path}: has no table [{TABLE}] with the figures for the audit (docs/line.md lists them).")
+    if _TABLE not in data:
+        raise InputError(f"{path}: has no table [{_TABLE}] with the figures for the audit (docs/line.md lists them).")
     try:
-        return LayoutConfig.model_validate(data[TABLE])
+        return LayoutConfig.model_validate(data[_TABLE])
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        where = line_of(text, (TABLE, *first["loc"]))
-        key = ".".join(str(part) for part in (TABLE, *first["loc"]))
+        where = line_of(text, (_TABLE, *first["loc"]))
+        key = ".".join(str(part) for part in (_TABLE, *first["loc"]))
         raise InputError(f"{path}:{where}: {key}: {first['msg'].removeprefix('Value error, ')}") from error

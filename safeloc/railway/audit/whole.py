@@ -17,10 +17,12 @@ from safeloc.railway.map.walk import Walk
 
 
 def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "default figures") -> AuditReport:
-    """Check every rule of the layout at every place that it concerns.
+    """Check every rule of the layout at every place to which it applies.
 
-    `layout` holds the vehicle's figures, the defaults without it; `vehicle` is what the report calls it. Several
-    vehicles on one line (RFL-15) are audited one by one: the line has to suit each.
+    layout   the vehicle's figures; without it the defaults
+    vehicle  the vehicle's name in the report
+
+    Several vehicles on one line (RFL-15) are audited one by one, since the line has to suit each.
     """
     layout = layout or LayoutConfig()
     walk, rules, ledger = Walk(line), Rules(layout), Ledger({edge.id: edge for edge in line.edges})

@@ -1,1 +1,1 @@
-"""Guarding a receiver: position streams in, what map and motion allow of them out."""
+"""The guard of a satellite receiver: it passes on only positions that agree with map and motion."""

@@ -1,4 +1,4 @@
-"""Which fixes of a recording the guard passes on: whoever takes a recorded place for the truth asks it first."""
+"""Selects the fixes of a recording that the guard passes on. Only these may serve as true positions."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from safeloc.railway.map.routes import Route
 def believed_times(fixes: Iterable[Fix], route: Route, *, max_speed_mm_s: int, crs: str = WGS84) -> frozenset[int]:
     """Return the times of the fixes that the guard passes on, on this route in its own direction.
 
-    Raises InputError for a speed that no guard is made for, and for a route of which edges have no course.
+    Raises InputError for a speed outside the guard's range, and for a route with edges that have no course.
     """
     config = guard_config(None, {"max_speed_mm_s": max_speed_mm_s})
     clear, reach = config.track_clearance_mm, config.tolerance_mm
     guard = Guard(config, Tracks(route.topology.line, clear_mm=clear, reach_mm=reach, route=route, crs=crs))
-    told = (Delivery(number, fix.time_ms, fix.x, fix.y) for number, fix in enumerate(fixes, 1))
-    return frozenset(one.delivery.time_ms or 0 for one in guard.judge_all(told) if one.passed)
+    deliveries = (Delivery(number, fix.time_ms, fix.x, fix.y) for number, fix in enumerate(fixes, 1))
+    return frozenset(one.delivery.time_ms or 0 for one in guard.judge_all(deliveries) if one.passed)

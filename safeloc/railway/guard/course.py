@@ -1,7 +1,7 @@
-"""The course of a receiver over ground, against the track: from two of its own fixes that lie far enough apart.
+"""The angle between a receiver's course over ground and the track, from two of its own fixes that lie far enough apart.
 
-A receiver errs from one fix to the next by far less than it errs at all, so the angle between two fixes of some seconds
-tells more of it than its distance off the track: a train runs along its track, a false fix mostly across it.
+Errors of fixes a few seconds apart are nearly equal, so the course between them is far more accurate than either place.
+It reveals a false fix better than the distance off the track: a train runs along its track, false fixes mostly move across it.
 """
 
 from __future__ import annotations
@@ -12,26 +12,27 @@ from collections import deque
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.tracks import Tracks
 
-LONGEST = 3
-"""A course is told from no more than so many times `course_base_mm`: over more, tracks bend both ways."""
+_LONGEST = 3
+"""Fixes farther apart than this many times `course_base_mm` give no course: over such distances tracks bend both ways."""
 
 
 class Courses:
-    """The fixes of the last seconds, in the plane of the map: whatever became of them."""
+    """The fixes of the last seconds in the plane of the map, passed on or not."""
 
     def __init__(self, config: GuardConfig, tracks: Tracks) -> None:
         self._config, self._tracks = config, tracks
         self._fixes: deque[tuple[int, float, float]] = deque()
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Forget all fixes."""
         self._fixes.clear()
 
     def angle_mrad(self, time_ms: int, x: float, y: float) -> int | None:
         """Return the angle between the course to this fix and the way's direction, 0 to half a turn, and keep the fix.
 
-        None where no course is told: no fix of the last `course_age_ms` lies `course_base_mm` or more from this one, the
-        nearest in time that does lies too far, or the way comes by in both directions. InputError for no position.
+        None without a course: no fix of the last `course_age_ms` lies `course_base_mm` or more from this one, the latest of
+        those that do lies too far away, or the way passes here in both directions. InputError for coordinates outside the
+        coordinate system.
         """
         here = self._tracks.plane(x, y)
         while self._fixes and time_ms - self._fixes[0][0] > self._config.course_age_ms:
@@ -45,11 +46,11 @@ class Courses:
         for _, east, north in reversed(self._fixes):
             far = math.hypot(x - east, y - north)
             if far >= base:
-                return (east, north) if far <= LONGEST * base else None
+                return (east, north) if far <= _LONGEST * base else None
         return None
 
     def _angle(self, begin: tuple[float, float], end: tuple[float, float]) -> int | None:
-        """Against the track in the middle: there a chord of a curve is parallel to it."""
+        """Compare with the track halfway between both fixes, where the chord of a curve is parallel to it."""
         (ax, ay), (bx, by) = begin, end
         heading = self._tracks.heading(((ax + bx) / 2, (ay + by) / 2))
         if heading is None:

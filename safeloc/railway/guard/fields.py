@@ -1,4 +1,4 @@
-"""Fields of a position stream, as numbers: whatever a line says, it becomes a delivery, or says why it is none."""
+"""Fields of a position stream as numbers. Every line becomes a delivery; one that is not a position carries the reason."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from safeloc.errors import InputError
 from safeloc.railway.guard.deliveries import SPEED_UNITS, Delivery
 from safeloc.runtime.outside import quoted, refusal
 
-EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-TIME_UNITS = {"ms": 1, "s": 1_000}
-FASTEST_MM_S = 1_000_000
-LONGEST_TIME_MS = 10**15
-NAMES = ("time", "x", "y", "speed", "flag", "received")
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+_TIME_UNITS = {"ms": 1, "s": 1_000}
+_FASTEST_MM_S = 1_000_000
+_LONGEST_TIME_MS = 10**15
+_NAMES = ("time", "x", "y", "speed", "flag", "received")
 
 
 @dataclass(frozen=True)
 class Columns:
     """The names of the fields of a line; an empty name: the stream has no such field.
 
-    time, received  ISO 8601 (UTC where no zone is told) or a number of `time_unit`
+    time, received  ISO 8601 (UTC without a time zone) or a number of `time_unit`
     x, y            longitude and latitude, or easting and northing of the coordinate system
     speed           over ground, in `speed_unit`
     flag            the receiver's own quality flag; lines with one of `no_fix` have no position
@@ -40,24 +40,24 @@ class Columns:
     no_fix: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        if self.time_unit not in TIME_UNITS:
-            raise InputError(f"time unit {self.time_unit!r}: choose one of {', '.join(TIME_UNITS)}.")
+        if self.time_unit not in _TIME_UNITS:
+            raise InputError(f"time unit {self.time_unit!r}: choose one of {', '.join(_TIME_UNITS)}.")
         if self.speed_unit not in SPEED_UNITS:
             raise InputError(f"speed unit {self.speed_unit!r}: choose one of {', '.join(SPEED_UNITS)}.")
 
     @property
     def named(self) -> list[str]:
-        """The names that a stream must have."""
+        """The names of all fields that the stream has to have."""
         return [name for name in (self.time, self.x, self.y, self.speed, self.flag, self.received) if name]
 
 
 def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix: Collection[str]) -> Columns:
-    """Return columns from `what=name`, such as `x=lambert72_x`; InputError for what is none."""
+    """Return columns from `what=name`, such as `x=lambert72_x`; InputError for any other form."""
     chosen: dict[str, str] = {}
     for one in told:
         what, _, name = one.partition("=")
-        if what not in NAMES or not name:
-            raise InputError(f"column {one!r}: expected WHAT=NAME, where WHAT is one of {', '.join(NAMES)}.")
+        if what not in _NAMES or not name:
+            raise InputError(f"column {one!r}: expected WHAT=NAME, where WHAT is one of {', '.join(_NAMES)}.")
         if what in chosen:
             raise InputError(f"column {what!r} is given twice.")
         chosen[what] = name
@@ -65,7 +65,7 @@ def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix
 
 
 def delivery(number: int, fields: Mapping[str, object], columns: Columns) -> Delivery:
-    """Return a line's fields as a delivery; what cannot be understood is told in `wrong`."""
+    """Return a line's fields as a delivery; `wrong` describes what cannot be read."""
     try:
         return _delivery(number, fields, columns)
     except Exception as error:  # the rule of every border (safeloc.runtime.outside)
@@ -82,7 +82,7 @@ def _delivery(number: int, fields: Mapping[str, object], columns: Columns) -> De
     received = of(columns.received, lambda name, value: milliseconds(name, value, columns.time_unit))
     flag = str(fields.get(columns.flag) or "") if columns.flag else ""
     speed = of(columns.speed, lambda name, value: speed_mm_s(name, value, columns.speed_unit))
-    x, y = of(columns.x, decimal), of(columns.y, decimal)
+    x, y = of(columns.x, _decimal), of(columns.y, _decimal)
     if flag in columns.no_fix or x is None or y is None:
         x = y = None
     assert isinstance(time_ms, int)
@@ -95,8 +95,8 @@ def _empty(value: object) -> bool:
     return value is None or (isinstance(value, str) and not value.strip())
 
 
-def decimal(name: str, value: object) -> float:
-    """Return a number as it was told, NaN and infinities included; InputError for what is none."""
+def _decimal(name: str, value: object) -> float:
+    """Return a number as it was written, NaN and infinities included; InputError if it is not a number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise InputError(f"{name!r}: {quoted(value)} is no number.")
     if isinstance(value, str) and not (value.isascii() and "_" not in value):
@@ -108,22 +108,22 @@ def decimal(name: str, value: object) -> float:
 
 
 def speed_mm_s(name: str, value: object, unit: str) -> int:
-    """Return a speed over ground in mm/s, to the nearest; InputError for what no vehicle has."""
-    speed = decimal(name, value) * SPEED_UNITS[unit]
-    if not 0 <= speed <= FASTEST_MM_S:
+    """Return a speed over ground in mm/s, to the nearest; InputError for a speed that no vehicle reaches."""
+    speed = _decimal(name, value) * SPEED_UNITS[unit]
+    if not 0 <= speed <= _FASTEST_MM_S:
         raise InputError(f"{name!r}: {quoted(value)} {unit} is no speed over ground.")
     return round(speed)
 
 
 def milliseconds(name: str, value: object, unit: str) -> int:
-    """Return a time in ms since 1970, or since wherever the receiver counts from; rounded down."""
+    """Return a time in ms since 1970, or since the start of the receiver's own count; rounded down."""
     if isinstance(value, str) and ("-" in value.strip()[1:] and ":" in value):
         return _since_epoch(name, value)
-    told = decimal(name, value)
-    if not math.isfinite(told) or abs(told) * TIME_UNITS[unit] > LONGEST_TIME_MS:
+    told = _decimal(name, value)
+    if not math.isfinite(told) or abs(told) * _TIME_UNITS[unit] > _LONGEST_TIME_MS:
         raise InputError(f"{name!r}: {quoted(value)} is no time.")
     exact = Decimal(value.strip() if isinstance(value, str) else told)
-    return math.floor(exact * TIME_UNITS[unit])
+    return math.floor(exact * _TIME_UNITS[unit])
 
 
 def _since_epoch(name: str, text: str) -> int:
@@ -135,6 +135,6 @@ def _since_epoch(name: str, text: str) -> int:
 
 
 def milliseconds_of(when: datetime) -> int:
-    """ms since 1970; a time without a zone is UTC."""
+    """Return ms since 1970; a time without a zone is UTC."""
     aware = when if when.tzinfo is not None else when.replace(tzinfo=UTC)
-    return (aware - EPOCH) // timedelta(milliseconds=1)
+    return (aware - _EPOCH) // timedelta(milliseconds=1)

@@ -1,4 +1,4 @@
-"""The figures of a guard: what the vehicle can do, and what is chosen besides."""
+"""The configuration of a guard, from a vehicle file and the user's choices."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from safeloc.railway.audit.vehicle import SHIPPED
 from safeloc.simulation.motion import VehicleConfig
 from safeloc.simulation.vehicles import load_vehicle
 
-STRONGEST_BRAKE_MM_S2 = GuardConfig.model_fields["brake_mm_s2"].default
-"""Vehicle files tell the service brake; a guard has to allow for the emergency brake."""
+_STRONGEST_BRAKE_MM_S2 = GuardConfig.model_fields["brake_mm_s2"].default
+"""Vehicle files give the service brake; a guard has to allow for the emergency brake."""
 
 
 def find_vehicle(name: str) -> VehicleConfig:
-    """Return a shipped vehicle by name, or one from a file. InputError with file and field for what does not fit."""
+    """Return a shipped vehicle by name, or one from a file. InputError with file and field for anything wrong in it."""
     shipped = SHIPPED / f"{name}.toml"
     if not shipped.is_file() and not Path(name).is_file():
         known = ", ".join(sorted(path.stem for path in SHIPPED.glob("*.toml")))
@@ -28,9 +28,9 @@ def find_vehicle(name: str) -> VehicleConfig:
 
 
 def guard_config(vehicle: VehicleConfig | None, chosen: Mapping[str, Any] | None = None) -> GuardConfig:
-    """Return the configuration for a vehicle; what is `chosen` goes before its figures. InputError for what does not fit.
+    """Return the configuration for a vehicle; figures in `chosen` replace the vehicle's. InputError for a figure out of range.
 
-    Its brake is taken to be no weaker than 1.5 m/s2, since its file tells the service brake only.
+    The brake is assumed to be at least 1.5 m/s2, since the vehicle file gives the service brake only.
     """
     figures = {} if vehicle is None else _of(vehicle)
     try:
@@ -38,13 +38,13 @@ def guard_config(vehicle: VehicleConfig | None, chosen: Mapping[str, Any] | None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         field = ".".join(str(part) for part in first["loc"]) or "figures"
-        told = first["msg"].removeprefix("Value error, ")
-        raise InputError(f"guard, {field}: {told}") from error
+        reason = first["msg"].removeprefix("Value error, ")
+        raise InputError(f"guard, {field}: {reason}") from error
 
 
 def _of(vehicle: VehicleConfig) -> dict[str, int]:
     return {
         "max_speed_mm_s": vehicle.max_speed_mm_s,
         "acceleration_mm_s2": vehicle.acceleration_mm_s2,
-        "brake_mm_s2": max(vehicle.brake_mm_s2, STRONGEST_BRAKE_MM_S2),
+        "brake_mm_s2": max(vehicle.brake_mm_s2, _STRONGEST_BRAKE_MM_S2),
     }

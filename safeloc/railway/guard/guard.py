@@ -1,7 +1,7 @@
-"""The guard at work: deliveries in, one judgement each out, by the proved machine and the map.
+"""The guard at work: it judges every delivery with the proved machine and the map.
 
-The machine steps once a period of the receiver's clock, and with every delivery. What a delivery says is judged by the
-machine alone; here its time is compared with those before, and its place is looked up on the map.
+The machine steps once in every period of the receiver's clock, and with every delivery. It alone judges the content of a
+delivery; this module compares its time with earlier ones and looks its place up on the map.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from safeloc.railway.map.places import Place
 from safeloc.runtime.border import Deliveries, Raw, Reason
 
 MODES = ("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
-BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}
-"""Transitions after which a fix is all that is known of the way: those before it may have been false."""
-GOES_ON = {"fix passed on", "receiver believed again"}
-FAULT_NUMBER = {fault.label: number for number, fault in enumerate(FAULT)}
+_BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}
+"""Transitions after which only this fix determines the way, because earlier fixes may have been false."""
+_GOES_ON = {"fix passed on", "receiver believed again"}
+_FAULT_NUMBER = {fault.label: number for number, fault in enumerate(FAULT)}
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Judgement:
     at_ms             the time for which interval and window hold: the delivery's, rounded up to a whole period
     interval_mm       the vehicle's interval along the way, if it is known within the tolerance
     window_mm         the same, also if wider; None while no position is held
-    position_mm, offset_mm, place   the place of the fix on the map; None without a fix
-    ends              the places of the interval's ends; None where more than one track leads there
+    position_mm, offset_mm, place   place of the fix on the map; None without a fix
+    ends              places of the interval's ends; None if more than one track leads there
     detail            further details of the reason, in words
     """
 
@@ -61,7 +61,7 @@ class Judgement:
 
 
 class Guard:
-    """The guard of one receiver on one vehicle. It has no clock of its own, and no other state than what it holds."""
+    """The guard of one receiver on one vehicle. It has no clock of its own; all its state is in this object."""
 
     def __init__(self, config: GuardConfig, tracks: Tracks) -> None:
         """InputError for a route that is longer than `position_limit_mm`."""
@@ -81,16 +81,16 @@ class Guard:
         self._place: tuple[float | None, float | None] = (None, None)
 
     def start_anew(self) -> None:
-        """Forget every place: the host's word that what was believed before does not count.
+        """Forget every place, because the host declares earlier positions invalid.
 
-        Without it a place once believed is kept, on a known route, and no position is passed on where the vehicle cannot have
-        come from it. Call this when a first place was wrong, or when the vehicle was turned or moved otherwise.
+        Otherwise, on a known route, an accepted place is kept for good, and positions that the vehicle cannot have reached from
+        it are withheld. Call this when a first place was wrong, or when the vehicle was turned or moved by other means.
         """
         self._state, _ = self._code.step(self._state, self._code.read(self._inputs(start_anew=True)))
         self._courses.forget()
 
     def judge_all(self, deliveries: Iterable[Delivery]) -> Iterator[Judgement]:
-        """Return a judgement for each delivery, as soon as it is there."""
+        """Yield a judgement for each delivery as it arrives."""
         return (self.judge(delivery) for delivery in deliveries)
 
     def judge(self, delivery: Delivery) -> Judgement:
@@ -119,7 +119,7 @@ class Guard:
     # -------------------------------------------------------------- time
 
     def _late(self, time_ms: int, now_ms: int) -> tuple[str, str] | None:
-        """Why its time is wrong; None where it is new and in time."""
+        """Return what is wrong with the time (reason, detail); None if it is new and in time."""
         found = self._deliveries.fault("fix", Raw(0, time_ms), now_ms, self.config.max_age_ms)
         self._backwards = [*self._backwards, time_ms] if found and found.reason is Reason.OUT_OF_ORDER else []
         if found and len(self._backwards) >= self.config.confirmations and sorted(self._backwards) == self._backwards:
@@ -127,7 +127,7 @@ class Guard:
         return None if found is None else (found.reason.name, found.detail)
 
     def _begin_anew(self) -> None:
-        """The receiver's clock was set back for good: all that is held is given up, as after a silence; what is known is kept."""
+        """Withdraw the held position as after a silence, since the receiver's clock was set back for good; keep the known way."""
         while self._mode != "WITHDRAWN":
             self._state, _ = self._code.step(self._state, self._idle)
         self._deliveries = Deliveries()
@@ -135,7 +135,7 @@ class Guard:
         self._now_ms, self._at_ms, self._backwards = None, None, []
 
     def _run_until(self, now_ms: int) -> int:
-        """Step until the machine's time is not before this; how far it is ahead then."""
+        """Step until the machine's time reaches this one; return by how many ms it is then ahead."""
         if self._now_ms is None:
             self._start_ms = self._now_ms = now_ms
         period = self.config.period_ms
@@ -154,20 +154,20 @@ class Guard:
     # -------------------------------------------------------------- place
 
     def _frozen(self, delivery: Delivery) -> tuple[str, str] | None:
-        """A place that is repeated to the last digit while the vehicle runs; None where it is another or may rest."""
+        """Refuse a place that is equal to the last digit although the vehicle runs; None if it differs or the vehicle may rest."""
         place, self._place = self._place, (delivery.x, delivery.y)
-        told = delivery.speed_mm_s is not None and delivery.speed_mm_s > self.config.speed_error_mm_s
+        reported = delivery.speed_mm_s is not None and delivery.speed_mm_s > self.config.speed_error_mm_s
         runs = self._value("slow_um_s") > 0 or self._value("fast_um_s") < 0
-        return ("DUPLICATE", "the same place again at speed") if place == self._place and (told or runs) else None
+        return ("DUPLICATE", "the same place again at speed") if place == self._place and (reported or runs) else None
 
     def _matched(self, delivery: Delivery) -> Match:
         assert delivery.x is not None and delivery.y is not None
         if self._mode == "WITHDRAWN" and self.tracks.route is None:
-            self._state = self._code.first()  # positions count from here anew
+            self._state = self._code.first()  # positions count from this fix on
         match = self.tracks.match(delivery.x, delivery.y, self._window(), alone=self._mode == "RECOVERING")
         if abs(match.position_mm) <= self.config.position_limit_mm:
             return match
-        self._state = self._code.first()  # so far that positions count from here anew
+        self._state = self._code.first()  # beyond the limit: positions count from this fix on
         return self.tracks.match(delivery.x, delivery.y, None)
 
     def _window(self) -> Window | None:
@@ -184,9 +184,9 @@ class Guard:
 
     def _remember(self, match: Match, fired: str) -> None:
         """Update the known way from an accepted fix."""
-        if fired in BEGINS:
+        if fired in _BEGINS:
             self.tracks.began(match)
-        elif fired in GOES_ON:
+        elif fired in _GOES_ON:
             self.tracks.took(match, self._held_window())
         else:
             return
@@ -196,28 +196,31 @@ class Guard:
     # -------------------------------------------------------------- the machine
 
     def _step(self, delivery: Delivery, fault: str, detail: str) -> Judgement:
-        """A delivery without a position to judge."""
-        self._state, _ = self._code.step(self._state, self._code.read(self._inputs(fault=FAULT_NUMBER[fault])))
+        """Step the machine with a delivery that has no position."""
+        self._state, _ = self._code.step(self._state, self._code.read(self._inputs(fault=_FAULT_NUMBER[fault])))
         return self._judgement(delivery, None, detail)
 
     def _located(self, delivery: Delivery, match: Match, age_ms: int) -> Judgement:
-        """A delivery with a place on the map."""
-        said = self._of_match(match, delivery, age_ms)
-        self._state, numbers = self._code.step(self._state, self._code.read(said))
+        """Step the machine with a delivery that has a place on the map."""
+        inputs = self._of_match(match, delivery, age_ms)
+        self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         (fired,) = self._code.fired(numbers).values()
         self._remember(match, fired)
         return self._judgement(delivery, match, "")
 
     def _judgement(self, delivery: Delivery, match: Match | None, detail: str) -> Judgement:
-        said = self._code.named_outputs(self._state)
-        window = (said["window_from_mm"], said["window_to_mm"]) if said["holding"] else None
+        outputs = self._code.named_outputs(self._state)
+        window = (outputs["window_from_mm"], outputs["window_to_mm"]) if outputs["holding"] else None
         interval = None
-        if said["valid"]:
-            interval = said["position_mm"] - said["margin_below_mm"], said["position_mm"] + said["margin_above_mm"]
+        if outputs["valid"]:
+            interval = (
+                outputs["position_mm"] - outputs["margin_below_mm"],
+                outputs["position_mm"] + outputs["margin_above_mm"],
+            )
         return Judgement(
             delivery,
-            bool(said["passed"]),
-            JUDGED[int(said["reason"])].label,
+            bool(outputs["passed"]),
+            JUDGED[int(outputs["reason"])].label,
             self._mode,
             self._at_ms,
             interval,
@@ -230,7 +233,7 @@ class Guard:
         )
 
     def _inputs(self, **given: Value) -> dict[str, Value]:
-        """A step's inputs in which nothing is delivered, but for what is given."""
+        """Return the inputs of a step without a delivery, changed by those given."""
         return {
             "advance": False, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False,
             "fix_elsewhere": False, "forwards_only": self.tracks.one_way, "start_anew": False, **given,
@@ -239,15 +242,15 @@ class Guard:
     def _of_match(self, match: Match, delivery: Delivery, age_ms: int) -> dict[str, Value]:
         assert delivery.time_ms is not None and delivery.x is not None and delivery.y is not None
         course = self._courses.angle_mrad(delivery.time_ms, delivery.x, delivery.y)
-        said = self._inputs(
+        inputs = self._inputs(
             fix_mm=match.position_mm,
             fix_offset_mm=match.offset_mm,
             fix_age_ms=age_ms,
             fix_ambiguous=match.ambiguous,
             fix_elsewhere=match.elsewhere,
         )
-        told = {"fix_speed_mm_s": delivery.speed_mm_s, "fix_course_mrad": course}
-        return {**said, **{name: value for name, value in told.items() if value is not None}}
+        optional = {"fix_speed_mm_s": delivery.speed_mm_s, "fix_course_mrad": course}
+        return {**inputs, **{name: value for name, value in optional.items() if value is not None}}
 
     @property
     def _mode(self) -> str:
@@ -259,13 +262,13 @@ class Guard:
 
 @cache
 def _code(figures: str) -> Compiled:
-    """The machine of a configuration (as JSON), compiled once for all receivers that have it."""
+    """Return the machine of a configuration (as JSON), compiled once for all receivers with this configuration."""
     config = GuardConfig.model_validate_json(figures)
     return compile_system(without_ghosts(lower(build(parts(config)).machine)))
 
 
 def _no_position(delivery: Delivery) -> tuple[str, str] | None:
-    """Why there is no position to look up; None where there is one."""
+    """Return why the delivery has no position (reason, detail); None if it has one."""
     if delivery.x is None or delivery.y is None:
         return "NO_FIX", ""
     if not (math.isfinite(delivery.x) and math.isfinite(delivery.y)):

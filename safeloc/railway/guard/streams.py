@@ -1,4 +1,4 @@
-"""Position streams as text, line by line as it comes: CSV with a row of names, and JSON with an object a line."""
+"""Reads position streams line by line: CSV with a header row, and JSON with one object in each line."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns, delivery
 from safeloc.runtime.outside import shortened
 
-LONGEST_LINE = 100_000
+_LONGEST_LINE = 100_000
 
 
 def csv_deliveries(lines: Iterable[str], columns: Columns, name: str) -> Iterator[Delivery]:
-    """Return a delivery for every row; StreamError where columns are missing. `name` is what messages call the stream."""
+    """Yield a delivery for every row; StreamError if columns are missing. `name` stands for the stream in messages."""
     rows = csv.reader(_checked(lines))
     header = [one.strip().removeprefix("\ufeff") for one in next(rows, [])]
     missing = [column for column in columns.named if column not in header]
@@ -43,7 +43,7 @@ def _of_row(number: int, header: list[str], row: list[str], columns: Columns) ->
 
 
 def jsonl_deliveries(lines: Iterable[str], columns: Columns) -> Iterator[Delivery]:
-    """Return a delivery for every line that is not empty."""
+    """Yield a delivery for every line that is not empty."""
     for number, line in enumerate(_checked(lines), 1):
         if line.strip():
             yield _of_object(number, line, columns)
@@ -60,6 +60,6 @@ def _of_object(number: int, line: str, columns: Columns) -> Delivery:
 
 
 def _checked(lines: Iterable[str]) -> Iterator[str]:
-    """Lines without NUL and of readable length; others are cut to what the reader refuses by itself."""
+    """Cut lines that are too long or contain NUL to something that the reader refuses."""
     for line in lines:
-        yield line.replace("\0", "\N{REPLACEMENT CHARACTER}")[:LONGEST_LINE]
+        yield line.replace("\0", "\N{REPLACEMENT CHARACTER}")[:_LONGEST_LINE]

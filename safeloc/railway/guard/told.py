@@ -1,4 +1,4 @@
-"""A judgement as data: one object a delivery, schema safeloc-guard/1."""
+"""A judgement as data: one object for each delivery, schema safeloc-guard/1."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def as_data(judgement: Judgement) -> dict[str, Any]:
 
     position  for a fix that is passed on: edge, place on it, position along the way, distance off the track (mm)
     withheld  the same for a fix that is withheld; no consumer should use it
-    interval  the vehicle's interval along the way at a time, with the places of its ends; None while unknown
+    interval  the vehicle's interval along the way at `at_ms`, with the places of its ends; None while unknown
     """
     located = _located(judgement)
     return {
@@ -54,5 +54,5 @@ def _place(place: Place) -> dict[str, Any]:
 
 
 def counted(judgements: Iterable[Judgement]) -> dict[str, int]:
-    """Count the deliveries that were passed on, and withheld for each reason; the most frequent first."""
+    """Count deliveries by reason (PASSED for those passed on), the most frequent first."""
     return dict(Counter(judgement.reason for judgement in judgements).most_common())

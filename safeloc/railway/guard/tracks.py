@@ -1,9 +1,9 @@
-"""On which track a fix lies, and where on the way that the vehicle can have come.
+"""Finds the track of a fix, and its position along the way that the vehicle can have taken.
 
-Positions along a way are mm in its own direction. A way is known for certain only as far as fixes that were passed on
-lie on it; where it goes on from there, or came from, is open: every legal movement is followed as far as the vehicle can
-be by now, and a fix that lies near two tracks it can have come to is ambiguous. A fix is taken to lie, if it is true, on
-one legal way with the vehicle, which it misses by less than the clearance. Needs the extra `geo`.
+Positions along a way are in mm, in its own direction. A way is certain only as far as fixes that were passed on lie on it.
+Beyond, the search follows every legal movement as far as the vehicle can be by now; a fix near two tracks that it can have
+reached is ambiguous. A true fix is assumed to lie on one legal way with the vehicle, and off it by less than the clearance.
+Needs the extra `geo`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from safeloc.railway.map.projection import WGS84, Projected, Projector
 from safeloc.railway.map.routes import Route
 from safeloc.railway.map.topology import Run, Topology
 
-ONE_WAY_MM = 1_000
-"""Ways to one run that differ in length by no more are one: a vehicle that goes there and back on both would otherwise
-be at ever more positions. It is part of what a fix is charged."""
+_ONE_WAY_MM = 1_000
+"""Ways to one run that differ in length by no more count as one; otherwise running there and back on both would give ever
+more positions. The error added for a fix includes this difference."""
 
 
 @dataclass(frozen=True, order=True)
@@ -34,7 +34,7 @@ class Laid:
 
     def is_like(self, other: Laid) -> bool:
         """Return whether it is the same run at the same position, except for ways that differ in length by less than a metre."""
-        return self.run == other.run and abs(self.start_mm - other.start_mm) <= ONE_WAY_MM
+        return self.run == other.run and abs(self.start_mm - other.start_mm) <= _ONE_WAY_MM
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Window:
     backwards: bool = True
 
     def wider(self, by_mm: int) -> Window:
-        """Return the same, longer on either side."""
+        """Return the window, longer on either side."""
         return replace(self, from_mm=self.from_mm - by_mm, to_mm=self.to_mm + by_mm)
 
 
@@ -55,10 +55,10 @@ class Window:
 class Match:
     """The place of a fix on the map.
 
-    place, offset_mm  nearest place of the track, and the distance off it, rounded up
-    laid              its run, as a piece of the way
-    position_mm       along the way
-    ambiguous         another track that the vehicle can have reached is too near
+    place, offset_mm  nearest place on the track, and the distance off it, rounded up
+    laid              the run of that place, as a piece of the way
+    position_mm       position along the way
+    ambiguous         another track that the vehicle can have reached lies too near
     elsewhere         no way leads there from the vehicle's possible positions
     possible          every piece of track that the vehicle can have reached
     """
@@ -73,13 +73,13 @@ class Match:
 
 
 class _Known:
-    """Pieces that were seen already."""
+    """The pieces of track that a search has met."""
 
     def __init__(self) -> None:
         self._pieces: dict[Run, list[Laid]] = {}
 
     def is_new(self, laid: Laid) -> bool:
-        """Return whether no similar piece was seen before, and remember this one."""
+        """Remember the piece; return whether it is like none before."""
         seen = self._pieces.setdefault(laid.run, [])
         if any(laid.is_like(other) for other in seen):
             return False
@@ -97,14 +97,14 @@ class _Found:
 
 
 class Tracks:
-    """A line, or one route on it, as tracks that a vehicle can be on.
+    """The tracks of a line, or of one route on it, that a vehicle can be on.
 
-    clear_mm   a fix tells the track only where no other one is nearer to it than this
-    reach_mm   how far from the vehicle along the track it may lie at most
-    route      the pieces of the route, where one is told
-    one_way    the route is run in its own direction only
-    projector  what lays positions on the tracks
-    roots      the pieces of track that the vehicle was on when a fix was last taken
+    clear_mm   clearance: a fix determines the track only if no other track is nearer to it than this
+    reach_mm   greatest distance of a fix from the vehicle's possible positions, along the track
+    route      the pieces of the route, if one is given
+    one_way    the vehicle runs on the route in its own direction only
+    projector  projects positions onto the tracks
+    roots      the pieces of track on which the vehicle can have been at the last accepted fix
     """
 
     def __init__(
@@ -117,10 +117,13 @@ class Tracks:
         crs: str = WGS84,
         both_directions: bool = False,
     ) -> None:
-        """`both_directions`: the vehicle may also run back on the route, for instance to set back or with a change of cabs."""
+        """With `both_directions` the vehicle may also run back on the route, for instance to set back or after a change of cabs.
+
+        InputError for edges without a course.
+        """
         self.topology = Topology(line)
         self.crs, self.clear_mm, self.reach_mm = crs, clear_mm, reach_mm
-        self.route = None if route is None else tuple(laid_along(route))
+        self.route = None if route is None else tuple(_laid_along(route))
         self.one_way = route is not None and not both_directions
         edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
         _with_course(line, edges)
@@ -129,18 +132,18 @@ class Tracks:
         self.roots: tuple[Laid, ...] = self.route or ()
 
     def plane(self, x: float, y: float) -> tuple[float, float]:
-        """Return a position in the plane of the map, in metres. InputError if it is none in the coordinate system."""
+        """Return a position in the plane of the map, in metres. InputError for coordinates outside the coordinate system."""
         return self.projector.plane(x, y, crs=self.crs)
 
     def heading(self, place: tuple[float, float]) -> float | None:
-        """Return the way's direction at a place of the plane, in radians from east to north; without a route that of increasing
-        positions of the nearest track. None where the route runs over that track in both directions."""
+        """Return the direction of the route at a place of the plane, in radians from east to north. Without a route it is that of
+        increasing positions of the nearest track; None if the route runs over that track in both directions."""
         edge, increasing = self.projector.heading(place)
         runs = {laid.run.direction for laid in self.route or () if laid.run.edge == edge} or {"increasing"}
         return None if len(runs) > 1 else increasing + (0.0 if runs == {"increasing"} else math.pi)
 
     def match(self, x: float, y: float, window: Window | None, *, alone: bool = False) -> Match:
-        """Find the place of a fix. InputError if it is no position in the coordinate system.
+        """Find the place of a fix. InputError for coordinates outside the coordinate system.
 
         window  possible positions of the vehicle; None while no position is held
         alone   the known way comes from fixes that may be false: any other track nearby makes the fix ambiguous
@@ -163,28 +166,28 @@ class Tracks:
         return Match(place, offset, best.laid, best.position_mm, ambiguous, possible=possible)
 
     def took(self, match: Match, window: Window) -> None:
-        """Record that the fix was passed on, or continues a row: the vehicle is in the window, on one way with the fix."""
+        """Record a fix that was passed on or continues a row: the vehicle is in the window, on one way with the fix."""
         if self.route is None:
-            kept = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
-            self.roots = tuple(sorted({match.laid, *kept}))
+            joined = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
+            self.roots = tuple(sorted({match.laid, *joined}))
 
     def began(self, match: Match) -> None:
-        """Record that only this fix is known."""
+        """Record that only this fix determines the way."""
         if self.route is None:
             self.roots = (match.laid,)
 
     def place(self, position_mm: int) -> Place | None:
-        """Return the place at a position along the way; None where more than one track, or none, is known to be there."""
+        """Return the place at a position along the way; None if no track, or more than one, is known there."""
         there = [laid for laid in self.roots if laid.start_mm <= position_mm <= self._end(laid)]
         if not there or not all(self._joined(one, there[0]) for one in there):
             return None
         laid = there[0]
         return Place(laid.run.edge, along(laid.run.direction, self._length(laid.run), position_mm - laid.start_mm))
 
-    # -------------------------------------------------------------- where the vehicle can have come
+    # -------------------------------------------------------------- places that the vehicle can have reached
 
     def _laid(self, projected: Projected, possible: Iterable[Laid], window: Window | None) -> Iterator[_Found]:
-        """A nearby place on the pieces of its edge, where these lie in the window."""
+        """Yield a nearby place once for each possible piece of its edge on which it lies in the window."""
         for laid in possible:
             if laid.run.edge == projected.place.edge:
                 position = laid.start_mm + self._within(laid.run, projected.place)
@@ -192,7 +195,7 @@ class Tracks:
                     yield _Found(projected, laid, position)
 
     def _reached(self, roots: Iterable[Laid], window: Window | None) -> Iterator[Laid]:
-        """Every piece that a vehicle can have come to: legal movements over joints within the window."""
+        """Yield every piece that the vehicle can have reached by legal movements over joints within the window."""
         known = _Known()
         waiting = [laid for laid in roots if known.is_new(laid)]
         while waiting:
@@ -212,7 +215,7 @@ class Tracks:
     # -------------------------------------------------------------- one place, one way
 
     def _one_place(self, found: Iterable[_Found]) -> bool:
-        """Nearby places that are far apart along the way are not one: the way comes by twice."""
+        """Return whether the places are near each other along the way too; otherwise the way passes here twice."""
         positions = [one.position_mm for one in found]
         return max(positions) - min(positions) <= self._one_place_mm
 
@@ -221,19 +224,19 @@ class Tracks:
         return 4 * self.clear_mm + 1_000
 
     def _one_way(self, found: Iterable[_Found]) -> bool:
-        """No two of them lie on tracks that exclude each other."""
+        """Return whether every two of the places lie on one legal way."""
         return all(self._joined(one, other) for one, other in combinations({one.laid for one in found}, 2))
 
     def _joined(self, one: Laid, other: Laid) -> bool:
         """Return whether one legal way leads over both."""
         first, last = sorted((one, other))
-        ahead = Window(first.start_mm, last.start_mm + ONE_WAY_MM, backwards=False)
+        ahead = Window(first.start_mm, last.start_mm + _ONE_WAY_MM, backwards=False)
         return any(here.is_like(last) for here in self._reached((first,), ahead))
 
-    # -------------------------------------------------------------- where no way is known
+    # -------------------------------------------------------------- no way is known
 
     def _beginning(self, near: Sequence[Projected]) -> Match:
-        """The nearest place as the beginning of a way; ambiguous where another track is near."""
+        """Return the nearest place as the beginning of a way; ambiguous if another track is near."""
         first = self._first(near[0])
         position = first.start_mm + self._within(first.run, near[0].place)
         here = Window(position, position).wider(self._one_place_mm)
@@ -245,7 +248,7 @@ class Tracks:
         return Match(near[0].place, _up(near[0]), first, position, not clear)
 
     def _first(self, projected: Projected) -> Laid:
-        """The piece that an edge is on the route; without one the edge itself, beginning at 0 of its own way."""
+        """Return the piece of the route on this edge; without a route the edge itself, as a way that begins at 0."""
         if self.route is not None:
             return next(laid for laid in self.route if laid.run.edge == projected.place.edge)
         ways = (Run(projected.place.edge, "increasing"), Run(projected.place.edge, "decreasing"))
@@ -262,16 +265,16 @@ class Tracks:
 
 
 def _with_course(line: Line, edges: Iterable[str]) -> None:
-    """A track without a course would be one that no fix can lie on, and none could be ambiguous with."""
+    """Refuse edges without a course: no fix would lie on them, and none would be ambiguous because of them."""
     bare = {edge.id for edge in line.edges if edge.geometry is None} & set(edges)
     if bare:
         raise InputError(
-            f"{line.name}: {len(bare)} edges have no course (geometry), such as {min(bare)!r}; positions on them "
-            "cannot be told. Add their courses, or name a way over others."
+            f"{line.name}: {len(bare)} edges have no course (geometry), such as {min(bare)!r}; positions cannot "
+            "be matched to them. Add their courses, or name a way over other edges."
         )
 
 
-def laid_along(route: Route) -> Iterator[Laid]:
+def _laid_along(route: Route) -> Iterator[Laid]:
     """Return the runs of a route with the positions along it at which they begin."""
     start = -route.start_mm
     for run in route.runs:
@@ -280,5 +283,5 @@ def laid_along(route: Route) -> Iterator[Laid]:
 
 
 def _up(projected: Projected) -> int:
-    """The distance off the track, a millimetre more for the rounding of place and distance."""
+    """Return the distance off the track, plus 1 mm for the rounding of place and distance."""
     return abs(projected.offset_mm) + 1

@@ -1,1 +1,1 @@
-"""The digital map: what lies along a line, where routes lead, and whether the layout meets what the proofs assume."""
+"""The digital map of a line: its elements, its routes, and checks of its consistency."""

@@ -1,7 +1,7 @@
 """Distances between reflectors of one model, on one route or on neighbouring tracks (RFL-8, RFL-10).
 
-A vehicle sees reflectors that face it: those of its own route, those of the other branch of a switch ahead or behind,
-and those beside a parallel track, which the kilometre tells.
+A vehicle sees the reflectors that face it: those of its own route, those of the other branch of a switch ahead or behind,
+and those beside a parallel track, which are found by their kilometre.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def pairs(walk: Walk, reach_mm: int) -> list[Pair]:
 
 
 def clear_mm(walk: Walk, reach_mm: int) -> dict[str, int]:
-    """Reflector -> distance to the nearest other one of its model that a vehicle may see; `reach_mm` where none is near."""
+    """Return for each reflector the distance to the nearest other one of its model that a vehicle may see, at most `reach_mm`."""
     clear = {reflector.id: reach_mm for reflector in walk.line.reflectors}
     for pair in pairs(walk, reach_mm):
         if pair.first.model == pair.second.model:
@@ -55,7 +55,7 @@ def _on_routes(walk: Walk, reach_mm: int) -> Iterator[Pair]:
 
 
 def _beyond(seen: Seen, other: Seen) -> bool:
-    """Return whether the other lies ahead; two at one place are ordered by identity."""
+    """Return whether the other reflector lies ahead; two at one place are ordered by identity."""
     return other.distance_mm > 0 or seen.element.id < other.element.id
 
 
@@ -81,7 +81,7 @@ def _across(left: Iterable[Seen], right: Iterable[Seen], reach_mm: int) -> Itera
 
 
 def _by_kilometre(walk: Walk, reach_mm: int) -> Iterator[Pair]:
-    """Reflectors beside tracks of one kilometre line that face the same way along it."""
+    """Yield pairs of reflectors beside tracks of one kilometre line that face the same way along it."""
     lanes: dict[tuple[str, bool], list[tuple[int, str, Reflector]]] = {}
     for reflector in walk.line.reflectors:
         found = _lane(walk, reflector)
@@ -102,7 +102,7 @@ def _within_reach(lane: list[tuple[int, str, Reflector]], reach_mm: int) -> Iter
 
 
 def _lane(walk: Walk, reflector: Reflector) -> tuple[str, bool, int] | None:
-    """Kilometre line, whether vehicles that see it count upwards, and its kilometre in mm."""
+    """Return kilometre line, whether the kilometre grows for vehicles that see the reflector, and its kilometre in mm."""
     edge = walk.topology.edges[reflector.edge]
     found = kilometre_mm(edge, reflector.position_mm)
     if found is None:

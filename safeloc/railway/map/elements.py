@@ -2,7 +2,7 @@
 
 A track edge runs from one node to another; its position 0 is at `from_node`, `length_mm` at `to_node`. `increasing`
 is the direction of growing position, `decreasing` the other one. An object's `direction` is the direction of travel
-that it is meant for. Every identity is unique within its kind.
+for which it is intended. Every identity is unique within its kind.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ def opposite(direction: Direction) -> Direction:
 
 
 class Element(Config):
-    """Base of everything on the map."""
+    """Base class of all elements of the map."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 class OnEdge(Element):
-    """Something at one place of the track."""
+    """An element at one place of the track."""
 
     id: Identity
     edge: Identity
@@ -62,7 +62,7 @@ class Node(Element):
 
 
 class KilometrePoint(Element):
-    """From `position_mm` on, the edge counts along kilometre line `line` from `kilometre_mm`, up or down."""
+    """From `position_mm` on, the kilometre of line `line` counts up or down from `kilometre_mm`."""
 
     position_mm: Position = 0
     kilometre_mm: Signed
@@ -82,7 +82,7 @@ class Geometry(Element):
 
 
 class TrackEdge(Element):
-    """A piece of track without branches. `travel` is the direction it is regularly run in."""
+    """A piece of track without branches. `travel` is its regular direction of travel."""
 
     id: Identity
     from_node: Identity
@@ -95,7 +95,7 @@ class TrackEdge(Element):
 
 
 class Switch(Element):
-    """Three edges at a node: vehicles go between `stem` and `left` or `right`, never between left and right."""
+    """Three edges at a node: vehicles run between `stem` and `left` or `right`, never between left and right."""
 
     id: Identity
     node: Identity
@@ -105,7 +105,7 @@ class Switch(Element):
 
 
 class Crossing(Element):
-    """A diamond crossing or a slip: the pairs of edges at the node between which vehicles may go."""
+    """A diamond crossing or a slip: the pairs of edges at the node between which vehicles may run."""
 
     id: Identity
     node: Identity
@@ -116,7 +116,7 @@ class Crossing(Element):
 
 
 class Balise(Element):
-    """One balise of a group; its place in the group's list is its number, the first one being number 1."""
+    """One balise of a group. The first of the group's list is number 1."""
 
     position_mm: Position
 
@@ -138,10 +138,10 @@ class BaliseGroup(Element):
     """One to eight balises on one edge; the group's position is that of balise number 1.
 
     identity             NID_BG; `country` is NID_C
-    linked               vehicles are told of it beforehand
-    nominal_direction    where the balises' order does not tell (a single balise): as told by linking; None: unknown
-    location_accuracy_mm Q_LOCACC as linking gives it; None: the national value holds
-    duplicate_of         the group that says the same
+    linked               linking announces the group
+    nominal_direction    for a single balise, whose order gives no direction: as announced by linking; None: unknown
+    location_accuracy_mm Q_LOCACC as given by linking; None: the national value applies
+    duplicate_of         the group with the same messages
     """
 
     id: Identity
@@ -162,7 +162,7 @@ class BaliseGroup(Element):
 
     @property
     def orientation(self) -> Direction | None:
-        """The nominal direction: from the balises' order, else as linking tells; None where nobody tells."""
+        """The nominal direction, from the order of the balises or else from linking; None if neither gives it."""
         if len(self.balises) == 1:
             return self.nominal_direction
         return "increasing" if self.balises[0].position_mm < self.balises[1].position_mm else "decreasing"
@@ -174,7 +174,7 @@ class Reflector(OnEdge):
     direction          direction of travel of the vehicles that see it ahead
     lateral_offset_mm  from the track's axis; positive to the right, seen in direction of travel
     view_from_mm       distance before the reflector where the view zone begins, along the track
-    view_to_mm         distance before the reflector where it ends: nearer, nothing can be measured
+    view_to_mm         distance before the reflector where it ends; nearer, the radar cannot measure it
     """
 
     model: ModelName
@@ -188,7 +188,7 @@ class StopPoint(OnEdge):
     """A point for a precise stop of the vehicle's front (RFL-D7); the reflector is visible from there.
 
     standstill_distance_mm  from the stopped front end to the reflector
-    window_before_mm        largest distance of a valid stop before the position, and window_after_mm beyond it
+    window_before_mm        greatest distance of a valid stop before the position; window_after_mm: beyond it
     """
 
     direction: Direction
@@ -200,21 +200,21 @@ class StopPoint(OnEdge):
 
 
 class Signal(OnEdge):
-    """A signal or a stop board, for vehicles going in `direction`."""
+    """A signal or a stop board for vehicles that run in `direction`."""
 
     direction: Direction
     kind: str = "main"
 
 
 class AxleCounter(OnEdge):
-    """A counting point."""
+    """A counting point of an axle counter."""
 
 
 # ------------------------------------------------------------------ fibre
 
 
 class FibrePoint(Element):
-    """A surveyed place: `fibre_mm` of cable lie at this place of the track."""
+    """A surveyed point: the place on the track at `fibre_mm` of cable."""
 
     fibre_mm: Position
     edge: Identity
@@ -232,8 +232,8 @@ class Fibre(Element):
     """An optical fibre along the track.
 
     length_mm             cable from the coupler to the end, longer than the track because of slack
-    path                  the edges it runs along, in order; from_mm > to_mm where it runs against the edge
-    map_points            cable length against place, in order of the cable; between them the slack is spread evenly
+    path                  the edges along which it runs, in order; from_mm > to_mm if it runs against the edge
+    map_points            surveyed points in order of the cable; between them the slack is spread evenly
     refractive_index_ppm  index of refraction in millionths
     """
 
@@ -247,7 +247,7 @@ class Fibre(Element):
 
 
 class LocalizationSection(Element):
-    """A piece of fibre that vibration excites more (`raises`) or less (`lowers`) than its neighbours (FWG-1)."""
+    """A piece of fibre that reacts to vibration more (`raises`) or less (`lowers`) than its neighbours (FWG-1)."""
 
     id: Identity
     fibre: Identity
@@ -260,7 +260,7 @@ class LocalizationSection(Element):
 
 
 class DetectionSection(Element):
-    """Track whose occupation axle counters tell."""
+    """A section whose occupation is detected by axle counters."""
 
     id: Identity
     axle_counters: tuple[Identity, ...] = Field(min_length=1)
@@ -268,7 +268,7 @@ class DetectionSection(Element):
 
 
 class VirtualSection(Element):
-    """Track whose occupation follows from positions; part of a detection section where there is one."""
+    """A section whose occupation follows from reported positions; it may be part of a detection section."""
 
     id: Identity
     stretches: tuple[Stretch, ...] = Field(min_length=1)
@@ -276,29 +276,29 @@ class VirtualSection(Element):
 
 
 class Tunnel(Element):
-    """Track without a view of the sky."""
+    """A tunnel: track without a view of the sky."""
 
     id: Identity
     stretches: tuple[Stretch, ...] = Field(min_length=1)
 
 
 class SpeedLimit(Stretch):
-    """The highest permitted speed; for one direction only where `direction` is given."""
+    """The highest permitted speed, in both directions unless `direction` names one."""
 
     max_speed_mm_s: int = Field(gt=0, le=200_000, json_schema_extra={"unit": "mm/s"})
     direction: Direction | None = None
 
 
 class Gradient(Stretch):
-    """Rise in direction of growing position; negative where the track falls. 1 per mille is 1000 ppm."""
+    """The gradient in direction of growing position, negative for a falling track. 1 per mille is 1000 ppm."""
 
     rise_ppm: int = Field(ge=-200_000, le=200_000, json_schema_extra={"unit": "ppm"})
 
 
 class Curve(Stretch):
-    """Radius at both ends, positive to the right in direction of growing position; None is straight.
+    """The radius at both ends, positive to the right in direction of growing position; None: straight.
 
-    Between unlike radii the curvature changes evenly (a transition curve).
+    Between different radii the curvature changes evenly (a transition curve).
     """
 
     from_radius_mm: Signed | None = None

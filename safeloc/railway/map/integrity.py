@@ -1,4 +1,4 @@
-"""Consistency checks of a line: one small function each; all of them run, and each names the offending elements."""
+"""Consistency checks of a line, one function each. All of them run, and each names the faulty elements."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class _Named(Protocol):
 
 
 def contradictions(line: Line) -> Iterator[str]:
-    """Return everything that is wrong, in words."""
-    for check in CHECKS:
+    """Yield a sentence for every contradiction in the map."""
+    for check in _CHECKS:
         yield from check(line)
 
 
@@ -79,8 +79,8 @@ def _kilometre_points(line: Line) -> Iterator[str]:
             yield f"edge {edge.id!r}: a kilometre point lies beyond its length {edge.length_mm} mm"
 
 
-def ends_at(line: Line) -> dict[str, frozenset[str]]:
-    """Node -> the edges that end there."""
+def _ends_at(line: Line) -> dict[str, frozenset[str]]:
+    """Return the edges that end at each node."""
     found: dict[str, set[str]] = {node.id: set() for node in line.nodes}
     for edge in line.edges:
         found.setdefault(edge.from_node, set()).add(edge.id)
@@ -89,7 +89,7 @@ def ends_at(line: Line) -> dict[str, frozenset[str]]:
 
 
 def _switches(line: Line) -> Iterator[str]:
-    there = ends_at(line)
+    there = _ends_at(line)
     for switch in line.switches:
         used = (switch.stem, switch.left, switch.right)
         if len(set(used)) != 3:
@@ -100,7 +100,7 @@ def _switches(line: Line) -> Iterator[str]:
 
 
 def _crossings(line: Line) -> Iterator[str]:
-    there = ends_at(line)
+    there = _ends_at(line)
     for crossing in line.crossings:
         used = {edge for pair in crossing.movements for edge in pair}
         if used != there.get(crossing.node, frozenset()):
@@ -111,7 +111,7 @@ def _crossings(line: Line) -> Iterator[str]:
 
 
 def _nodes(line: Line) -> Iterator[str]:
-    there = ends_at(line)
+    there = _ends_at(line)
     owners = Counter([*(one.node for one in line.switches), *(one.node for one in line.crossings)])
     for node in line.nodes:
         count, owned = len(there[node.id]), owners[node.id]
@@ -120,7 +120,7 @@ def _nodes(line: Line) -> Iterator[str]:
         if count == 0:
             yield f"node {node.id!r}: no edge ends there"
         if count > 2 and not owned:
-            yield f"node {node.id!r}: {count} edges meet and no switch or crossing says how"
+            yield f"node {node.id!r}: {count} edges meet without a switch or crossing"
         if node.kind in ("buffer_stop", "border", "seam") and count != 1:
             yield f"node {node.id!r}: is a {node.kind} and must end one edge, not {count}"
 
@@ -193,7 +193,7 @@ def _one_group(group: BaliseGroup) -> Iterator[str]:
 
 
 def _references(line: Line) -> Iterator[str]:
-    """A part may speak of what another part holds; the assembled line must not."""
+    """Check references between elements. A part may refer to elements of other parts, a complete line may not."""
     if line.part:
         return
     known = {kind: {element.id for element in elements} for kind, elements in kinds(line).items()}
@@ -201,7 +201,7 @@ def _references(line: Line) -> Iterator[str]:
     wanted += [(f"stop point {stop.id!r}", "reflectors", stop.reflector) for stop in line.stop_points]
     for group in line.balise_groups:
         name = f"balise group {group.id!r}"
-        wanted += [(name, "reflectors", told.reflector) for told in group.telegram_reflectors]
+        wanted += [(name, "reflectors", announced.reflector) for announced in group.telegram_reflectors]
         wanted += [(name, "balise_groups", group.duplicate_of)] if group.duplicate_of is not None else []
     for section in line.detection_sections:
         wanted += [(f"detection section {section.id!r}", "axle_counters", one) for one in section.axle_counters]
@@ -256,7 +256,7 @@ def _covers(stretch: Stretch, edge: str, position_mm: int) -> bool:
     return stretch.edge == edge and low <= position_mm <= high
 
 
-CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (
+_CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (
     _identities,
     _telegram_identities,
     _edge_nodes,

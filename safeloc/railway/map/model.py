@@ -1,4 +1,4 @@
-"""The digital map of a line (RFL-4): one frozen value that holds every element, checked as a whole when it is made."""
+"""The digital map of a line (RFL-4): one frozen value with all elements, checked for consistency when it is made."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ Checksum = Annotated[str, Field(pattern=r"^sha256:[0-9a-f]{64}$")]
 
 
 class Line(Element):
-    """A line, or a part of one that was loaded by itself.
+    """A line, or a part of one that was loaded separately.
 
-    name, version  which map this is; parts of one map agree in both
-    part           the part's own name; empty for a whole map
-    checksum       over everything else (`content_checksum`)
+    name, version  identify the map; parts of one map agree in both
+    part           name of the part; empty for a complete map
+    checksum       checksum of all other content (`content_checksum`)
 
-    ValidationError for a checksum that does not fit the content, and for a map that contradicts itself; it names the
-    contradictions: unknown references, positions off their edge, double identities, nodes with three edges and no switch.
+    ValidationError for a checksum that does not match the content, and for a map that contradicts itself; the message lists
+    the contradictions: unknown references, positions off their edge, double identities, nodes with three edges and no switch.
     """
 
     name: Identity
@@ -83,12 +83,12 @@ class Line(Element):
 
 
 def content_checksum(line: Line) -> str:
-    """Return the SHA-256 over the canonical content: compact JSON with sorted keys, without the checksum and without defaults."""
+    """Return the SHA-256 of the canonical content: compact JSON with sorted keys, without the checksum and default values."""
     content = line.model_dump(mode="json", exclude={"checksum"}, exclude_defaults=True)
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return "sha256:" + hashlib.sha256(text.encode("utf-8")).hexdigest()
 
 
 def sealed(line: Line) -> Line:
-    """Return the same line with the checksum that fits it."""
+    """Return the line with the checksum of its content."""
     return line.model_copy(update={"checksum": content_checksum(line)})

@@ -1,4 +1,4 @@
-"""Parts of a map, loaded along the way (RFL-4): cut at seams, sealed, and put together only where everything fits."""
+"""Parts of a map that a vehicle loads along its way (RFL-4): cut at seams, with a checksum, joined only if they fit."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from safeloc.railway.map.elements import Node, TrackEdge
 from safeloc.railway.map.model import Line, content_checksum, sealed
 from safeloc.railway.map.places import kilometre_mm
 
-BY_EDGE = ("balise_groups", "reflectors", "stop_points", "signals", "axle_counters")
-BY_STRETCH = ("speed_limits", "gradients", "curves")
-SECTIONS = ("detection_sections", "virtual_sections", "tunnels")
-BY_NODE = ("switches", "crossings")
+_BY_EDGE = ("balise_groups", "reflectors", "stop_points", "signals", "axle_counters")
+_BY_STRETCH = ("speed_limits", "gradients", "curves")
+_SECTIONS = ("detection_sections", "virtual_sections", "tunnels")
+_BY_NODE = ("switches", "crossings")
 
 
 class LinePart(Line):
-    """A part of a line: it has a name of its own and a checksum, and ends in seams where other parts follow."""
+    """A part of a line, with its own name and checksum. It ends at a seam where another part follows."""
 
     @model_validator(mode="after")
     def _is_a_part(self) -> LinePart:
@@ -36,35 +36,35 @@ class LinePart(Line):
 
 @dataclass(frozen=True)
 class PartialMap:
-    """The parts that are on board. Every change is checked; a part that does not fit is refused, and nothing changes."""
+    """The parts on board. Every change is checked: a part that does not fit is refused, and the map stays unchanged."""
 
     parts: tuple[LinePart, ...]
 
     def __post_init__(self) -> None:
         if not self.parts:
             raise InputError("a map needs at least one part.")
-        for check in CHECKS:
+        for check in _CHECKS:
             for wrong in check(self.parts):
                 raise InputError(f"{wrong}; the part is refused.")
         _ = self.line
 
     def with_part(self, part: LinePart) -> PartialMap:
-        """Return the map with one more part. InputError when checksum, version or seams do not fit; this map stays as it is."""
+        """Return the map with one more part. InputError if checksum, version or seams do not match; this map stays unchanged."""
         return PartialMap((*self.parts, part))
 
     def without(self, name: str) -> PartialMap:
-        """Return the map without a part that lies behind. InputError where there is none of that name."""
+        """Return the map without a part that lies behind. InputError if no part has that name."""
         if name not in {part.part for part in self.parts}:
             raise InputError(f"there is no part {name!r}; on board are {', '.join(part.part for part in self.parts)}.")
         return PartialMap(tuple(part for part in self.parts if part.part != name))
 
     @cached_property
     def line(self) -> Line:
-        """All parts as one line. While seams are open it is a part itself; then references may point beyond them."""
+        """All parts as one line. While it has open seams it is a part itself, and may refer to elements beyond them."""
         return _assembled(self.parts)
 
 
-# ------------------------------------------------------------------ what must fit
+# ------------------------------------------------------------------ checks
 
 
 def _checksums(parts: tuple[LinePart, ...]) -> Iterator[str]:
@@ -97,18 +97,18 @@ def _seams(parts: tuple[LinePart, ...]) -> Iterator[str]:
 
 
 def _seam(first: LinePart, second: LinePart, here: Node, there: Node) -> Iterator[str]:
-    told = f"parts {first.part!r} and {second.part!r} share node {here.id!r}"
+    shared = f"parts {first.part!r} and {second.part!r} share node {here.id!r}"
     if (here.kind, there.kind) != ("seam", "seam"):
-        yield f"{told}, which must be a seam in both"
+        yield f"{shared}, which must be a seam in both"
         return
     if (here.longitude_deg, here.latitude_deg) != (there.longitude_deg, there.latitude_deg):
-        yield f"{told} at different coordinates"
+        yield f"{shared} at different coordinates"
     one, other = _edge_at(first, here.id), _edge_at(second, here.id)
     counted = [kilometre_mm(edge, 0 if edge.from_node == here.id else edge.length_mm) for edge in (one, other)]
     if None not in counted and counted[0] != counted[1]:
-        yield f"{told} at different kilometres, {counted[0]} and {counted[1]}"
+        yield f"{shared} at different kilometres, {counted[0]} and {counted[1]}"
     if {"both"}.isdisjoint((one.travel, other.travel)) and _leads_to(one, here.id) == _leads_to(other, here.id):
-        yield f"{told}, where the regular directions of travel meet head-on"
+        yield f"{shared}, where the regular directions of travel meet head-on"
 
 
 def _edge_at(part: LinePart, node: str) -> TrackEdge:
@@ -119,18 +119,18 @@ def _leads_to(edge: TrackEdge, node: str) -> bool:
     return (edge.to_node == node) == (edge.travel == "increasing")
 
 
-CHECKS: tuple[Callable[[tuple[LinePart, ...]], Iterator[str]], ...] = (_checksums, _one_map, _names, _seams)
+_CHECKS: tuple[Callable[[tuple[LinePart, ...]], Iterator[str]], ...] = (_checksums, _one_map, _names, _seams)
 
 
-# ------------------------------------------------------------------ putting together
+# ------------------------------------------------------------------ joining
 
 
 def _assembled(parts: tuple[LinePart, ...]) -> Line:
-    joined = ("edges", "fibres", "localization_sections", *BY_NODE, *BY_EDGE, *BY_STRETCH)
+    joined = ("edges", "fibres", "localization_sections", *_BY_NODE, *_BY_EDGE, *_BY_STRETCH)
     merged: dict[str, Any] = {
         kind: tuple(element for part in parts for element in getattr(part, kind)) for kind in joined
     }
-    merged |= {kind: _sections(parts, kind) for kind in SECTIONS}
+    merged |= {kind: _sections(parts, kind) for kind in _SECTIONS}
     nodes = _nodes(parts)
     open_seams = any(node.kind == "seam" for node in nodes)
     name = "+".join(part.part for part in parts) if open_seams else ""
@@ -138,8 +138,8 @@ def _assembled(parts: tuple[LinePart, ...]) -> Line:
     try:
         return Line(name=first.name, version=first.version, source=first.source, part=name, nodes=nodes, **merged)
     except ValidationError as error:
-        told = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
-        raise InputError(f"parts {', '.join(part.part for part in parts)} do not fit together: {told}.") from error
+        reason = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
+        raise InputError(f"parts {', '.join(part.part for part in parts)} do not fit together: {reason}.") from error
 
 
 def _nodes(parts: tuple[LinePart, ...]) -> tuple[Node, ...]:
@@ -150,7 +150,7 @@ def _nodes(parts: tuple[LinePart, ...]) -> tuple[Node, ...]:
 
 
 def _sections(parts: tuple[LinePart, ...], kind: str) -> tuple[Any, ...]:
-    """Sections that reach over a seam become whole again."""
+    """Return the sections of all parts, joining those that were cut at a seam."""
     found: dict[str, Any] = {}
     for section in (section for part in parts for section in getattr(part, kind)):
         known = found.get(section.id)
@@ -165,16 +165,16 @@ def _sections(parts: tuple[LinePart, ...], kind: str) -> tuple[Any, ...]:
 
 
 def cut(line: Line, names: Mapping[str, str], seams: Iterable[str]) -> tuple[LinePart, ...]:
-    """Return the line cut at plain nodes. `names` gives each part's name by one edge of it.
+    """Return the line, cut at plain nodes. `names` maps one edge of each part to the part's name.
 
-    Raises InputError for a seam that is no plain node between two edges, for a part without a name or with two, and
+    Raises InputError for a seam that is not a plain node between two edges, for a part without a name or with two, and
     for a fibre that a seam would cut.
     """
     whole = line.model_copy(update={"checksum": None})
     at = frozenset(seams)
     _cuttable(whole, at)
     pieces = _pieces(whole, at)
-    _fibres_whole(whole, pieces)
+    _refuse_cut_fibres(whole, pieces)
     return tuple(_piece(whole, edges, at, _name(edges, names)) for edges in pieces)
 
 
@@ -211,9 +211,9 @@ def _piece(line: Line, edges: frozenset[str], seams: frozenset[str], name: str) 
         "edges": kept,
         "nodes": tuple(_as_seam(node, seams) for node in line.nodes if node.id in nodes),
     }
-    held |= {kind: tuple(one for one in getattr(line, kind) if one.node in nodes) for kind in BY_NODE}
-    held |= {kind: tuple(one for one in getattr(line, kind) if one.edge in edges) for kind in (*BY_EDGE, *BY_STRETCH)}
-    held |= {kind: _within(getattr(line, kind), edges) for kind in SECTIONS}
+    held |= {kind: tuple(one for one in getattr(line, kind) if one.node in nodes) for kind in _BY_NODE}
+    held |= {kind: tuple(one for one in getattr(line, kind) if one.edge in edges) for kind in (*_BY_EDGE, *_BY_STRETCH)}
+    held |= {kind: _within(getattr(line, kind), edges) for kind in _SECTIONS}
     fibres = tuple(fibre for fibre in line.fibres if fibre.path[0].edge in edges)
     carried = {fibre.id for fibre in fibres}
     held |= {
@@ -237,8 +237,8 @@ def _within(sections: tuple[Any, ...], edges: frozenset[str]) -> tuple[Any, ...]
     return tuple(kept)
 
 
-def _fibres_whole(line: Line, pieces: list[frozenset[str]]) -> None:
+def _refuse_cut_fibres(line: Line, pieces: list[frozenset[str]]) -> None:
     for fibre in line.fibres:
         used = {stretch.edge for stretch in fibre.path} | {point.edge for point in fibre.map_points}
         if not any(used <= edges for edges in pieces):
-            raise InputError(f"fibre {fibre.id!r} runs over a seam; cut the line where no fibre goes on.")
+            raise InputError(f"fibre {fibre.id!r} runs over a seam; cut the line where no fibre continues.")

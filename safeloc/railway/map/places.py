@@ -1,4 +1,4 @@
-"""Places on the track: how they are told to people, and which side of an edge's position a vehicle sees."""
+"""Places on the track, their kilometres, and distances along an edge in a direction of travel."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from safeloc.railway.map.elements import Direction, KilometrePoint, TrackEdge
 
 @dataclass(frozen=True, order=True)
 class Place:
-    """A place of the track: position in mm along an edge."""
+    """A place on the track: a position in mm along an edge."""
 
     edge: str
     position_mm: int
 
 
 def kilometre_mm(edge: TrackEdge, position_mm: int) -> tuple[str, int] | None:
-    """Return the kilometre line and the kilometre, in mm, of a place; None where the edge has no kilometre reference."""
+    """Return the kilometre line and the kilometre, in mm, of a place; None without a kilometre reference."""
     point = _point(edge, position_mm)
     if point is None:
         return None
@@ -30,7 +30,7 @@ def _point(edge: TrackEdge, position_mm: int) -> KilometrePoint | None:
 
 
 def kilometre_text(edge: TrackEdge, position_mm: int) -> str:
-    """As people write it, `12.345678` with six digits behind the point (mm); empty where there is no reference."""
+    """Return the kilometre of a place as `12.345678`, with six decimals (mm); empty without a kilometre reference."""
     found = kilometre_mm(edge, position_mm)
     if found is None:
         return ""
@@ -41,5 +41,5 @@ def kilometre_text(edge: TrackEdge, position_mm: int) -> str:
 
 
 def along(direction: Direction, length_mm: int, position_mm: int) -> int:
-    """Return the distance run from the start of an edge to a place on it, for a vehicle going in `direction`."""
+    """Return the distance run from the start of an edge to a place on it, for a vehicle that runs in `direction`."""
     return position_mm if direction == "increasing" else length_mm - position_mm

@@ -1,4 +1,4 @@
-"""Balise groups placed by the user: at distances along a route, onto a line that has none there."""
+"""Adds balise groups to a line, at distances along a route that the user gives."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ def with_balise_groups(
 ) -> Line:
     """Return the route's line with a group of one balise at each distance, numbered from `first_identity` on.
 
-    accuracy_mm  the Q_LOCACC of the new groups; None: the national value holds
+    accuracy_mm  Q_LOCACC of the new groups; None: the national value applies
     The nominal direction is that of the route. Raises InputError for a distance beyond the route, ValidationError for
-    an identity that the line has already.
+    an identity that the line already has.
     """
     groups = []
     for identity, position in enumerate(positions_mm, first_identity):

@@ -1,8 +1,8 @@
-"""Routes of a line laid out as a track plan: distance from the common start across, a lane for each through track.
+"""Lays out the routes of a line as a track plan: distance from the common start to the right, one lane for each track.
 
-A track goes on through a switch along its `track` name where the map gives one. What joins two lanes is drawn between
-them; what leaves a lane and comes back to it gets a lane of its own. Where routes give a node different distances, it
-stands at their mean, and what lies between is stretched.
+Through a switch, a track continues along its `track` name if the map gives one. A track that joins two lanes is drawn between
+them; one that leaves a lane and returns to it gets a lane of its own. If routes give a node different distances, it stands
+at their mean, and the edges beside it are stretched.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from safeloc.railway.map.routes import Inventory, Route
 from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.pictures import PlanMark, PlanTrack, TrackPlan
 
-RAMP_MM = 40_000
+_RAMP_MM = 40_000
 Chain = tuple[Run, ...]
 
 
 def track_plan(routes: Sequence[Route]) -> TrackPlan:
-    """Return the plan of routes that begin at one common distance; they are numbered from 1 on. InputError without any route."""
+    """Return the plan of routes with a common start, numbered from 1 on. InputError without any route."""
     if not routes:
         raise InputError("a track plan needs at least one route.")
     layout = _Layout(tuple(routes))
@@ -49,7 +49,7 @@ class _Layout:
 
     @cached_property
     def runs(self) -> list[Run]:
-        """Every run of a route, once, in order of meeting."""
+        """All runs of the routes, each once, in the order in which the routes use them."""
         return list(dict.fromkeys(run for route in self.routes for run in route.runs))
 
     @cached_property
@@ -68,7 +68,7 @@ class _Layout:
 
     @cached_property
     def chains(self) -> list[Chain]:
-        """Through tracks: at each node, the best pairs of a run that ends there and one that begins there."""
+        """The tracks: at each node, the most likely pairs of a run that ends there and one that begins there."""
         moves = dict.fromkeys(pair for route in self.routes for pair in pairwise(route.runs))
         onward, taken = dict[Run, Run](), set[Run]()
         for before, after in sorted(moves, key=self._unlikely):
@@ -79,7 +79,7 @@ class _Layout:
         return list(_chains(heads, onward))
 
     def _unlikely(self, move: tuple[Run, Run]) -> int:
-        """0 for the same track, 1 for two named ones, 2 for what is nameless like its other side, 3 for the rest."""
+        """Return how unlikely two runs are one track: 0 same name, 1 two different names, 2 both without a name, 3 otherwise."""
         before, after = (self.topology.edges[run.edge].track for run in move)
         if before and after:
             return 0 if before == after else 1
@@ -87,7 +87,7 @@ class _Layout:
 
     @cached_property
     def lanes(self) -> tuple[Mapping[Chain, int], Mapping[str, int]]:
-        """Lanes of chains, without those that only join two lanes; and of nodes."""
+        """The lanes of chains, without those that only join two lanes, and the lanes of nodes."""
         chains, nodes = dict[Chain, int](), dict[str, int]()
         joining = [chain for chain in self.chains if self._joins(chain)]
         for chain in [one for one in self.chains if one not in joining]:
@@ -99,7 +99,7 @@ class _Layout:
         return chains, nodes
 
     def _joins(self, chain: Chain) -> bool:
-        """Both ends lie at nodes that another chain goes through."""
+        """Return whether both ends lie at nodes through which another chain runs."""
         inner = {self.topology.end(run) for other in self.chains if other != chain for run in other[:-1]}
         return self.topology.start(chain[0]) in inner and self.topology.end(chain[-1]) in inner
 
@@ -114,13 +114,13 @@ class _Layout:
         """The number of lanes."""
         return len(self.lanes[0])
 
-    # -------------------------------------------------------------- what is drawn
+    # -------------------------------------------------------------- drawing
 
     def track(self, run: Run) -> PlanTrack:
-        """One run; leaving or reaching its lane over a ramp."""
+        """Return one run as a track; it leaves or reaches its lane over a ramp."""
         (begin, first), (end, last) = self._end(self.topology.start(run)), self._end(self.topology.end(run))
         lane = next((lane for chain, lane in self.lanes[0].items() if run in chain), None)
-        ramp = min(RAMP_MM, abs(end - begin) // 3)
+        ramp = min(_RAMP_MM, abs(end - begin) // 3)
         points = [(begin, float(first))]
         if lane is not None and lane != first:
             points.append((begin + ramp, float(lane)))
@@ -132,18 +132,18 @@ class _Layout:
         return self.nodes_mm[node], self.lanes[1][node]
 
     def numbers(self, run: Run) -> tuple[int, ...]:
-        """Numbers of the routes over a run."""
+        """Return the numbers of the routes over a run."""
         return tuple(number for number, route in enumerate(self.routes, 1) if run in route.runs)
 
     def switches(self) -> Iterator[PlanMark]:
-        """Each switch once."""
+        """Yield each switch once."""
         passed = {met.passage.switch.node: met.passage.switch for route in self.routes for met in route.switches()}
         for node, switch in passed.items():
             at, lane = self._end(node)
             yield PlanMark("switch", switch.id, at, lane)
 
     def things(self) -> Iterator[PlanMark]:
-        """Balise groups, and reflectors for the direction of travel."""
+        """Yield balise groups, and reflectors for the direction of travel."""
         for run in self.runs:
             length = self.topology.length_mm(run)
             for within, element in self.inventory.along(run, length):
@@ -163,7 +163,7 @@ class _Layout:
 
 
 def _chains(heads: Sequence[Run], onward: Mapping[Run, Run]) -> Iterator[Chain]:
-    """Every run in one chain; heads come before what only circles hold."""
+    """Yield chains such that every run is in one; chains with a head come before circles."""
     done = set[Run]()
     for run in heads:
         if run not in done:
@@ -173,7 +173,7 @@ def _chains(heads: Sequence[Run], onward: Mapping[Run, Run]) -> Iterator[Chain]:
 
 
 def _followed(run: Run, onward: Mapping[Run, Run]) -> Iterator[Run]:
-    """A run and what it goes on as; a circle ends where it began."""
+    """Yield a run and its continuations; a circle ends where it began."""
     first = run
     yield run
     while run in onward and onward[run] != first:

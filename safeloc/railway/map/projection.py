@@ -1,7 +1,7 @@
-"""Geographic positions on the track: the nearest edge, the place on it, and how far off it lies.
+"""Projects geographic positions onto the track: nearest edge, place on it, and distance from it.
 
-Needs the extra `geo` (shapely, pyproj). Computed in a plane that touches the Earth at the middle of the line; the place
-is then counted along the edge's own length, so that it fits the map to the mm however the plane is distorted.
+Needs the extra `geo` (shapely, pyproj). The projection uses a plane that touches the Earth at the middle of the line. The
+place is then scaled to the edge's length on the map, so that distortion of the plane does not matter.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import Place
 
 WGS84 = "EPSG:4326"
-HALF_CHORD_M = 5.0
-"""The direction of a track is that of 10 m of it, so that a corner of its course on the map is no turn."""
+_HALF_CHORD_M = 5.0
+"""Half of the 10 m over which the direction of a track is taken, so that a corner of its mapped course is no turn."""
 LAMBERT72 = "EPSG:31370"
-PURPOSE = "projecting positions to the track"
+_PURPOSE = "projecting positions to the track"
 
 
 @dataclass(frozen=True)
 class Projected:
     """A position, projected onto the track.
 
-    place      the nearest place of the track, to the nearest mm
-    offset_mm  how far the position lies off it, to the nearest mm: positive to the right of the edge's increasing
-               direction, negative to the left; beyond the end of a track it is the distance to that end
+    place      the nearest place on the track, to the nearest mm
+    offset_mm  distance of the position from it, to the nearest mm: positive to the right of the edge's increasing
+               direction, negative to the left; beyond the end of a track, the distance to that end
     """
 
     place: Place
@@ -40,7 +40,7 @@ class Projected:
 
 @dataclass(frozen=True)
 class _Course:
-    """An edge in the plane, with the length of the map spread over its segments."""
+    """The course of an edge in the plane, with the map's length of the edge spread over its segments."""
 
     edge: str
     line: Any
@@ -50,24 +50,24 @@ class _Course:
     turns: bool
 
     def place_mm(self, distance: float) -> int:
-        """The position along the edge, for a distance along the plane course."""
+        """Return the position along the edge for a distance along the course in the plane."""
         return min(max(round(distance / self.reached[-1] * self.length_mm), 0), self.length_mm)
 
     def heading(self, distance: float) -> float:
-        """The direction of increasing positions around this distance along the course, in radians from east to north."""
-        begin = self.line.interpolate(max(distance - HALF_CHORD_M, 0.0))
-        end = self.line.interpolate(min(distance + HALF_CHORD_M, self.reached[-1]))
+        """Return the direction of increasing positions at this distance along the course, in radians from east to north."""
+        begin = self.line.interpolate(max(distance - _HALF_CHORD_M, 0.0))
+        end = self.line.interpolate(min(distance + _HALF_CHORD_M, self.reached[-1]))
         return math.atan2(end.y - begin.y, end.x - begin.x)
 
     def side(self, distance: float, x: float, y: float) -> int:
-        """1 to the right of the course at this distance along it, -1 to the left."""
+        """Return 1 if the point lies to the right of the course at this distance along it, -1 if to the left."""
         index = next((i for i, end in enumerate(self.reached[1:]) if end >= distance), len(self.reached) - 2)
         (ax, ay), (bx, by) = self.points[index], self.points[index + 1]
         return -1 if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0 else 1
 
 
 class Projector:
-    """Projects positions to the edges of a line. InputError for a line no edge of which has a geometry."""
+    """Projects positions onto the edges of a line. InputError if none of the edges has a geometry."""
 
     def __init__(self, line: Line, *, edges: Sequence[str] | None = None) -> None:
         """`edges` restricts the projection to some edges, for instance those of a route."""
@@ -85,7 +85,7 @@ class Projector:
         """Return the place nearest to a position.
 
         x, y  longitude and latitude in degrees for EPSG:4326; easting and northing otherwise, in the system's unit
-        Raises InputError for coordinates that are not finite, or outside where `crs` is defined.
+        Raises InputError for coordinates that are not finite, or outside the area of `crs`.
         """
         east, north = self._to_plane(x, y, crs)
         point = self._shapely.Point(east, north)
@@ -95,9 +95,9 @@ class Projector:
         return Projected(Place(course.edge, course.place_mm(along)), off * course.side(along, east, north))
 
     def near(self, x: float, y: float, limit_mm: int, *, crs: str = WGS84) -> list[Projected]:
-        """Return every place of the track that is the nearest of its surroundings and within the limit; the nearest first.
+        """Return every place on the track within the limit that is nearest among its surroundings; the nearest first.
 
-        An edge that comes by more than once has more than one. InputError as in `project`.
+        An edge that passes by more than once has more than one such place. InputError as in `project`.
         """
         east, north = self._to_plane(x, y, crs)
         point = self._shapely.Point(east, north)
@@ -113,7 +113,7 @@ class Projector:
         return sorted(found, key=lambda one: (abs(one.offset_mm), one.place))
 
     def _passes(self, course: _Course, point: Any, limit: float) -> list[float]:
-        """Distances along the course at which it comes nearest to the point, once each time it comes within the limit."""
+        """Return the distances along the course at which it is nearest to the point, one for each pass within the limit."""
         if not course.turns:
             return [float(course.line.project(point))]
         inside = course.line.intersection(point.buffer(limit * 1.01 + 0.001))
@@ -122,7 +122,7 @@ class Projector:
         return [float(course.line.project(one)) for one in nearest if one.distance(point) <= limit]
 
     def prepare(self, crs: str) -> None:
-        """Get ready for positions of a coordinate system; InputError where there is none of that name."""
+        """Prepare for positions of a coordinate system; InputError if it is unknown."""
         self._transformers.setdefault(crs, self._transformer(crs, self._plane))
 
     def plane(self, x: float, y: float, *, crs: str = WGS84) -> tuple[float, float]:
@@ -130,7 +130,7 @@ class Projector:
         return self._to_plane(x, y, crs)
 
     def heading(self, place: tuple[float, float]) -> tuple[str, float]:
-        """Return the edge nearest to a place of the plane, and its direction there: radians from east to north, increasing."""
+        """Return the edge nearest to a place of the plane, and its increasing direction there in radians from east to north."""
         point = self._shapely.Point(*place)
         course = self._courses[int(self._tree.nearest(point))]
         return course.edge, course.heading(float(course.line.project(point)))
@@ -186,7 +186,7 @@ def _shapely() -> Any:
         import shapely
         import shapely.ops
     except ImportError as error:
-        raise missing("shapely", PURPOSE) from error
+        raise missing("shapely", _PURPOSE) from error
     return shapely
 
 
@@ -194,12 +194,12 @@ def _pyproj() -> Any:
     try:
         import pyproj
     except ImportError as error:
-        raise missing("pyproj", PURPOSE) from error
+        raise missing("pyproj", _PURPOSE) from error
     return pyproj
 
 
 def _plane_at(courses: Sequence[Sequence[tuple[float, float]]]) -> str:
-    """A transverse Mercator plane at the middle of all points: within 1e-5 of the true lengths 28 km around."""
+    """Return a transverse Mercator plane at the middle of all points; within 28 km lengths are true to 1e-5."""
     longitudes = [point[0] for course in courses for point in course]
     latitudes = [point[1] for course in courses for point in course]
     middle = (min(longitudes) + max(longitudes)) / 2, (min(latitudes) + max(latitudes)) / 2

@@ -1,12 +1,12 @@
-"""Recorded positions of a train, laid along the route it took, as what odometers and balise readers would have said.
+"""Turns recorded positions of a train into records of odometers and balise readers along its route.
 
-From each fix the nearest place of the route follows; from successive places the distances of the cycles, and the balise
-groups passed in between. That is how a recording without wheel speed drives a machine: the units of the vehicle are
-given different distances, one straight from fix to fix over the ground, one along the track.
+Each fix gives the nearest place on the route; successive places give the distances of the cycles and the balise groups
+passed in between. So a recording without wheel speed can drive a machine: one odometry unit gets the straight distance
+over ground from fix to fix, the other the distance along the track.
 
-A recording has no truth, and the receiver's own quality flags do not bound its error: only map and motion do. A fix is
-trusted where it lies near the track and can be reached from the last trusted one at the vehicle's highest speed; its
-projected position is then taken for the truth.
+A recording has no true positions, and the receiver's own quality flags do not bound its error; only map and motion do. A fix
+is trusted if it lies near the track and can be reached from the last trusted one at the vehicle's highest speed. Its
+projected position then serves as the true one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from safeloc.runtime.outside import quoted
 from safeloc.runtime.streams.files import bounded, csv_rows, streaming
 from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record, TruthRecord
 
-ENDS: tuple[End, End] = ("front", "rear")
+_ENDS: tuple[End, End] = ("front", "rear")
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Fix:
 
 @dataclass(frozen=True)
 class OnRoute:
-    """A fix on the route: distance along it, distance off it, and the straight distance from the fix before."""
+    """A fix on the route: distance along it, distance from it, and straight distance from the previous fix."""
 
     time_ms: int
     position_mm: int
@@ -79,7 +79,7 @@ class Reading:
 
 
 def read_fixes(path: Path, columns: Columns | None = None) -> tuple[Fix, ...]:
-    """Return all fixes of a CSV log. StreamError with file and line for missing columns, times out of order and no numbers."""
+    """Return all fixes of a CSV log. StreamError with file and line for a missing column, a time out of order or a wrong number."""
     with streaming(path):
         return _fixes(path, columns or Columns())
 
@@ -97,7 +97,7 @@ def _fixes(path: Path, at: Columns) -> tuple[Fix, ...]:
     fixes = tuple(_fix(path, number, row, at, start) for number, row in rows)
     for (number, _), (before, after) in zip(rows[1:], pairwise(fixes), strict=True):
         if after.time_ms <= before.time_ms:
-            raise StreamError(f"{path}:{number}: its time is not after that of the fix before.")
+            raise StreamError(f"{path}:{number}: its time is not after that of the previous fix.")
     return fixes
 
 
@@ -108,7 +108,7 @@ def _fix(path: Path, number: int, row: dict[str, str], at: Columns, start: datet
 
 
 def _time(path: Path, number: int, text: str | None) -> datetime:
-    """A time; one without a zone is UTC."""
+    """Read a time; one without a zone is UTC."""
     try:
         found = datetime.fromisoformat(text or "")
         return found if found.tzinfo is not None else found.replace(tzinfo=UTC)
@@ -143,14 +143,13 @@ def on_route(fixes: Sequence[Fix], route: Route, *, crs: str = WGS84) -> tuple[O
 
 
 def _position(route: Route, positions: Sequence[int], before: Sequence[OnRoute]) -> int:
-    """The position on the route; of two (a loop) the one nearer to the last, of none the nearer end of the route."""
+    """Return the position on the route: of two (a loop) the one nearer to the previous, of none the nearer end of the route."""
     last = before[-1].position_mm if before else 0
     return min(positions or (0, route.length_mm), key=lambda position: abs(position - last))
 
 
 def trusted_times(fixes: Iterable[OnRoute], trust: Trust) -> frozenset[int]:
-    """Return the times of the fixes that map and motion allow. Untrusted ones are passed over; what is in reach grows
-    meanwhile."""
+    """Return the times of trusted fixes, which map and motion allow. The reach grows with the time since the last of them."""
     last: OnRoute | None = None
     times = set()
     for fix in fixes:
@@ -174,7 +173,7 @@ def odometer_records(fixes: Sequence[OnRoute], along: str, straight: str) -> Ite
         assert after.straight_mm is not None
         step = after.position_mm - before.position_mm
         forward = after.straight_mm if step >= 0 else -after.straight_mm
-        for end in ENDS:
+        for end in _ENDS:
             yield DistanceRecord(time_ms=after.time_ms, end=end, unit=straight, step_mm=forward)
             yield DistanceRecord(time_ms=after.time_ms, end=end, unit=along, step_mm=step)
 
@@ -184,13 +183,13 @@ def balise_records(
 ) -> Iterator[MarkerRecord]:
     """Return the readings of the route's groups by the readers at both ends, between fixes at trusted times.
 
-    The front reader stands at the fix, the rear one a vehicle length behind. A group is known by its NID_BG.
+    The front reader is at the fix, the rear one a vehicle length behind. A group's identity is its NID_BG.
     """
     groups = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, BaliseGroup)]
     for before, after in pairwise(fixes):
         if before.time_ms not in trusted or after.time_ms not in trusted:
             continue
-        for end, behind in zip(ENDS, (0, how.length_mm), strict=True):
+        for end, behind in zip(_ENDS, (0, how.length_mm), strict=True):
             for place, group in groups:
                 if before.position_mm < place + behind <= after.position_mm:
                     own = group.location_accuracy_mm
@@ -209,9 +208,9 @@ def satellite_records(
 ) -> Iterator[MarkerRecord]:
     """Return the fixes as virtual markers at the front (MRK-D6), numbered from `first_identity`.
 
-    accuracy_mm  what each quality flag claims; a fix whose flag is not among them is no marker
-    trusted      times of the fixes that are markers; None: all are, and a false fix is a false marker, which the next
-                 false one may confirm
+    accuracy_mm  accuracy by quality flag; a fix with another flag is not used
+    trusted      times of the fixes to use; None: all, so that a false fix becomes a false marker, and the next false
+                 one may confirm it
     """
     for number, fix in enumerate(fixes):
         if fix.status in accuracy_mm and (trusted is None or fix.time_ms in trusted):
@@ -233,7 +232,7 @@ def truth_records(fixes: Iterable[OnRoute], trusted: Container[int]) -> Iterator
 
 
 def in_order(*streams: Iterable[Record]) -> list[Record]:
-    """Return all records by time; those of one time in the order of the streams, one marker an end and time."""
+    """Return all records by time, at one time in the order of the streams, with at most one marker for each end and time."""
     records = sorted((record for stream in streams for record in stream), key=lambda record: record.time_ms)
     seen: set[tuple[int, str]] = set()
     kept: list[Record] = []

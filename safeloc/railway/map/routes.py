@@ -1,4 +1,4 @@
-"""Routes: sequences of directed edges, with positions along them and what a vehicle meets on its way."""
+"""Routes: sequences of directed edges, with positions along them and the elements that a vehicle passes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Element: TypeAlias = BaliseGroup | Reflector | StopPoint | Signal | AxleCounter
 
 @dataclass(frozen=True)
 class Met:
-    """Something that a vehicle meets: its distance along the route, and how the route runs there."""
+    """An element that a vehicle passes: its distance along the route, and the run of the route there."""
 
     position_mm: int
     element: Element
@@ -30,7 +30,7 @@ class Met:
 
     @property
     def nominal(self) -> bool | None:
-        """For a balise group: whether it is passed in its nominal direction; None where that is unknown."""
+        """For a balise group: whether it is passed in its nominal direction; None if unknown."""
         if not isinstance(self.element, BaliseGroup) or self.element.orientation is None:
             return None
         return self.element.orientation == self.direction
@@ -38,7 +38,7 @@ class Met:
 
 @dataclass(frozen=True)
 class SwitchMet:
-    """A switch on the way: its distance along the route, and how it is passed."""
+    """A switch on a route: its distance along the route, and its passage."""
 
     position_mm: int
     passage: Passage
@@ -63,7 +63,7 @@ class Inventory:
             there.sort(key=lambda element: element.position_mm)
 
     def along(self, run: Run, length_mm: int) -> Iterator[tuple[int, Element]]:
-        """Return the distance from the run's start and element, for what concerns vehicles going that way."""
+        """Yield the elements for vehicles in the direction of the run, each with its distance from the run's start."""
         there = self._on.get(run.edge, [])
         for element in there if run.direction == "increasing" else reversed(there):
             if getattr(element, "direction", run.direction) == run.direction:
@@ -72,7 +72,7 @@ class Inventory:
 
 @dataclass(frozen=True)
 class Route:
-    """A way along the line: legal successive runs, begun `start_mm` into the first, left `end_mm` into the last."""
+    """A way along the line: legal successive runs, from `start_mm` into the first to `end_mm` into the last."""
 
     topology: Topology
     runs: tuple[Run, ...]
@@ -84,7 +84,7 @@ class Route:
             raise InputError("a route needs at least one edge.")
         for run in self.runs:
             if run not in self.topology.graph:
-                raise InputError(f"edge {run.edge!r} cannot be run along in direction {run.direction}.")
+                raise InputError(f"edge {run.edge!r} cannot be travelled in direction {run.direction}.")
         for before, after in pairwise(self.runs):
             if not self.topology.graph.has_edge(before, after):
                 raise InputError(
@@ -96,7 +96,7 @@ class Route:
 
     @cached_property
     def _starts(self) -> list[int]:
-        """Distance along the route at the start of every run; negative for the first one, if begun within it."""
+        """The distance along the route at the start of every run; negative for the first if the route begins within it."""
         starts = [-self.start_mm]
         for run in self.runs:
             starts.append(starts[-1] + self.topology.length_mm(run))
@@ -125,7 +125,7 @@ class Route:
         return [position for position in found if 0 <= position <= self.length_mm]
 
     def objects(self, inventory: Inventory | None = None) -> Iterator[Met]:
-        """List the elements that a vehicle meets, by distance, without reflectors, stop points and signals of the other
+        """Yield the elements that a vehicle passes, by distance, without reflectors, stop points and signals of the other
         direction."""
         known = Inventory(self.topology.line) if inventory is None else inventory
         for start, run in zip(self._starts, self.runs, strict=False):
@@ -134,32 +134,32 @@ class Route:
                     yield Met(start + within, element, run.direction)
 
     def switches(self) -> Iterator[SwitchMet]:
-        """Return the switches passed, in order."""
+        """Yield the switches of the route, in order."""
         for end, (before, after) in zip(self._starts[1:], pairwise(self.runs), strict=False):
             passage = self.topology.passage(before, after)
             if passage is not None:
                 yield SwitchMet(end, passage)
 
     def models(self, inventory: Inventory | None = None) -> str:
-        """Return the reflector models in order of meeting, joined: `ADAB` (RFL-D6)."""
+        """Return the reflector models in order along the route, joined: `ADAB` (RFL-D6)."""
         met = (one.element for one in self.objects(inventory))
         return "".join(element.model for element in met if isinstance(element, Reflector))
 
     @property
     def name(self) -> str:
-        """The edges in order."""
+        """The names of the edges in order."""
         return " > ".join(run.edge for run in self.runs)
 
 
 def through_routes(topology: Topology, most: int) -> list[Route]:
-    """Return routes from every way onto the map to every way off it, no edge twice the same way; at most so many."""
+    """Return at most `most` routes from every entry of the map to every exit, no edge twice in the same direction."""
     exits = set(topology.exits())
     paths = (path for entry in topology.entries() for path in _paths(topology, entry, exits))
     return [Route(topology, path, 0, topology.length_mm(path[-1])) for path in islice(paths, most)]
 
 
 def routes_between(topology: Topology, start: Place, end: Place, most: int = 1_000) -> list[Route]:
-    """Return every route from one place to another, no edge twice the same way. InputError where there are more than `most`."""
+    """Return every route between two places, no edge twice in the same direction. InputError if there are more than `most`."""
     for place in (start, end):
         _on_map(topology, place)
     found = list(islice(_between(topology, start, end), most + 1))

@@ -12,11 +12,11 @@ PUBLISHED = Path(__file__).with_name("line.schema.json")
 
 
 def line_schema() -> dict[str, Any]:
-    """JSON Schema 2020-12 of a line; what a schema cannot say (references, positions on edges) the models check."""
+    """Return JSON Schema 2020-12 of a line. The models also check what it cannot express: references, positions on edges."""
     schema = Line.model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": "safeloc-line/1", **schema}
 
 
 def schema_text() -> str:
-    """Return the schema as it is published."""
+    """Return the text of the published schema."""
     return json.dumps(line_schema(), indent=1, sort_keys=True) + "\n"

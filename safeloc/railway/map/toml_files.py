@@ -17,15 +17,15 @@ from safeloc.railway.map.toml_place import line_of
 from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
 
 LARGEST_TEXT = 50_000_000
-"""Bytes of a line as TOML or JSON: a hundred thousand edges."""
-MOST_DOTS = 2_000
-SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
+"""Bytes of a line as TOML or JSON; enough for a hundred thousand edges."""
+_MOST_DOTS = 2_000
+_SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
 
 
 def from_toml(text: str, name: str) -> Line:
-    """Return a line from TOML. `name` is what messages call the text.
+    """Return a line from TOML. `name` stands for the text in messages.
 
-    Raises InputError with line and key for anything that does not fit, a wrong checksum included.
+    Raises InputError with line and key for anything wrong in it, including the checksum.
     """
     _refuse_long_keys(text, name)
     try:
@@ -55,30 +55,30 @@ def from_json(text: str, name: str) -> Line:
 
 
 def to_toml(line: Line) -> str:
-    """Return the line as TOML; what has its default value is left out."""
+    """Return the line as TOML, without default values."""
     return tomli_w.dumps(line.model_dump(mode="json", exclude_defaults=True))
 
 
 def load_line(path: Path) -> Line:
-    """Return a line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
+    """Return a line from a .toml or .json file. InputError with file, line and key for anything wrong in it."""
     with reading(path):
         text = read_text(path, LARGEST_TEXT)
         return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
 
 
 def _refuse_long_keys(text: str, name: str) -> None:
-    """Keys of many parts take time that grows with the square of them, one key a line or many in one."""
+    """Refuse keys with very many parts, which take a time quadratic in their number."""
     for number, line in enumerate(text.splitlines(), 1):
-        refuse_beyond(f"{name}:{number}", line.count("."), MOST_DOTS, "points in one line")
+        refuse_beyond(f"{name}:{number}", line.count("."), _MOST_DOTS, "points in one line")
 
 
 def shipped_lines() -> dict[str, Path]:
     """Return the worked examples by name."""
-    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    return {path.stem: path for path in sorted(_SHIPPED.glob("*.toml"))}
 
 
 def find_line(name: str) -> Line:
-    """Return a shipped line by name, or a line from the file of that name. InputError where there is neither."""
+    """Return a shipped line by name, or a line from the file of that name. InputError if there is neither."""
     known = shipped_lines()
     if name in known:
         return load_line(known[name])
@@ -95,23 +95,23 @@ def _line(data: Any, name: str, where: Any) -> Line:
     except RecursionError as error:
         raise InputError(f"{name}: nested too deeply to be a line.") from error
     except ValidationError as error:
-        raise InputError(_told(error, where)) from error
+        raise InputError(_message(error, where)) from error
 
 
-def _told(error: ValidationError, where: Any) -> str:
+def _message(error: ValidationError, where: Any) -> str:
     found = error.errors(include_url=False)
     wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
     first = wrong[0]
     key = ".".join(str(part) for part in first["loc"])
     message = first["msg"].removeprefix("Value error, ")
-    told = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
+    text = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
     got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
-    return f"{told.rstrip('.')}{got}.{more}"
+    return f"{text.rstrip('.')}{got}.{more}"
 
 
 def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, Any]:
-    """TOML refuses a key that is given twice; JSON would take the last one."""
+    """Refuse a key that is given twice, as TOML does; JSON alone would take the last one."""
     found = dict(pairs)
     if len(found) < len(pairs):
         counts = Counter(key for key, _ in pairs)
@@ -121,5 +121,5 @@ def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, A
 
 
 def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
-    """Return whether one key lies within the other: a list whose entry is wrong is also reported as too short."""
+    """Return whether one key lies within the other; a list with a wrong entry is also reported as too short."""
     return len(inner) > len(outer) and inner[: len(outer)] == outer

@@ -1,4 +1,4 @@
-"""On which line of a TOML file a value stands: validation speaks of keys, people look for lines."""
+"""Finds the line of a value in a TOML file, since validation reports keys and people look for lines."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _KEY = re.compile(r"^\s*([A-Za-z0-9_-]+)\s*=")
 
 
 def line_of(text: str, path: Sequence[str | int]) -> int:
-    """Return the line, from 1, of the value at a path such as ("edges", 3, "length_mm"), or of what comes nearest above it."""
+    """Return the line (from 1) of the value at a path such as ("edges", 3, "length_mm"), or of the nearest key above it."""
     best, best_depth = 1, 0
     table: tuple[str | int, ...] = ()
     counts: dict[tuple[str | int, ...], int] = {}
@@ -26,7 +26,7 @@ def line_of(text: str, path: Sequence[str | int]) -> int:
 
 
 def _enter(header: str, repeated: bool, counts: dict[tuple[str | int, ...], int]) -> tuple[str | int, ...]:
-    """The path of a table header; the last part of `[[...]]` begins one more entry, earlier lists mean their last one."""
+    """Return the path of a table header; `[[...]]` begins one more entry of its list, parts before it mean the last entry."""
     path: tuple[str | int, ...] = ()
     names = [name.strip() for name in header.split(".")]
     for name in names[:-1]:

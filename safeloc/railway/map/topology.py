@@ -14,20 +14,20 @@ from safeloc.railway.map.model import Line
 
 @dataclass(frozen=True, order=True)
 class Run:
-    """One edge, run along in one direction."""
+    """An edge with a direction of travel."""
 
     edge: str
     direction: Direction
 
     @property
     def back(self) -> Run:
-        """The same edge, the other way."""
+        """The same edge in the other direction."""
         return Run(self.edge, opposite(self.direction))
 
 
 @dataclass(frozen=True)
 class Passage:
-    """The passage of a switch: from the stem (`facing`) to a branch, or the reverse."""
+    """The passage of a switch: from the stem to a branch (`facing`), or the reverse."""
 
     switch: Switch
     facing: bool
@@ -35,12 +35,12 @@ class Passage:
 
     @property
     def side(self) -> str:
-        """left or right."""
+        """The side of the branch: left or right."""
         return "left" if self.branch == self.switch.left else "right"
 
 
 class Topology:
-    """The graph of a line. Movements that switches and crossings forbid, and runs against `travel`, are not in it."""
+    """The graph of a line, without movements that switches and crossings forbid and without runs against `travel`."""
 
     def __init__(self, line: Line) -> None:
         self.line = line
@@ -90,7 +90,7 @@ class Topology:
         return list(self.graph.predecessors(run))
 
     def passage(self, before: Run, after: Run) -> Passage | None:
-        """Return the switch between two successive runs; None where there is none."""
+        """Return the passage of the switch between two successive runs; None without one."""
         switch = self.switches.get(self.end(before))
         if switch is None:
             return None
@@ -98,11 +98,11 @@ class Topology:
         return Passage(switch, facing, after.edge if facing else before.edge)
 
     def entries(self) -> Iterator[Run]:
-        """Return runs that nothing leads into: where vehicles come onto the map."""
+        """Yield the runs on which vehicles enter the map: no run leads into them."""
         return (run for run in self.graph if self.graph.in_degree(run) == 0)
 
     def exits(self) -> Iterator[Run]:
-        """Return runs that lead nowhere: where vehicles leave the map or the track ends."""
+        """Yield the runs on which vehicles leave the map or the track ends: they lead into no run."""
         return (run for run in self.graph if self.graph.out_degree(run) == 0)
 
     def comes_over_seam(self, run: Run) -> bool:

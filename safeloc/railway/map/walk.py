@@ -1,4 +1,4 @@
-"""Looking ahead and carrying along, on all routes at once: the work grows with the line, not with its routes."""
+"""Searches ahead and carries values along on all routes at once; the work grows with the line, not with its routes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Seen:
-    """A reference somewhere ahead: on which run, how far into it, and the distance to it."""
+    """A reference ahead: its run, its offset into the run, and the distance to it."""
 
     element: Reference
     run: Run
@@ -31,7 +31,7 @@ class Seen:
 
 
 class Walk:
-    """A line to walk along in every direction that vehicles regularly take."""
+    """A line with the references along every run in regular direction of travel."""
 
     def __init__(self, line: Line) -> None:
         self.line = line
@@ -40,12 +40,12 @@ class Walk:
 
     @cached_property
     def runs(self) -> list[Run]:
-        """Every run of the line."""
+        """All runs of the line."""
         return list(self.topology.graph)
 
     @cached_property
     def references(self) -> dict[Run, list[tuple[int, Reference]]]:
-        """Balise groups, and reflectors for that direction, along every run, with the distance from its start."""
+        """For every run, its balise groups and the reflectors for its direction, with the distance from its start."""
         return {run: list(self._along(run)) for run in self.runs}
 
     def _along(self, run: Run) -> Iterator[tuple[int, Reference]]:
@@ -54,17 +54,17 @@ class Walk:
                 yield offset, element
 
     def everywhere(self) -> Iterator[Seen]:
-        """Return every reference in every direction it is met in."""
+        """Yield every reference once for each direction in which vehicles pass it."""
         for run, there in self.references.items():
             for offset, element in there:
                 yield Seen(element, run, offset, 0)
 
     def place(self, run: Run, offset_mm: int) -> Place:
-        """Return the place so far into a run."""
+        """Return the place at an offset into a run."""
         return Place(run.edge, along(run.direction, self.topology.length_mm(run), offset_mm))
 
     def ahead(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[Seen]:
-        """Return references at or ahead of a place, each with its shortest distance, nearest run first."""
+        """Yield the references at or ahead of a place, each with its shortest distance, nearest run first."""
         for start, here in self._runs_ahead(run, offset_mm, reach_mm):
             for offset, element in self.references[here]:
                 if 0 <= start + offset <= reach_mm:
@@ -85,7 +85,7 @@ class Walk:
                 heapq.heappush(queue, (start + self.topology.length_mm(here), after))
 
     def behind(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[Seen]:
-        """Return references at or behind a place, for vehicles on their way to it; each with its shortest distance."""
+        """Yield the references at or behind a place on the ways that lead to it, each with its shortest distance."""
         queue, done = [(offset_mm, run)], set[Run]()
         while queue:
             end, here = heapq.heappop(queue)
@@ -99,7 +99,7 @@ class Walk:
                 heapq.heappush(queue, (end + self.topology.length_mm(before), before))
 
     def first_ahead(self, run: Run, offset_mm: int, reach_mm: int, wanted: Callable[[Reference], bool]) -> list[Seen]:
-        """On every route the first wanted reference at or beyond a place, within reach; each with its shortest distance."""
+        """Return the first wanted reference at or ahead of a place on every route, within reach; each with its shortest distance."""
         found: list[Seen] = []
         queue, done = [(-offset_mm, run)], set[Run]()
         while queue:
@@ -124,7 +124,7 @@ def carried(
     through: Callable[[Run, T], T],
     worst: Callable[[Iterable[T]], T],
 ) -> tuple[dict[Run, T], list[list[Run]]]:
-    """Compute the value that arrives at the start of every run, the worst of all routes; and loops that never reset it.
+    """Return the value at the start of every run, the worst of all routes to it, and the loops that never reset it.
 
     entering  the value with which a vehicle enters the map
     leaving   the value at the end of a run that resets it; None for a run that does not

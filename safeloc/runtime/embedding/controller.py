@@ -1,12 +1,12 @@
-"""A machine inside a host's controller (MRK-2, RFL-13): one call a cycle, one report back.
+"""A machine inside a host's controller (MRK-2, RFL-13): one call and one report per cycle.
 
     controller = Controller(load_target("odometry"))
     report = controller.step(records)      # the records of all devices in this cycle
     report.interval, report.mode, report.rejections
 
-A controller has no clock: cycle n ends at `start_ms + n period_ms` of the records' own clock, and each call is one cycle,
-also one without records. It has no global state, and its memory is bounded. Calls from several threads
-are taken one after the other.
+A controller has no clock: cycle n ends at `start_ms + n period_ms` on the clock of the records, and each call is one cycle,
+even without records. There is no global state, and memory is bounded. Calls from several threads are processed one after
+the other.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from safeloc.runtime.embedding.arguments import NotCopiedError, a_mapping, as_ex
 from safeloc.runtime.embedding.follower import Follower
 from safeloc.runtime.embedding.listeners import Listeners
 from safeloc.runtime.embedding.program import Program
-from safeloc.runtime.embedding.readable_records import judged, stated
+from safeloc.runtime.embedding.readable_records import checked_inputs, readable
 from safeloc.runtime.embedding.report import Report
-from safeloc.runtime.embedding.row_layout import Told
+from safeloc.runtime.embedding.row_layout import Placed
 from safeloc.runtime.embedding.watch import Watch
 from safeloc.runtime.streams.cycles import Cycle, CycleBuilder
 from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.target import Target
 
-ANOTHER = "make a new one of the same program, and restore this one's snapshot in it."
+_ANOTHER = "make a new controller of the same program, and restore this one's snapshot in it."
 
 EVERY = "*"
 """The channel of a fault that concerns every channel of the cycle."""
 
 MOST_RECORDS = 1_000
-"""Records taken in one cycle; with more, the cycle is doubtful as a whole: a flood must not fill the memory."""
+"""Most records of one cycle; with more, none of them is used, so that a flood of records cannot fill the memory."""
 
 
 class Controller:
@@ -52,13 +52,13 @@ class Controller:
     start_ms   start of the first cycle, on the clock of the records
     expected   channel -> number of its records per cycle; a channel with fewer gives no input
     first      values of state variables declared ANY
-    assumptions  judge the observable laws of the worlds in each cycle (docs/evidence.md). It changes nothing that the
-               machine does: a breach stands in the report
+    assumptions  check the observable laws of the worlds in each cycle (docs/evidence.md) and put breaches into the report;
+               the machine does the same in any case
 
     It cannot be copied: two controllers with the same history would both be wrong. Use `snapshot` and `restore` instead.
 
-    InputError for what is no program or target, a period that is missing, below 1 ms or another than the configuration's,
-    a start or a count that is no whole number, and for a wrong `first`.
+    InputError if `program` is no program or target, if the period is missing, below 1 ms or not that of the configuration,
+    if a start or a count is no whole number, and for a wrong `first`.
     """
 
     def __init__(
@@ -88,11 +88,11 @@ class Controller:
     def step(self, records: Iterable[Record | Unusable], *, lost: str = "") -> Report:
         """Run one cycle with its records, in the order of arrival.
 
-        lost   why something of this cycle may be missing (a queue ran over, a line was cut); "" if nothing is. What is
-               left could be half a distance, so nothing of the cycle is used then.
+        lost   the reason why data of this cycle may be missing (a queue overflowed, a line was cut); "" if none is. Then no
+               record of the cycle is used, since the rest could be half a distance.
 
-        Every record is used, or is in `rejections` with its place in `records` (from 0). InputError for what is no
-        record; nothing has happened then. Exceptions of listeners come out as one ExceptionGroup after the step.
+        Each record is used, or listed in `rejections` with its place in `records` (from 0). InputError for an object that is
+        no record; the controller is then unchanged. Exceptions of listeners are raised as one ExceptionGroup after the step.
         """
         taken = _listed(records)
         in_words("lost", lost)
@@ -100,7 +100,7 @@ class Controller:
             if len(taken) > MOST_RECORDS:
                 lost = lost or f"more than {MOST_RECORDS} records in one cycle"
             for number, record in enumerate(taken[:MOST_RECORDS]):
-                known = judged(self.program, number, record)
+                known = readable(self.program, number, record)
                 if isinstance(known, Fault):
                     self._builder.refuse(known)
                 else:
@@ -108,33 +108,34 @@ class Controller:
                     if fault is not None and fault.reason is Reason.STALE and self._watch is not None:
                         self._watch.late(known, self._builder.deliveries.last)
             cycle = self._builder.close()
-            told = {} if lost else self.program.told(cycle.inputs)
-            return self._moved(cycle, told, _with_loss(cycle.faults, lost), cycle.remarks.get("truth_mm"))
+            inputs = {} if lost else self.program.placed(cycle.inputs)
+            return self._moved(cycle, inputs, _with_loss(cycle.faults, lost), cycle.remarks.get("truth_mm"))
 
     def step_inputs(self, inputs: Mapping[str, object], *, lost: str = "", truth_mm: int | None = None) -> Report:
         """Run one cycle with the machine's inputs by name, for a host that validates its measurements itself.
 
         truth_mm   the true position, if a simulation or survey knows it: for the report, not for the machine
 
-        Optional inputs that are left out (or None) are missing. A value of a wrong kind or out of range is refused
-        with its reason, and then nothing else of the cycle is used: half a reading may mean something else.
-        InputError for a name that the machine does not have; nothing has happened then.
+        Optional inputs that are left out (or None) are absent. If a value has a wrong type or is out of range, it is refused
+        with a reason, and no other value of the cycle is used: half a reading may mean something else.
+        InputError for a name that the machine does not have; the controller is then unchanged.
         """
         self.program.require_known(a_mapping("inputs", inputs))
         in_words("lost", lost)
         if truth_mm is not None and type(truth_mm) is not int:
             raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out.")
         with self._alone():
-            told, faults = stated(self.program, inputs)
+            placed, faults = checked_inputs(self.program, inputs)
             refused = _with_loss(tuple(faults), lost)
-            return self._moved(self._builder.close(), {} if refused else told, refused, truth_mm)
+            return self._moved(self._builder.close(), {} if refused else placed, refused, truth_mm)
 
     def begin_anew(self, reason: str, start_ms: int | None = None) -> Report:
-        """Discard the position and start from the initial state; `start_ms` is the start of the next cycle, by default at
-        once.
+        """Discard the position and restart from the initial state.
 
-        InputError if the machine's initial state makes a claim about the world. Only the host can know whether it is true;
-        it then makes a new controller.
+        start_ms   start of the next cycle; by default the cycles continue
+
+        InputError if the initial state makes a claim about the world: only the host can know whether the claim is true, and
+        then makes a new controller.
         """
         if not in_words("reason", reason):
             raise InputError("reason is empty; give the reason for the restart in words.")
@@ -161,8 +162,8 @@ class Controller:
     def halted(self) -> str:
         """The reason why this controller has stopped; "" while it runs.
 
-        It stops if a mandatory input is missing, the machine does not tolerate a step without inputs, and its initial state
-        makes a claim about the world: neither continuing nor a restart would be sound.
+        It stops if a mandatory input is missing, the machine does not tolerate a step without inputs, and the initial state
+        makes a claim about the world: then neither continuing nor restarting would be sound.
         """
         return self._halted
 
@@ -171,63 +172,63 @@ class Controller:
         """True if the initial state makes no claim about the world, so that a restart is safe."""
         return self.program.quiet(self._first)
 
-    # ------------------------------------------------------------------ who is told
+    # ------------------------------------------------------------------ listeners
 
     def listen(self, listener: Callable[[Report], object]) -> None:
-        """Call it with each report, in the thread that steps, before the step returns. It must not step."""
+        """Add a listener. It is called with each report, in the thread that steps, before the step returns; it must not step."""
         with self._lock:
             self._listeners.add(listener)
 
     def follow(self, model: object, machine: str | None = None) -> Follower:
         """Make the host's object a state machine (package `transitions`) that follows the modes.
 
-        Its callbacks `on_enter_<mode>` and `on_exit_<mode>` are called when the mode changes; they find the report
-        in `event.kwargs["report"]`. `machine` says which one of several. InputError for attributes in the way, and for
-        callbacks that would have to be awaited.
+        Its callbacks `on_enter_<mode>` and `on_exit_<mode>` are called when the mode changes; `event.kwargs["report"]` is the
+        report. `machine` names one of several machines. InputError if the object already has an attribute of a name that is
+        needed, and for callbacks that would have to be awaited.
         """
         with self._lock:
             return self._listeners.follow(model, machine, self._report.modes)
 
-    # ------------------------------------------------------------------ remembering
+    # ------------------------------------------------------------------ snapshots
 
     def snapshot(self) -> bytes:
-        """Return all that is remembered between cycles, as one line of JSON with a checksum."""
+        """Return the complete memory between cycles, as one line of JSON with a checksum."""
         return self.freeze()()
 
     def freeze(self) -> Callable[[], bytes]:
-        """Capture the state in microseconds; return a function that makes the snapshot later, also in another thread."""
+        """Capture the memory within microseconds; return a function that makes the snapshot later, also in another thread."""
         with self._lock:
             builder = self._builder
             deliveries, observed = dict(builder.deliveries.last), None if self._watch is None else self._watch.observed
-            kept = memory.Kept(builder.start_ms, builder.done, deliveries, self._state, self._halted, observed)
-        return partial(memory.snapshot, self.program, self.setting, kept)
+            content = memory.Content(builder.start_ms, builder.done, deliveries, self._state, self._halted, observed)
+        return partial(memory.snapshot, self.program, self.setting, content)
 
     def restore(self, data: bytes) -> Report:
-        """Go on where the snapshot was taken; what was missed since is for the host to step, cycle by cycle.
+        """Continue from a snapshot. The host then has to make one call for each cycle since the snapshot.
 
-        SnapshotError where it is damaged, newer than this version, or of another machine, configuration, period,
-        expectation or first state; nothing has changed then. No listener is called.
+        SnapshotError for a snapshot that is damaged, newer than this version, or of another machine, configuration, period,
+        expectation or first state; the controller is then unchanged. No listener is called.
         """
-        kept = memory.restored(self.program, self.setting, data)
+        content = memory.restored(self.program, self.setting, data)
         with self._alone():
             deliveries = Deliveries()
-            deliveries.last = dict(kept.deliveries)
-            self._builder = self._building(kept.start_ms, kept.done, deliveries)
-            self._state, self._halted = kept.state, kept.halted
+            deliveries.last = dict(content.deliveries)
+            self._builder = self._building(content.start_ms, content.done, deliveries)
+            self._state, self._halted = content.state, content.halted
             if self._watch is not None:
-                self._watch.restore(kept.observed)
+                self._watch.restore(content.observed)
             self._report = self._now()
             self._listeners.place(self._report.modes)
             return self._report
 
     def __copy__(self) -> NoReturn:
-        raise NotCopiedError(f"{self.program.name}: a controller is not copied; {ANOTHER}")
+        raise NotCopiedError(f"{self.program.name}: a controller cannot be copied; {_ANOTHER}")
 
     def __deepcopy__(self, _memo: object) -> NoReturn:
         self.__copy__()
 
     def __reduce_ex__(self, _protocol: object) -> NoReturn:
-        raise NotCopiedError(f"{self.program.name}: a controller is not pickled; {ANOTHER}")
+        raise NotCopiedError(f"{self.program.name}: a controller cannot be pickled; {_ANOTHER}")
 
     # ------------------------------------------------------------------ inside
 
@@ -236,7 +237,7 @@ class Controller:
         with self._lock:
             if self._busy:
                 raise InputError(
-                    "a listener must not step its own controller; note what is to be done, and do it later."
+                    "a listener must not step its own controller; make the call after the step has returned."
                 )
             if self._halted:
                 raise InputError(f"{self.program.name} has halted: {self._halted}. Make a new controller.")
@@ -247,7 +248,7 @@ class Controller:
                 self._busy = False
 
     def _building(self, start_ms: int, done: int = 0, deliveries: Deliveries | None = None) -> CycleBuilder:
-        if type(start_ms) is not int or start_ms < 0:  # NaN is later than nothing: every record would be in time
+        if type(start_ms) is not int or start_ms < 0:  # with NaN, every record would count as in time
             raise InputError(f"start_ms is {start_ms!r}; give whole ms of the records' clock, from 0.")
         period_ms, expected = self.setting.period_ms, self.setting.expected
         return CycleBuilder(
@@ -255,13 +256,13 @@ class Controller:
             places=self.program.places, deliveries=deliveries,
         )  # fmt: skip
 
-    def _moved(self, cycle: Cycle, told: Told, faults: tuple[Fault, ...], truth_mm: int | None) -> Report:
-        told, unheard = self.program.heard(told)
-        faults = (*faults, *unheard)
-        needed = self.program.missing(told)
+    def _moved(self, cycle: Cycle, inputs: Placed, faults: tuple[Fault, ...], truth_mm: int | None) -> Report:
+        inputs, incomplete = self.program.complete(inputs)
+        faults = (*faults, *incomplete)
+        needed = self.program.missing(inputs)
         if needed:
             return self._without(cycle, faults, f"input {needed[0]} is missing")
-        row = self.program.row(told)
+        row = self.program.row(inputs)
         after, fired = self.program.code.step(self._state, row)
         moves = self.program.moves(fired, self._state, after)
         breaches = () if self._watch is None else self._watch.judge(self._state, row, after)
@@ -292,7 +293,7 @@ class Controller:
         return report
 
     def _now(self) -> Report:
-        """The state as it is, with nothing having happened."""
+        """Return a report of the present state, without transitions and rejections."""
         builder = self._builder
         return self.program.report(self._state, (), builder.done, builder.end_ms - builder.period_ms, (), "", None)
 
@@ -301,7 +302,7 @@ KINDS = frozenset((*get_args(Record), Unusable))
 
 
 def _listed(records: Iterable[Record | Unusable]) -> list[Record | Unusable]:
-    """At most one more than is taken, so that a flood shows without being held."""
+    """Return the records, but at most one more than a cycle may have; InputError for an object that is no record."""
     if not isinstance(records, Iterable):
         raise InputError(f"expected records (safeloc.runtime.streams.records), got {type(records).__name__}.")
     taken = list(islice(records, MOST_RECORDS + 1))

@@ -1,4 +1,4 @@
-"""The cycle length in a configuration: its own field, or those of its machines."""
+"""The cycle length in a configuration: its own field, or the fields of its machines."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from safeloc.errors import InputError
 
 
 def configured_period_ms(name: str, config: BaseModel | None) -> int | None:
-    """Return the cycle length in the configuration; None if it has none. InputError if its machines differ."""
+    """Return the cycle length of a configuration in ms; None if it has none. InputError if its machines differ."""
     found = periods(config)
     if len(found) > 1:
         raise InputError(f"{name} is configured for cycles of {found} ms at once; make them one.")
@@ -16,7 +16,7 @@ def configured_period_ms(name: str, config: BaseModel | None) -> int | None:
 
 
 def periods(config: BaseModel | None) -> list[int]:
-    """List the different cycle lengths: the configuration's own, or else those of its machines."""
+    """Return the different cycle lengths: that of the configuration itself, else those of its machines."""
     if config is None:
         return []
     own: int | None = getattr(config, "period_ms", None)

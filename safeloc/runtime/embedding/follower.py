@@ -1,11 +1,10 @@
-"""A host's own object as a state machine of the `transitions` package that follows a controller's machine.
+"""A host's object as a state machine of the `transitions` package that follows a controller's machine.
 
 States are the mode labels; callbacks such as `on_enter_DELOCALIZED` (or `on_enter_delocalized`) on the host's object are
-called as in any `transitions` machine. There are no `to_X` triggers, and a mode is entered only because the controller's
-machine, whose inputs went through the border, entered it.
+called as in any `transitions` machine. There are no `to_X` triggers: the object enters a mode only because the controller's
+machine, whose inputs passed the border, entered it.
 
-A row of the transition table from a mode to itself is an internal step: it changes values, but nothing is left or
-entered, so no callback runs.
+A transition from a mode to itself changes values, but leaves and enters nothing, so no callback runs.
 """
 
 from __future__ import annotations
@@ -20,15 +19,15 @@ from transitions.core import EventData
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
 
-FOLLOW = "follow_machine"
-"""The one trigger that the host's object gets; only its follower has a use for it."""
+_FOLLOW = "follow_machine"
+"""The only trigger that the host's object gets; only its follower uses it."""
 
 
 class Follower:
-    """A host's object that follows a machine which runs elsewhere: entering and leaving modes calls its callbacks.
+    """A host's object that follows a machine: entering and leaving a mode calls the object's callbacks.
 
-    InputError where the object already has an attribute that a mode or the trigger needs, and for callbacks that would
-    have to be awaited.
+    InputError if the object already has an attribute that a mode or the trigger needs, and for callbacks that would have to
+    be awaited.
     """
 
     def __init__(self, machine: Machine, model: object) -> None:
@@ -46,24 +45,24 @@ class Follower:
         )
         for label in self._labels:
             others: list[Any] = [other for other in self._labels if other != label]
-            self._fsm.add_transition(FOLLOW, others, label, conditions=self._goes_to(label))
+            self._fsm.add_transition(_FOLLOW, others, label, conditions=self._goes_to(label))
 
     def _goes_to(self, label: str) -> Callable[[EventData], bool]:
         return lambda _event: self._wanted == label
 
-    def enter(self, label: str, **told: object) -> None:
-        """Go to another mode; callbacks find `told` in their event's kwargs. In the mode already: nothing happens."""
+    def enter(self, label: str, **details: object) -> None:
+        """Enter a mode; callbacks find `details` in their event's kwargs. Do nothing if the object is in this mode."""
         self._wanted = label
         if self._model.state != label:  # type: ignore[attr-defined] # `transitions` gave it the attribute
-            getattr(self._model, FOLLOW)(**told)
+            getattr(self._model, _FOLLOW)(**details)
 
     def place(self, label: str) -> None:
-        """Stand in a mode without having entered it: no callback is called."""
+        """Set the mode without calling callbacks."""
         self._fsm.set_state(label)
 
 
 def _states(labels: tuple[str, ...], model: object) -> list[dict[str, Any]]:
-    """States with the host's callbacks in either spelling. `transitions` by itself finds bound methods only."""
+    """Return the states with the host's callbacks in either spelling; `transitions` alone would find bound methods only."""
     states = []
     for label in labels:
         state: dict[str, Any] = {"name": label}
@@ -78,13 +77,13 @@ def _is_callback(model: object, name: str) -> bool:
     callback = getattr(model, name, None)
     if iscoroutinefunction(callback) or iscoroutinefunction(getattr(callback, "__call__", None)):  # noqa: B004
         raise InputError(
-            f"{name} of the host object is a coroutine function, and a step awaits nothing. Make it a plain function "
-            "that starts a task, or let a listener put each report into a queue."
+            f"{name} of the host object is a coroutine function, but a step does not await callbacks. Make it a plain "
+            "function that starts a task, or let a listener put each report into a queue."
         )
     return callable(callback)
 
 
 def _refuse_clash(model: object, labels: tuple[str, ...]) -> None:
-    taken = [name for name in (FOLLOW, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
+    taken = [name for name in (_FOLLOW, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
     if taken:
-        raise InputError(f"the host object already has {taken}; they would be replaced. Give it other names.")
+        raise InputError(f"the host object already has {taken}, which would be replaced; rename them.")

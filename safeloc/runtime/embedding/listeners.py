@@ -15,15 +15,15 @@ class Listeners:
 
     def __init__(self, program: Program) -> None:
         self._machines = {part.name: part.machine for part in program.parts}
-        self._told: list[Callable[[Report], object]] = []
+        self._listeners: list[Callable[[Report], object]] = []
         self._followers: list[tuple[str, Follower]] = []
 
     def add(self, listener: Callable[[Report], object]) -> None:
         """Add a function that gets each report."""
-        self._told.append(listener)
+        self._listeners.append(listener)
 
     def follow(self, model: object, machine: str | None, modes: Mapping[str, str]) -> Follower:
-        """Make an object of the host follow this machine, beginning in its present mode."""
+        """Make an object of the host follow this machine, starting in its present mode."""
         names = list(self._machines)
         if machine is None and len(names) > 1:
             raise InputError(f"name the machine to follow: one of {', '.join(names)}.")
@@ -33,7 +33,7 @@ class Listeners:
         follower = Follower(self._machines[name], model)
         follower.place(modes[name])
         self._followers.append((name, follower))
-        self._told.append(lambda report: follower.enter(report.modes[name], report=report))
+        self._listeners.append(lambda report: follower.enter(report.modes[name], report=report))
         return follower
 
     def place(self, modes: Mapping[str, str]) -> None:
@@ -42,12 +42,12 @@ class Listeners:
             follower.place(modes[name])
 
     def tell(self, report: Report) -> None:
-        """Everyone, also when one of them fails; their failures come out together."""
+        """Call all listeners, even if some of them fail; raise all failures together in an ExceptionGroup."""
         failed: list[Exception] = []
-        for told in self._told:
+        for listener in self._listeners:
             try:
-                told(report)
-            except Exception as error:  # a host's own, handed on below
+                listener(report)
+            except Exception as error:  # an error of the host, raised below
                 failed.append(error)
         if failed:
             raise ExceptionGroup(f"listeners failed after cycle {report.cycle}; the step itself is done", failed)

@@ -1,4 +1,4 @@
-"""The localizer as a host's object: the controller of the target that has all ways of locating (RFL-13, RFL-14)."""
+"""The localizer as a host's object: the controller of the target with all methods of locating (RFL-13, RFL-14)."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from safeloc.runtime.embedding.program import Program
 
 
 def localizer_program(config: LocalizerConfig | None = None) -> Program:
-    """Return the localizer of a vehicle, made ready to run: takes seconds, so make one for all vehicles of a kind."""
+    """Return the compiled localizer. This takes seconds, so make one program for all vehicles of the same configuration."""
     return Program(LOCALIZER.make(config or LocalizerConfig()))
 
 
 class Localizer(Controller):
     """One vehicle's localizer, cycle by cycle; see Controller.
 
-    vehicle   its configuration, or a program that was made of one
+    vehicle   its configuration, or a program made by `localizer_program`
 
-    A device without records in a cycle gives no input; the configuration can leave out complete sources.
+    A device without records in a cycle gives no input; the configuration can leave out entire sources.
     """
 
     def __init__(

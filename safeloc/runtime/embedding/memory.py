@@ -17,8 +17,8 @@ from safeloc.language.nodes import Value
 from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.embedding.snapshot import opened, require_same, sealed
 
-Whole = Annotated[int, Field(ge=0)]
-Delivered = Mapping[str, tuple[int, int | None]]
+_Whole = Annotated[int, Field(ge=0)]
+_Delivered = Mapping[str, tuple[int, int | None]]
 
 
 @dataclass(frozen=True)
@@ -31,37 +31,37 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Kept:
-    """The changing part of a controller's memory; `observed` is what its watch over the assumptions has worked out."""
+class Content:
+    """The changing part of a controller's memory; `observed` is the memory of its watch over the assumptions."""
 
     start_ms: int
     done: int
-    deliveries: Delivered
+    deliveries: _Delivered
     state: Row
     halted: str
     observed: Mapping[str, Value] | None = None
 
 
-def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
-    """As bytes."""
+def snapshot(program: Program, setting: Setting, content: Content) -> bytes:
+    """Return a snapshot with this content, as bytes."""
     return sealed(
         {
             "machine": program.name,
             "config": program.config,
             "program": program.fingerprint,
-            "setting": _told(setting),
-            "start_ms": kept.start_ms,
-            "done": kept.done,
-            "deliveries": {channel: list(last) for channel, last in kept.deliveries.items()},
-            "state": dict(zip(program.code.state_names, kept.state, strict=True)),
-            "halted": kept.halted,
-            **({"observed": dict(kept.observed)} if kept.observed else {}),
+            "setting": _setting_data(setting),
+            "start_ms": content.start_ms,
+            "done": content.done,
+            "deliveries": {channel: list(last) for channel, last in content.deliveries.items()},
+            "state": dict(zip(program.code.state_names, content.state, strict=True)),
+            "halted": content.halted,
+            **({"observed": dict(content.observed)} if content.observed else {}),
         }
     )
 
 
-class Body(BaseModel):
-    """The required fields of a snapshot: a correct checksum does not guarantee them."""
+class _Body(BaseModel):
+    """The required fields of a snapshot with their types: a correct checksum does not guarantee them."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -71,57 +71,57 @@ class Body(BaseModel):
     config: dict[str, Any]
     program: str
     setting: dict[str, Any]
-    start_ms: Whole
-    done: Whole
-    deliveries: dict[str, tuple[Whole, int | None]]
+    start_ms: _Whole
+    done: _Whole
+    deliveries: dict[str, tuple[_Whole, int | None]]
     state: dict[str, bool | int]
     halted: str
     observed: dict[str, bool | int] | None = None
 
 
-def restored(program: Program, setting: Setting, data: bytes) -> Kept:
+def restored(program: Program, setting: Setting, data: bytes) -> Content:
     """Read a snapshot; SnapshotError if it does not fit this program and setting."""
     body = _body(opened(data))
     require_same("machine", program.name, body.machine)
     require_same("configuration", program.config, body.config)
     require_same("build of the machine", program.fingerprint, body.program)
-    require_same("setting", _told(setting), body.setting)
+    require_same("setting", _setting_data(setting), body.setting)
     observed = None if body.observed is None else _observed(program, body.observed)
-    return Kept(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted, observed)
+    return Content(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted, observed)
 
 
-def _body(content: Mapping[str, Any]) -> Body:
+def _body(content: Mapping[str, Any]) -> _Body:
     try:
-        return Body.model_validate_json(json.dumps(content))
+        return _Body.model_validate_json(json.dumps(content))
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False, include_context=False)[0]
         where = ".".join(map(str, found["loc"]))
         raise SnapshotError(
-            f"a field of the snapshot is wrong ({where}: {found['msg']}); begin anew without it."
+            f"a field of the snapshot is wrong ({where}: {found['msg']}); start without the snapshot."
         ) from error
 
 
-def _told(setting: Setting) -> dict[str, Any]:
+def _setting_data(setting: Setting) -> dict[str, Any]:
     return {"period_ms": setting.period_ms, "expected": dict(setting.expected), "first": dict(setting.first)}
 
 
 def _state(program: Program, values: Mapping[str, object]) -> Row:
-    """Each state variable in its range."""
+    """Return the state; SnapshotError for a value out of range."""
     return tuple(_admitted(program.system.state, values).values())
 
 
 def _observed(program: Program, values: Mapping[str, object]) -> dict[str, Value]:
-    """The same of what a watch over the assumptions remembers."""
+    """Return the memory of the watch over the assumptions; SnapshotError for a value out of range."""
     return _admitted(tuple(program.laws.seen.memory), values)
 
 
 def _admitted(variables: Sequence[Var], values: Mapping[str, object]) -> dict[str, Value]:
-    """The values in the order of the variables. A checksum that fits values that do not was not made by this program."""
+    """Return the values in the order of the variables. SnapshotError for other names, and for a value out of range."""
     if list(values) != sorted(var.name for var in variables):
-        raise SnapshotError("the snapshot's state has other variables than the machine; begin anew without it.")
+        raise SnapshotError("the snapshot's state has other variables than the machine; start without the snapshot.")
     try:
         return {var.name: admitted(var, values[var.name]) for var in variables}
     except InputError as error:
         raise SnapshotError(
-            f"the snapshot's state does not fit this machine ({error}); begin anew without it."
+            f"the snapshot's state does not fit this machine ({error}); start without the snapshot."
         ) from error

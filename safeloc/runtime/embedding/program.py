@@ -1,6 +1,6 @@
-"""A target made ready to run: generated code, the inputs that records stand for, and what identifies it.
+"""A target ready to run: generated code, the mapping from records to inputs, and a fingerprint.
 
-A program holds no state: any number of controllers, in any threads, share one.
+A program has no state: any number of controllers, in any threads, can share one.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from safeloc.runtime.border import Fault
 from safeloc.runtime.breaches import Breach
 from safeloc.runtime.embedding.laws import ObservableLaws
 from safeloc.runtime.embedding.report import Interval, Move, Report
-from safeloc.runtime.embedding.target_inputs import Hearing
+from safeloc.runtime.embedding.target_inputs import TargetInputs
 from safeloc.target import Target
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """One machine of the program: the place of its mode in the state, its labels, and its moves.
+class _Part:
+    """One machine of the program: the place of its mode in the state, the labels of its modes, and its moves.
 
-    moves   number of a transition (from 1), mode before, mode after -> its entry in the report
+    moves   number of a transition (from 1), mode before, mode after -> the transition's entry in the report
     """
 
     machine: Machine
@@ -40,8 +40,8 @@ class Part:
     moves: Mapping[tuple[int, int, int], Move]
 
 
-class Program(Hearing):
-    """The compiled on-board part of a target: without ghosts and assumption."""
+class Program(TargetInputs):
+    """The compiled on-board part of a target, without ghosts and assumption."""
 
     def __init__(self, target: Target) -> None:
         super().__init__(target)
@@ -55,7 +55,7 @@ class Program(Hearing):
         }
 
     def first(self, chosen: Mapping[str, Value] | None = None) -> Row:
-        """Return the first state; InputError as `interpret.start`."""
+        """Return the first state, with the chosen values of variables declared ANY; InputError as `interpret.start`."""
         return self.code.first(chosen) if chosen else self._first
 
     @cached_property
@@ -64,12 +64,12 @@ class Program(Hearing):
 
     @cached_property
     def laws(self) -> ObservableLaws:
-        """The laws of the target's worlds that can be seen to hold on board; made when they are first asked for."""
+        """The laws of the target's worlds that can be checked on board; made when first used."""
         return ObservableLaws(self.target.system, self.system)
 
     @cached_property
     def fingerprint(self) -> str:
-        """SHA-256 of what the declaration means on board: variables, first values, moves and outputs."""
+        """SHA-256 of the on-board meaning of the declaration: variables, first values, moves and outputs."""
         return declaration_digest(self.system)
 
     @cached_property
@@ -88,11 +88,11 @@ class Program(Hearing):
         )
 
     def modes(self, state: Row) -> dict[str, str]:
-        """Machine -> label of its mode."""
+        """Return the label of each machine's mode."""
         return {part.name: part.modes[int(state[part.mode_at])] for part in self.parts}
 
     def interval(self, values: Mapping[str, Value]) -> Interval | None:
-        """Return the interval that these outputs report."""
+        """Return the interval that these outputs report; None if they report none."""
         if self.target.reported is None:
             return None
         ends = self.target.reported.interval_mm(values)
@@ -110,14 +110,14 @@ class Program(Hearing):
         values = self.code.named_outputs(state)
         reported = self.target.reported
         standing = None if reported is None or truth_mm is None else reported.standing(values, truth_mm)
-        interval, told = self.interval(values), without_absent(values, self._stand_ins)
+        interval, outputs = self.interval(values), without_absent(values, self._stand_ins)
         return Report(
-            self.name, number, end_ms, self.modes(state), moves, told, self.labels, interval, faults,
+            self.name, number, end_ms, self.modes(state), moves, outputs, self.labels, interval, faults,
             anew, standing, breaches,
         )  # fmt: skip
 
 
-def _part(system: TransitionSystem, machine: Machine) -> Part:
+def _part(system: TransitionSystem, machine: Machine) -> _Part:
     names = [var.name for var in system.state]
     own = f"{machine.name}.mode"
     assert isinstance(machine.mode.unit, Enumeration)
@@ -129,4 +129,4 @@ def _part(system: TransitionSystem, machine: Machine) -> Part:
         for number, one in enumerate(machine.transitions, 1)
         for source in one.sources
     }
-    return Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)
+    return _Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)

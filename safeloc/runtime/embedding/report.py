@@ -1,4 +1,4 @@
-"""The report of a controller after a cycle: mode, transitions, outputs, the interval, and rejected records."""
+"""The report of a controller after a cycle: modes, transitions, outputs, interval and rejected records."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Interval:
 
     @property
     def length_mm(self) -> int:
-        """From end to end."""
+        """The length of the interval in mm."""
         return self.high_mm - self.low_mm
 
     def holds(self, place_mm: int) -> bool:
@@ -31,19 +31,19 @@ class Interval:
         return self.low_mm <= place_mm <= self.high_mm
 
     def words(self) -> str:
-        """In metres: `249.500 m to 250.612 m`."""
-        return f"{metres(self.low_mm)} to {metres(self.high_mm)}"
+        """Return the interval in metres: `249.500 m to 250.612 m`."""
+        return f"{_metres(self.low_mm)} to {_metres(self.high_mm)}"
 
 
-def metres(length_mm: int) -> str:
-    """Write a length exactly, with three decimals: -500 is `-0.500 m`."""
+def _metres(length_mm: int) -> str:
+    """Return a length in metres with three decimals: -500 gives `-0.500 m`."""
     whole, rest = divmod(abs(length_mm), MM_PER_M)
     return f"{'-' if length_mm < 0 else ''}{whole}.{rest:03} m"
 
 
 @dataclass(frozen=True)
 class Move:
-    """A transition that fired: of which machine, from which mode to which, and the requirements it answers for."""
+    """A transition that fired: machine, name, mode before and after, and the requirements that it implements."""
 
     machine: str
     name: str
@@ -53,7 +53,7 @@ class Move:
 
     @property
     def changes_mode(self) -> bool:
-        """True if the transition entered another mode."""
+        """Return whether the transition entered another mode."""
         return self.source != self.target
 
 
@@ -62,15 +62,15 @@ class Report:
     """The result of a cycle. Times are on the clock of the records, in ms.
 
     modes       machine -> label of its mode
-    moves       transitions that fired, in the order of the machines; none where a machine stayed as it was
-    values      outputs as the machine has them: whole numbers (enumerations by number) and truth values; None for one that
-                is absent, such as the position and its margins while none is reported
-    outputs     the same with the labels of enumerations
+    moves       transitions that fired, in the order of the machines; at most one per machine
+    values      outputs: whole numbers (enumerations by number) and truth values; None for an absent output, such as the
+                position and its margins while none is reported
+    outputs     the same, enumerations by label
     interval    the reported interval; None while nothing is reported, and for machines without an interval
     rejections  records that were not used, each with its channel and reason
-    anew        the reason for a restart of the machine in this cycle; "" without one
-    standing    the comparison of the interval with a truth record of the cycle; None without one
-    breaches    laws of the worlds that the inputs of the cycle show to be broken, where they are judged
+    anew        the reason for a restart of the machine in this cycle; "" without a restart
+    standing    the comparison of the interval with a truth record of the cycle; None without such a record
+    breaches    broken laws of the worlds that the inputs of the cycle reveal; empty if the laws are not checked
     """
 
     machine: str
@@ -97,20 +97,20 @@ class Report:
 
     @property
     def mode(self) -> str:
-        """The mode, of several machines with commas between."""
+        """The mode; the modes of several machines are separated by commas."""
         return ", ".join(self.modes.values())
 
     def words(self) -> str:
-        """Return one sober sentence for a log."""
+        """Return one sentence for a log."""
         where = "nothing reported" if self.interval is None else self.interval.words()
-        told = [f"cycle {self.cycle} at {self.time_ms} ms: {self.mode}", where]
-        told += [f"began anew ({self.anew})"] if self.anew else []
-        told += [f"{fault.channel} not used: {reason_of(fault)}" for fault in self.rejections]
-        told += [breach.words() for breach in self.breaches]
-        return "; ".join(told)
+        parts = [f"cycle {self.cycle} at {self.time_ms} ms: {self.mode}", where]
+        parts += [f"restarted ({self.anew})"] if self.anew else []
+        parts += [f"{fault.channel} not used: {_reason_of(fault)}" for fault in self.rejections]
+        parts += [breach.words() for breach in self.breaches]
+        return "; ".join(parts)
 
     def as_data(self) -> dict[str, Any]:
-        """Plain data for JSON (schema safeloc-controller-report/1); what does not apply is left out."""
+        """Return plain data for JSON (schema safeloc-controller-report/1); fields that do not apply are left out."""
         data: dict[str, Any] = {"cycle": self.cycle, "time_ms": self.time_ms, "mode": dict(self.modes)}
         data["fired"] = {move.machine: move.name for move in self.moves}
         interval = self.interval
@@ -127,7 +127,7 @@ class Report:
         return data
 
 
-def reason_of(fault: Fault) -> str:
+def _reason_of(fault: Fault) -> str:
     """Return the reason with its detail, in words."""
     return f"{fault.reason.value} ({fault.detail})" if fault.detail else fault.reason.value
 

@@ -1,4 +1,4 @@
-"""The places of inputs in the row of a step, and the mapping from names in records to inputs."""
+"""The places of inputs in the row of values of a step, and the mapping from names in records to inputs."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.units import Enumeration
 from safeloc.runtime.border import Channel
 
-Told = Mapping[int, Value]
-"""Place in the row -> value: what a step is told. Presence flags follow from it."""
+Placed = Mapping[int, Value]
+"""Inputs of a step: place in the row -> value. Presence flags follow from it."""
 
 
 class Entry(NamedTuple):
-    """An input: its place in the row, and that of its presence flag (None: it cannot be absent).
+    """An input: its place in the row, and the place of its presence flag (None: it cannot be absent).
 
-    A value whose type is `kind`, from `low` to `high`, is one that the input holds as it is, and a label in `members` one
-    that stands for a number; others need a look.
+    The input takes a value of type `kind` from `low` to `high` as it is, and a label in `members` as the number there; any
+    other value needs a closer check.
     """
 
     var: Var
@@ -33,16 +33,16 @@ class Entry(NamedTuple):
 
     @property
     def is_named(self) -> bool:
-        """A truth value or a member, not a plain number."""
+        """Return whether the input takes truth values or labels instead of plain numbers."""
         return self.kind is bool or bool(self.members)
 
     def held(self, value: int | str) -> Value:
-        """Return an admitted value as the input holds it: a member's number instead of its label."""
+        """Return an admitted value, a label as its number."""
         return self.members[value] if isinstance(value, str) else value
 
 
 def entries_of(system: TransitionSystem) -> dict[str, Entry]:
-    """By the inputs' full names; presence flags are none."""
+    """Return the entries of all inputs by full name, without presence flags."""
     places = {var: at for at, var in enumerate(system.inputs)}
     flags: dict[Var, int] = {option.value: places[option.present] for option in system.optionals}
     hidden = set(flags.values())
@@ -57,9 +57,9 @@ def _entry(var: Var, at: int, present_at: int | None) -> Entry:
 
 
 def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str, tuple[Entry, ...]]:
-    """Map each name in records to inputs: one, or in a composition one for every machine that has an input of that name.
+    """Map each name in records to inputs: to one, or in a composition to one of every machine with an input of that name.
 
-    said   further names for inputs
+    said   further names of inputs
     """
     routes: dict[str, tuple[Entry, ...]] = {}
     for full, entry in entries.items():
@@ -71,7 +71,7 @@ def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str
 
 
 def limits(name: str, entries: Sequence[Entry]) -> Channel | None:
-    """Return the range that all of these inputs have in common; None where they are no plain numbers."""
+    """Return the range that all of these inputs have in common; None if one of them is no plain number."""
     numbers = [one.var for one in entries if isinstance(one.var, NumVar) and not one.is_named]
     if len(numbers) < len(entries):
         return None
@@ -82,6 +82,6 @@ def limits(name: str, entries: Sequence[Entry]) -> Channel | None:
 
 
 def beginnings(name: str) -> list[str]:
-    """List the possible channels of an input: `front_marker_since_mm` itself, front_marker_since, front_marker, front."""
+    """Return the possible channels of an input: of `front_marker_since_mm`, front, front_marker, front_marker_since and itself."""
     parts = name.split("_")
     return ["_".join(parts[:count]) for count in range(1, len(parts) + 1)]

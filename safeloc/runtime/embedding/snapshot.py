@@ -1,7 +1,7 @@
-"""A controller's memory as bytes: versioned, checksummed, and refused where it does not fit.
+"""A controller's memory as bytes, with version and checksum; a snapshot that does not fit is refused.
 
-The checksum detects damage, not manipulation. The snapshot holds everything that the controller remembers between cycles,
-but no records of an open cycle: the host still has them, or reports them as lost.
+The checksum detects damage, not manipulation. A snapshot holds everything that the controller remembers between cycles,
+but no records of an open cycle: the host still has these, or reports them as lost.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 from safeloc.errors import SnapshotError
 
 KIND, VERSION = "safeloc-controller", 1
-NOT_FIT = "it cannot be used here"
+_NOT_FIT = "it cannot be used here"
 
 
 def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) -> bytes:
@@ -24,31 +24,31 @@ def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) ->
 
 
 def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, Any]:
-    """Return the content; SnapshotError where it is damaged, of another kind, or newer than this version reads."""
+    """Return the content; SnapshotError if it is damaged, of another kind, or of a newer version."""
     try:
         whole = json.loads(data)
     except TypeError as error:
         raise SnapshotError(f"expected a snapshot as bytes, got {type(data).__name__}.") from error
     except (ValueError, RecursionError) as error:
-        raise SnapshotError(f"the snapshot is damaged (no JSON: {error}); begin anew without it.") from error
+        raise SnapshotError(f"the snapshot is damaged (no JSON: {error}); start without the snapshot.") from error
     if not isinstance(whole, dict) or whole.get("kind") != kind:
-        raise SnapshotError(f"this is no snapshot of kind {kind!r}; give one that such a process or controller wrote.")
+        raise SnapshotError(f"this is no snapshot of kind {kind!r}; give one that safeloc wrote for this purpose.")
     found = whole.get("version")
     if type(found) is not int or found > version:
         raise SnapshotError(
-            f"the snapshot has version {found!r}, and this safeloc reads up to {version}; use the safeloc that wrote it, "
-            "or begin anew without it."
+            f"the snapshot has version {found!r}, but this safeloc reads versions up to {version}; use the safeloc that wrote "
+            "it, or start without the snapshot."
         )
     checksum = whole.pop("checksum", None)
     if checksum != _checksum(whole):
-        raise SnapshotError("the snapshot is damaged (its checksum does not fit); begin anew without it.")
+        raise SnapshotError("the snapshot is damaged (wrong checksum); start without the snapshot.")
     return whole
 
 
 def require_same(what: str, own: object, found: object) -> None:
-    """SnapshotError where a snapshot was made with something else than what stands here."""
+    """Raise SnapshotError if the snapshot's `what` differs from that of this program."""
     if own != found:
-        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {NOT_FIT}.")
+        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {_NOT_FIT}.")
 
 
 def _differing(own: object, found: object) -> str:

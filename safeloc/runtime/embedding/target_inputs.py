@@ -1,4 +1,4 @@
-"""Maps record names to a target's inputs, with their ranges, and knows the machines that tolerate missing inputs."""
+"""The inputs of a target: names in records, ranges, and the machines that tolerate missing inputs."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from safeloc.language.expr import NumVar
 from safeloc.language.renamed import hint
 from safeloc.language.system import TransitionSystem, canonical, without_ghosts
 from safeloc.runtime.border import Channel, Fault, Reason
-from safeloc.runtime.embedding.row_layout import Entry, Told, beginnings, entries_of, limits, routes_of
+from safeloc.runtime.embedding.row_layout import Entry, Placed, beginnings, entries_of, limits, routes_of
 from safeloc.runtime.streams.cycles import Places
 from safeloc.target import Target
 
 
-class Hearing:
-    """The inputs of a target without its ghosts, and the names that records have for them."""
+class TargetInputs:
+    """The inputs of a target without ghosts, with the names that records use for them."""
 
     def __init__(self, target: Target) -> None:
         self.target = target
@@ -45,16 +45,16 @@ class Hearing:
 
     @cached_property
     def needed(self) -> tuple[str, ...]:
-        """Mandatory inputs: they have no presence flag, so they must come in every cycle."""
+        """The names of mandatory inputs: they have no presence flag, so each cycle needs a value."""
         return tuple(name for name, entry in self.entries.items() if entry.present_at is None)
 
-    def told(self, inputs: Mapping[str, int | str]) -> Told:
-        """By place; a name in a record may stand for inputs of several machines."""
+    def placed(self, inputs: Mapping[str, int | str]) -> Placed:
+        """Return values by place; a name in a record may stand for inputs of several machines."""
         return {entry.at: entry.held(value) for name, value in inputs.items() for entry in self.routes[name]}
 
     @cached_property
     def silent(self) -> Mapping[str, tuple[frozenset[int], frozenset[int]]]:
-        """Machine that tolerates a step without inputs -> places of all its inputs, and of the mandatory ones."""
+        """For each machine that tolerates a step without inputs: places of all its inputs, and of the mandatory ones."""
         needed = {self.entries[name].at for name in self.needed}
         several = len(self.system.machines) > 1
         own = {
@@ -65,25 +65,25 @@ class Hearing:
         }
         return {name: (inputs, inputs & needed) for name, inputs in own.items() if inputs & needed}
 
-    def heard(self, told: Told) -> tuple[Told, tuple[Fault, ...]]:
-        """Without the machines of which something needed is missing, where they may be told nothing.
+    def complete(self, inputs: Placed) -> tuple[Placed, tuple[Fault, ...]]:
+        """Remove all inputs of a machine that lacks a mandatory one, if it tolerates a step without inputs.
 
-        A fault tells of each that was told something, and not enough; of one that was told nothing there is nothing to tell.
+        Return the rest, and a fault for each machine that lost inputs in this way.
         """
         faults: list[Fault] = []
-        for name, (inputs, needed) in self.silent.items():
-            if not needed <= told.keys() and not inputs.isdisjoint(told):
-                lacking = min(self.system.inputs[at].name for at in needed if at not in told)
-                faults.append(Fault(name, Reason.MISSING, f"{lacking}; nothing else of {name} is used"))
-                told = {at: value for at, value in told.items() if at not in inputs}
-        return told, tuple(faults)
+        for name, (places, needed) in self.silent.items():
+            if not needed <= inputs.keys() and not places.isdisjoint(inputs):
+                lacking = min(self.system.inputs[at].name for at in needed if at not in inputs)
+                faults.append(Fault(name, Reason.MISSING, f"{lacking}; no other input of {name} is used"))
+                inputs = {at: value for at, value in inputs.items() if at not in places}
+        return inputs, tuple(faults)
 
     def unknown(self, names: Collection[str]) -> list[str]:
         """Return the names that are no inputs."""
         return [] if self._names.issuperset(names) else [name for name in names if name not in self.entries]
 
     def require_known(self, names: Collection[str]) -> None:
-        """InputError for a name that is no input."""
+        """Raise InputError for a name that is no input."""
         unknown = self.unknown(names)
         if unknown:
             has = ", ".join(self.entries)
@@ -91,9 +91,9 @@ class Hearing:
                 f"{self.name} has no input {unknown[0]!r}; it has {has}.{hint(str(unknown[0]), self.entries)}"
             )
 
-    def missing(self, told: Told) -> list[str]:
-        """Needed inputs that are not given, of machines that cannot be told nothing."""
-        return [name for name, at in self._always_needed if at not in told]
+    def missing(self, inputs: Placed) -> list[str]:
+        """Return the missing mandatory inputs of machines that do not tolerate a step without inputs."""
+        return [name for name, at in self._always_needed if at not in inputs]
 
     @cached_property
     def _always_needed(self) -> list[tuple[str, int]]:
@@ -101,10 +101,10 @@ class Hearing:
         places = [(name, self.entries[name].at) for name in self.needed]
         return [(name, at) for name, at in places if at not in spared]
 
-    def row(self, told: Told) -> Row:
-        """Return the inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
+    def row(self, inputs: Placed) -> Row:
+        """Return the row of a step: an input without a value is absent, or has a neutral value if it cannot be absent."""
         row, flags = list(self._absent), self._flags
-        for at, value in told.items():
+        for at, value in inputs.items():
             row[at] = value
             present_at = flags[at]
             if present_at is not None:

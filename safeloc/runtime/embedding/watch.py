@@ -1,4 +1,4 @@
-"""The watch that a controller keeps over the assumptions of its machine, cycle by cycle: it reads, and changes nothing."""
+"""A controller's watch over the assumptions of its machine, cycle by cycle; it changes nothing in the machine."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.source_clocks import lag_of
 from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 
-Latest = Mapping[str, tuple[int, int | None]]
-TRUTH = "truth"
+_Latest = Mapping[str, tuple[int, int | None]]
+_TRUTH = "truth"
 
 
 class Watch:
-    """What a controller remembers for the laws: an observer's memory, and what of the open cycle came too late."""
+    """The memory of the laws: values of an observer, and the records of the open cycle that arrived too late."""
 
     def __init__(self, program: Program, period_ms: int) -> None:
         self._laws, self._period_ms = program.laws, period_ms
         self._memory: Memory = self._laws.begin()
         self._lagging: list[Breach] = []
 
-    def late(self, record: Record | Unusable, latest: Latest) -> None:
-        """Take a record of a cycle that is over; `latest` is the newest time of every channel, as the border has it."""
-        if isinstance(record, (Unusable, TruthRecord)):  # no measurement: its time is of no device's clock
+    def late(self, record: Record | Unusable, latest: _Latest) -> None:
+        """Take a record that arrived after its cycle; `latest` is the border's newest time of every channel."""
+        if isinstance(record, (Unusable, TruthRecord)):  # no measurement, so its time comes from no device's clock
             return
-        told = {channel: time_ms for channel, (time_ms, _) in latest.items() if channel != TRUTH}
-        lag = lag_of(record.channel, record.time_ms, told)
+        times = {channel: time_ms for channel, (time_ms, _) in latest.items() if channel != _TRUTH}
+        lag = lag_of(record.channel, record.time_ms, times)
         if lag is not None and lag.distance_ms(self._period_ms) < 0:
             self._lagging.append(lag.breach(self._period_ms))
 
@@ -39,17 +39,17 @@ class Watch:
         return (*self._late_ones(), *found) if self._lagging else found
 
     def begin_anew(self) -> tuple[Breach, ...]:
-        """The machine begins anew, and what an observer works out with it; return what late records show all the same."""
+        """Reset the observer, since the machine restarts; return the breaches that late records show."""
         self._memory = self._laws.begin()
         return self._late_ones()
 
     @property
     def observed(self) -> dict[str, Value] | None:
-        """What an observer has worked out, by name, for a snapshot; None where that is not known."""
+        """The observer's values by name, for a snapshot; None while they are unknown."""
         return None if self._memory is None else dict(zip(self._laws.names, self._memory, strict=True))
 
     def restore(self, observed: Mapping[str, Value] | None) -> None:
-        """Go on with what a snapshot holds. Without it, laws that need it are not judged until the machine begins anew."""
+        """Continue with the observer's values of a snapshot. None: laws that need them are not checked until a restart."""
         known = observed if observed is not None or self._laws.names else {}
         self._memory, self._lagging = (None if known is None else tuple(known.values())), []
 

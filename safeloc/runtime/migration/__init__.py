@@ -1,9 +1,9 @@
-"""Files of version 0.1.0 as files of 0.2.0: streams, records, configurations; what cannot be carried over is refused.
+"""Conversion of files of version 0.1.0 to 0.2.0: streams, records, configurations. A file that cannot be converted is refused.
 
-    migrated = migrate(path, ships=..., fingerprint=...)      what the file is to be, and what is changed in it
-    migrated.write_beside(), migrated.write_in_place()        whole, or not at all
+    migrated = migrate(path, ships=..., fingerprint=...)      the new content, and the changes
+    migrated.write(in_place=...)                              the complete file, or nothing
 
-What stands in a file is kept, letter by letter, but for the names; a file of today is left alone.
+Only names are changed, the rest is kept letter by letter; a file with the current names is not changed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ KINDS = ".jsonl and .ndjson (also with .gz), .toml, .json"
 
 @dataclass(frozen=True)
 class Migrated:
-    """A file as it is to be; `changes` is empty where it is one of today already."""
+    """The new content of a file; `changes` is empty if the file already has the current names."""
 
     path: Path
     text: str
@@ -37,23 +37,23 @@ class Migrated:
 
     @property
     def beside(self) -> Path:
-        """The new file: `run.migrated.jsonl.gz` beside `run.jsonl.gz`."""
+        """Return the path of the new file: `run.migrated.jsonl.gz` beside `run.jsonl.gz`."""
         name = name_of(self.path)
         return self.path.with_name(f"{name}.migrated{self.path.name.removeprefix(name)}")
 
     @property
     def backup(self) -> Path:
-        """Where the old file is kept when the new one takes its place."""
+        """Return the path for the old file when the new one takes its place."""
         return self.path.with_name(f"{self.path.name}.bak")
 
     def require_room(self, *, in_place: bool) -> None:
-        """InputError where a file is in the way."""
+        """Raise InputError if a file that would be overwritten exists."""
         wanted = self.backup if in_place else self.beside
         if self.changes and os.path.lexists(wanted):
-            raise InputError(f"{wanted}: is there already, and would be lost; move it away.")
+            raise InputError(f"{wanted}: already exists and would be overwritten; move it away.")
 
     def write(self, *, in_place: bool) -> Path:
-        """Write the new file, whole or not at all: beside the old one, or in its place, which is kept as `backup` then."""
+        """Write the complete new file beside the old one, or in its place, with the old one as `backup`; return its path."""
         self.require_room(in_place=in_place)
         with reading(self.path):
             if in_place:
@@ -64,10 +64,10 @@ class Migrated:
 
 
 def migrate(path: Path, *, ships: Collection[str], fingerprint: Fingerprint) -> Migrated:
-    """What the file is to be. InputError, with file, line and reason, for what is not understood or not carried over.
+    """Return the new content of a file. InputError with file, line and reason for a file that cannot be converted.
 
     ships        names of the machines whose inputs were renamed
-    fingerprint  machine and configuration -> digest of today; for snapshots
+    fingerprint  machine and configuration -> current digest; for snapshots
     """
     match kind_of(existing(path)):
         case ".jsonl" | ".ndjson":
@@ -93,20 +93,20 @@ def _json(path: Path, fingerprint: Fingerprint) -> Migrated:
 
 
 def _snapshot(path: Path, kind: str, fingerprint: Fingerprint) -> Migrated:
-    """A file of any name that says in itself what it is."""
+    """Return a snapshot, recognised by its content; InputError for any other file."""
     try:
         content = json.loads(read_bytes(path))
     except (ValueError, RecursionError):
         content = None
     if not snapshots.is_snapshot(content):
         raise InputError(
-            f"{path}: a file of kind {kind!r}, which is not carried over; known are {KINDS}, and snapshots. Rename the columns of a table by hand."
+            f"{path}: files of kind {kind!r} cannot be converted, only {KINDS} and snapshots. Rename the columns of a table by hand."
         )
     return _json(path, fingerprint)
 
 
 def _write(path: Path, text: str) -> None:
-    """Beside first, then renamed: a reader sees the old file or the new one, whole."""
+    """Write to another name first, then rename: a reader sees the complete old file or the complete new one."""
     unfinished = path.with_name(f".unfinished-{path.name}")
     try:
         with created(unfinished) as file:

@@ -1,4 +1,4 @@
-"""What is changed in a file: which name became which, how often, and where first; and names within text."""
+"""The changes in a file: old and new names, how often, and where first; replacement of names in text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 
 @dataclass(frozen=True)
 class Change:
-    """A name that is another one now."""
+    """A changed name."""
 
     old: str
     new: str
@@ -21,13 +21,13 @@ class Change:
 
     @property
     def words(self) -> str:
-        """In words: `over_mm -> margin_above_mm (12 times, first in line 3)`."""
+        """Return the change in words: `over_mm -> margin_above_mm (12 times, first in line 3)`."""
         where = f"line {self.line}" if self.times == 1 else f"{self.times} times, first in line {self.line}"
         return f"{self.old} -> {self.new} ({where})"
 
 
 def summed(changes: Iterable[Change]) -> tuple[Change, ...]:
-    """Every pair of names once, in the order in which they come."""
+    """Return every pair of names once, in order of appearance, with its number."""
     found: dict[tuple[str, str], Change] = {}
     for one in changes:
         before = found.get((one.old, one.new))
@@ -37,7 +37,7 @@ def summed(changes: Iterable[Change]) -> tuple[Change, ...]:
 
 
 def with_names(text: str, names: dict[str, str]) -> str:
-    """The text with these names within quotes replaced, and all else as it stands."""
+    """Return the text with these names replaced where they stand in quotes."""
 
     def renamed(found: re.Match[str]) -> str:
         new = names.get(json.loads(found[0]))

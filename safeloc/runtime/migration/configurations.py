@@ -1,4 +1,4 @@
-"""Configurations with the fields of today: what is said of a time is a duration, no longer a number of cycles."""
+"""Conversion of configurations: times are durations in ms now, no longer numbers of cycles."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from safeloc.language.renamed import FIELDS
 from safeloc.runtime.migration.changes import Change
 from safeloc.runtime.outside import quoted, read_text
 
-PERIOD_MS = 1_000
-"""Of the area's cycles where a configuration does not say it: the default then and now."""
+_PERIOD_MS = 1_000
+"""Cycle length of an area whose configuration has none: the default in both versions."""
 
 
 @dataclass(frozen=True)
-class Field:
-    """A field of before: where it stands, its cycles, and how long one of them is."""
+class _Field:
+    """A field of the old version: its name, its number of cycles, and the cycle length."""
 
     name: str
     cycles: int
@@ -29,7 +29,7 @@ class Field:
 
 
 def migrated(path: Path) -> tuple[str, tuple[Change, ...]]:
-    """The text with the fields of today. InputError with file and line for what is no configuration."""
+    """Return the text with the current fields, and the changes. InputError for a file that is no configuration."""
     text = read_text(path)
     read, form = (tomllib.loads, _TOML) if path.suffix == ".toml" else (json.loads, _JSON)
     content = _content(path, text, read)
@@ -38,39 +38,39 @@ def migrated(path: Path) -> tuple[str, tuple[Change, ...]]:
         text, change = _rewritten(path, text, field, form)
         changes.append(change)
     if _content(path, text, read) != _with(content):
-        raise InputError(f"{path}: the fields {_told(changes)} cannot be told apart in the text; change them by hand.")
+        raise InputError(f"{path}: the fields {_names(changes)} are ambiguous in the text; change them by hand.")
     return text, tuple(changes)
 
 
-def _told(changes: list[Change]) -> str:
+def _names(changes: list[Change]) -> str:
     return ", ".join(change.old for change in changes)
 
 
 def _content(path: Path, text: str, read: Callable[[str], Any]) -> dict[str, Any]:
     try:
         content = read(text)
-    except (ValueError, RecursionError) as error:  # both readers' own errors are ValueErrors, with line and column
-        raise InputError(f"{path}: neither TOML nor JSON as its name says ({error}).") from error
+    except (ValueError, RecursionError) as error:  # the errors of both readers are ValueErrors, with line and column
+        raise InputError(f"{path}: no {'TOML' if path.suffix == '.toml' else 'JSON'} ({error}).") from error
     if not isinstance(content, dict):
         raise InputError(f"{path}: expected a configuration, an object of fields; got {type(content).__name__}.")
     return content
 
 
-def _old_fields(path: Path, content: Mapping[str, Any]) -> Iterator[Field]:
-    """In whatever table they stand; their period is that of the table's area."""
+def _old_fields(path: Path, content: Mapping[str, Any]) -> Iterator[_Field]:
+    """Yield the old fields of all tables; their cycle length is that of the table's area."""
     area = content.get("area")
-    period_ms = area.get("period_ms", PERIOD_MS) if isinstance(area, dict) else PERIOD_MS
+    period_ms = area.get("period_ms", _PERIOD_MS) if isinstance(area, dict) else _PERIOD_MS
     for name, value in content.items():
         if name in FIELDS:
             if type(value) is not int or type(period_ms) is not int:
                 raise InputError(
-                    f"{path}: {name} is {quoted(value)}, of cycles of {quoted(period_ms)} ms; give whole numbers."
+                    f"{path}: {name} is {quoted(value)} cycles of {quoted(period_ms)} ms; give whole numbers."
                 )
             if FIELDS[name] in content:
                 raise InputError(
                     f"{path}: has both {name!r} and {FIELDS[name]!r}, an old field and the new one; keep one."
                 )
-            yield Field(name, value, period_ms)
+            yield _Field(name, value, period_ms)
         elif isinstance(value, dict):
             yield from _old_fields(path, value)
 
@@ -79,20 +79,20 @@ _TOML = r"(?m)^(?P<before>\s*)(?P<name>{name})(?P<between>\s*=\s*)(?P<value>{val
 _JSON = r'(?P<before>")(?P<name>{name})(?P<between>"\s*:\s*)(?P<value>{value})(?P<after>(?=\s*[,}}]))'
 
 
-def _rewritten(path: Path, text: str, field: Field, form: str) -> tuple[str, Change]:
+def _rewritten(path: Path, text: str, field: _Field, form: str) -> tuple[str, Change]:
     wanted = re.compile(form.format(name=field.name, value=r"\+?[0-9_]+"))
     new, at = FIELDS[field.name], wanted.search(text)
     if at is None:
-        raise InputError(f"{path}: {field.name} stands where it cannot be found in the text; change it by hand.")
+        raise InputError(f"{path}: {field.name} cannot be found in the text; change it by hand.")
     line = text.count("\n", 0, at.start("name")) + 1
     made = f"{at['before']}{new}{at['between']}{field.cycles * field.period_ms}{at['after']}"
-    told = Change(f"{field.name} = {field.cycles}", f"{new} = {field.cycles * field.period_ms}", line)
-    return text[: at.start()] + made + text[at.end() :], told
+    change = Change(f"{field.name} = {field.cycles}", f"{new} = {field.cycles * field.period_ms}", line)
+    return text[: at.start()] + made + text[at.end() :], change
 
 
 def _with(content: Mapping[str, Any]) -> dict[str, Any]:
     area = content.get("area")
-    period_ms = area.get("period_ms", PERIOD_MS) if isinstance(area, dict) else PERIOD_MS
+    period_ms = area.get("period_ms", _PERIOD_MS) if isinstance(area, dict) else _PERIOD_MS
     made: dict[str, Any] = {}
     for name, value in content.items():
         made[FIELDS.get(name, name)] = (

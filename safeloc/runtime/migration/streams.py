@@ -1,4 +1,4 @@
-"""Lines of step streams and of records with the names of today."""
+"""Conversion of step streams and records to the current names."""
 
 from __future__ import annotations
 
@@ -16,15 +16,17 @@ from safeloc.runtime.streams.records import Record
 from safeloc.runtime.streams.steps import SCHEMA
 
 KINDS = frozenset(kind.model_fields["kind"].default for kind in get_args(Record)) | {"cycle"}
-"""Of records, and of the line that ends a cycle."""
-REPORT = ("interval_mm", "event", "outputs")
-"""A line with one of these is what a process told, no input of anything."""
+"""Kinds of records, and of the line that ends a cycle."""
+_REPORT = ("interval_mm", "event", "outputs")
+"""A line with one of these fields is a report of a process, and no input."""
 
 
 def migrated(path: Path, ships: Collection[str]) -> tuple[str, tuple[Change, ...]]:
-    """The text with the names of today. StreamError, with file and line, for what is no stream of steps or records.
+    """Return the text with the current names, and the changes.
 
-    ships   names of machines whose inputs were renamed; those of other machines are their owners'
+    StreamError with file and line if the file is no stream of steps or records.
+
+    ships   names of machines whose inputs were renamed; inputs of other machines keep their names
     """
     lines: list[str] = []
     changes: list[Change] = []
@@ -37,44 +39,44 @@ def migrated(path: Path, ships: Collection[str]) -> tuple[str, tuple[Change, ...
 
 
 def _old_names(path: Path, number: int, line: Mapping[str, Any], ships: Collection[str]) -> dict[str, str]:
-    """The names of before that the line says, each with the one of today."""
-    said = list(_names(path, number, line))
-    names = {old: new for old in said if (new := name_now(old)) != old}
+    """Return the old names in a line, each with its new name."""
+    found = list(_names(path, number, line))
+    names = {old: new for old in found if (new := name_now(old)) != old}
     if gone := [
-        f"{name!r}, which is told as {' and '.join(map(repr, parts))} now" for name in said if (parts := parted(name))
+        f"{name!r}, which is now {' and '.join(map(repr, parts))}" for name in found if (parts := parted(name))
     ]:
         raise StreamError(
-            f"{path}:{number}: says {gone[0]}: the old figure does not tell them. Record the stream anew."
+            f"{path}:{number}: has {gone[0]}: these cannot be derived from the old figure. Record the stream again."
         )
-    both = [f"{old!r} and {new!r}" for old, new in names.items() if new in said]
+    both = [f"{old!r} and {new!r}" for old, new in names.items() if new in found]
     if both:
         raise StreamError(f"{path}:{number}: has both {both[0]}, an old name and the new one; keep one of them.")
     machine = line.get("machine", "")
     if names and "schema" in line and machine not in ("", *ships):
         raise StreamError(
-            f"{path}:{number}: a stream of {quoted(machine)}, which does not ship; what its names are only its owner knows. "
-            f"Take `machine` out where they are those of a machine that ships."
+            f"{path}:{number}: a stream of {quoted(machine)}, which is no shipped machine, so its names are unknown here. "
+            f"Take `machine` out if they are the names of a shipped machine."
         )
     return names
 
 
 def _names(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[str]:
-    """The names of inputs and state variables that a line says, by what it is."""
+    """Yield the names of inputs and state variables in a line: a header, a record or a step."""
     if "schema" in line:
         yield from _of_a_header(path, number, line)
     elif "kind" in line:
         if line["kind"] not in KINDS:
             raise StreamError(f"{path}:{number}: a line of kind {quoted(line['kind'])}; known are {sorted(KINDS)}.")
         yield from [line["name"]] if isinstance(line.get("name"), str) else []
-    elif any(name in line for name in REPORT):
-        raise StreamError(f"{path}:{number}: a line that a process told; nothing reads it back, so it stays as it is.")
+    elif any(name in line for name in _REPORT):
+        raise StreamError(f"{path}:{number}: a report of a process; nothing reads it, so it is not converted.")
     else:
         yield from line
 
 
 def _of_a_header(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[str]:
     if line["schema"] != SCHEMA:
-        raise StreamError(f"{path}:{number}: schema is {quoted(line['schema'])}; this version carries {SCHEMA!r} over.")
+        raise StreamError(f"{path}:{number}: schema is {quoted(line['schema'])}; only {SCHEMA!r} can be converted.")
     first, kept = line.get("first", {}), line.get("kept", [])
     if not isinstance(first, dict) or not isinstance(kept, list) or not all(isinstance(name, str) for name in kept):
         raise StreamError(f"{path}:{number}: `first` must be an object of initial values, and `kept` a list of inputs.")
@@ -83,10 +85,10 @@ def _of_a_header(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[s
 
 
 def _renamed(path: Path, number: int, text: str, names: dict[str, str]) -> str:
-    """The line as it stands, with other names; StreamError where that would change a value as well."""
+    """Return the line with other names; StreamError if a value would change as well."""
     found = with_names(text, names)
     if json.loads(found) != _with(json.loads(text), names):
-        raise StreamError(f"{path}:{number}: says {quoted(sorted(names))} as a value as well; rename the line by hand.")
+        raise StreamError(f"{path}:{number}: has {quoted(sorted(names))} as a value as well; change the line by hand.")
     return found
 
 

@@ -1,1 +1,1 @@
-"""The stand-alone process: lines in, reports out (MRK-3). See docs/embedding.md."""
+"""The stand-alone process: it reads lines and writes reports (MRK-3). See docs/embedding.md."""

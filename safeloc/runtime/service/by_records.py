@@ -1,4 +1,4 @@
-"""A vehicle whose lines are records: they wait for the end of their cycle."""
+"""A vehicle whose lines are records: these wait for the end of their cycle."""
 
 from __future__ import annotations
 
@@ -9,48 +9,48 @@ from safeloc.errors import SnapshotError
 from safeloc.runtime.border import Reason
 from safeloc.runtime.embedding.controller import MOST_RECORDS
 from safeloc.runtime.service.clock_lag import Pace
-from safeloc.runtime.service.kept import Kept, KeptRecords, kept_as
-from safeloc.runtime.service.messages import Ended, Said, Step
+from safeloc.runtime.service.messages import CycleEnd, RecordLine, Step
+from safeloc.runtime.service.saved_fields import SavedRecords, SavedVehicle, checked_fields
 from safeloc.runtime.service.vehicle import MakeController, Vehicle
 from safeloc.runtime.streams.records import RECORD, Record, Unusable
 
 
 class RecordsVehicle(Vehicle):
-    """A cycle is over when a record of a later one comes, or a line says that it is."""
+    """A vehicle whose cycle ends with a record of a later cycle, or with a line of kind `cycle`."""
 
     def __init__(self, name: str, make: MakeController, pace: Pace, *, whole: bool) -> None:
         super().__init__(name, make, pace, whole=whole)
         self._pending: list[tuple[int, Record | Unusable]] = []
 
-    def _take(self, line: int, message: Said | Ended | Step) -> None:
-        if isinstance(message, Ended):
-            self._ended(line, message.time_ms)
-        elif isinstance(message, Said):
-            self._said(line, message.record)
+    def _take(self, line: int, message: RecordLine | CycleEnd | Step) -> None:
+        if isinstance(message, CycleEnd):
+            self._end_cycle(line, message.time_ms)
+        elif isinstance(message, RecordLine):
+            self._take_record(line, message.record)
 
-    def _said(self, line: int, record: Record | Unusable) -> None:
+    def _take_record(self, line: int, record: Record | Unusable) -> None:
         if self.controller is None:
             self.controller = self._make(self._pace.beginning(record.time_ms))
         if not self._in_step(line, record.time_ms):
             return
         while not self.stopped and record.time_ms > self.controller.next_end_ms:
             self._close()
-        self._heard()
+        self._note_line()
         if len(self._pending) < MOST_RECORDS:
             self._pending.append((line, record))
         else:
             self._lost = f"more than {MOST_RECORDS} records in one cycle"
             self._refuse(line, self._lost)
 
-    def _ended(self, line: int, time_ms: int) -> None:
+    def _end_cycle(self, line: int, time_ms: int) -> None:
         if self.controller is None:
             self.controller = self._make(time_ms // self._pace.period_ms * self._pace.period_ms)
-            self._lost = self._lost_until_heard = ""  # what belongs to earlier cycles has been said
+            self._lost = self._lost_before_next = ""  # all lines of earlier cycles have been sent
         if not self._in_step(line, time_ms):
             return
         while not self.stopped and time_ms >= self.controller.next_end_ms:
             self._close()
-            self._lost_until_heard = ""
+            self._lost_before_next = ""
 
     def _close(self) -> None:
         pending, lost = self._pending, self._lost
@@ -64,8 +64,8 @@ class RecordsVehicle(Vehicle):
     def _own(self) -> Mapping[str, Any]:
         return {"pending": [[line, _row(record)] for line, record in self._pending]}
 
-    def _checked(self, content: Mapping[str, Any]) -> Kept:
-        kept = kept_as(KeptRecords, content)
+    def _checked(self, content: Mapping[str, Any]) -> SavedVehicle:
+        kept = checked_fields(SavedRecords, content)
         self._pending = [(line, _record(row)) for line, row in kept.pending]
         return kept
 
@@ -80,11 +80,11 @@ def _row(record: Record | Unusable) -> dict[str, Any]:
 
 
 def _record(row: Mapping[str, Any]) -> Record | Unusable:
-    """SnapshotError for what is no record."""
+    """Return the record in a row of a snapshot; SnapshotError if there is none."""
     try:
         if "why" in row:
             reason, detail = row["why"]
             return Unusable(int(row["time_ms"]), str(row["channel"]), Reason[reason], str(detail))
         return RECORD.validate_python(row)
     except (LookupError, TypeError, ValueError) as error:
-        raise SnapshotError(f"the snapshot holds a record that is none ({type(error).__name__}).") from error
+        raise SnapshotError(f"the snapshot has an invalid record ({type(error).__name__}).") from error

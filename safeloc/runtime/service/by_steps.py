@@ -1,4 +1,4 @@
-"""A vehicle whose lines are the inputs of whole steps: each is a cycle."""
+"""A vehicle whose lines are the inputs of complete steps: each line is a cycle."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ from types import MappingProxyType
 from typing import Any
 
 from safeloc.runtime.service.counting import AGREEING_LINES
-from safeloc.runtime.service.kept import Kept, KeptSteps, kept_as
-from safeloc.runtime.service.messages import TRUTH, Ended, Said, Step
-from safeloc.runtime.service.vehicle import Told, Vehicle
+from safeloc.runtime.service.messages import TRUTH, CycleEnd, RecordLine, Step
+from safeloc.runtime.service.saved_fields import SavedSteps, SavedVehicle, checked_fields
+from safeloc.runtime.service.vehicle import Output, Vehicle
 
 
 class StepsVehicle(Vehicle):
-    """With cycle numbers a lost line is a gap, and every cycle of it a step without inputs. Without them a line that says
-    something wrong is such a step. What cannot be read at all may have been any number of steps, their line ends being
-    damaged: as every loss of unknown length, it ends in beginning anew.
+    """A vehicle whose lines are steps, with or without cycle numbers.
 
-    A stream may leave out what is as it was in the step before (`begin_stream`). After a step that was lost, what is
-    left out is not known, and steps are not used until they say it again.
+    With cycle numbers, a lost line is a gap, and each cycle of the gap becomes a step without inputs. Without them, a line with
+    a wrong value becomes such a step. An unreadable line may have been any number of steps, if line ends were damaged: as
+    after any loss of unknown length, the vehicle restarts.
+
+    A stream may leave out values that are as in the step before (`begin_stream`). After a lost step these values are not
+    known, and steps are not used until the stream contains them again.
     """
 
     _numbered = False
@@ -27,16 +29,16 @@ class StepsVehicle(Vehicle):
     _before: Mapping[str, Any] = MappingProxyType({})
 
     def begin_stream(self, kept: tuple[str, ...]) -> None:
-        """Begin a stream in which steps leave out unchanged inputs of these names."""
+        """Begin a stream whose steps leave out unchanged inputs of these names."""
         self._kept, self._before = kept, {}
 
-    def finish(self) -> list[Told]:
-        """Nothing waits for an end, but a loss of unknown length for its consequence."""
-        if self._lost_until_heard and not self._numbered and self.controller is not None and not self.stopped:
-            self._go_on()
-        return self._told()
+    def finish(self) -> list[Output]:
+        """Handle the end of all lines: no step is incomplete, but a loss of unknown length still causes a restart."""
+        if self._lost_before_next and not self._numbered and self.controller is not None and not self.stopped:
+            self._restart_after_loss()
+        return self._outputs()
 
-    def _take(self, line: int, message: Said | Ended | Step) -> None:
+    def _take(self, line: int, message: RecordLine | CycleEnd | Step) -> None:
         assert isinstance(message, Step)
         cycle = message.cycle
         if not self._counted_as_before(line, cycle):
@@ -45,13 +47,13 @@ class StepsVehicle(Vehicle):
         if self.controller is None:
             self.controller = self._make(0 if cycle is None else (cycle - 1) * period_ms)
         if cycle is None:
-            self._go_on()
+            self._restart_after_loss()
         elif not self._reached(line, cycle * period_ms):
             return
         self._numbered = cycle is not None
         whole = None if self.stopped else self._filled(line, message)
         if whole is not None:
-            self._lost = self._lost_until_heard = ""
+            self._lost = self._lost_before_next = ""
             step = self._guarded(lambda one: one.step_inputs(whole.inputs, truth_mm=whole.truth_mm))
             self._tell(step, {})
 
@@ -63,7 +65,7 @@ class StepsVehicle(Vehicle):
             return True
         self._bare += 1
         if self._bare < AGREEING_LINES:
-            self._refuse(line, "no cycle number, though steps before had one")
+            self._refuse(line, "no cycle number, but earlier steps had one")
             return False
         self._bare = 0
         self._doubt("its steps have no cycle number any more")
@@ -73,23 +75,23 @@ class StepsVehicle(Vehicle):
         """Fill in the inputs that the step leaves out; None, and a discarded step, if the step before is not known."""
         if not self._kept:
             return message
-        said = {**message.inputs, **({} if message.truth_mm is None else {TRUTH: message.truth_mm})}
-        unknown = [name for name in self._kept if name not in said and name not in self._before]
+        given = {**message.inputs, **({} if message.truth_mm is None else {TRUTH: message.truth_mm})}
+        unknown = [name for name in self._kept if name not in given and name not in self._before]
         if unknown:
-            self._lost = f"{unknown[0]} is left out as kept, and the step before does not say what it is"
+            self._lost = f"{unknown[0]} is left out as kept, but the step before has no value of it"
             self._refuse(line, self._lost)
             self._close()
             return None
-        self._before = {**{name: self._before[name] for name in self._kept if name not in said}, **said}
+        self._before = {**{name: self._before[name] for name in self._kept if name not in given}, **given}
         inputs = {name: value for name, value in self._before.items() if name != TRUTH}
         return message._replace(inputs=inputs, truth_mm=self._before.get(TRUTH))
 
-    def _go_on(self) -> None:
-        """The next step, if the last line is known to have been the one before."""
+    def _restart_after_loss(self) -> None:
+        """Restart if lines may be missing between the last step and the next one."""
         assert self.controller is not None
-        if self._lost_until_heard:
+        if self._lost_before_next:
             self._before = {}
-            self._anew(self._lost_until_heard)
+            self._anew(self._lost_before_next)
 
     def _reached(self, line: int, end_ms: int) -> bool:
         """Run the missing cycles without inputs; return whether the step that ends at that time is then the next one."""
@@ -104,7 +106,7 @@ class StepsVehicle(Vehicle):
         return not self.stopped
 
     def _missed(self, why: str) -> None:
-        """A step that says something wrong; with cycle numbers, the gap will show."""
+        """Count a line with a wrong value as a step without inputs; with cycle numbers, it will show as a gap instead."""
         if self.controller is not None and not self._numbered and not self.stopped:
             self._lost = why
             self._close()
@@ -122,8 +124,8 @@ class StepsVehicle(Vehicle):
     def _own(self) -> Mapping[str, Any]:
         return {"numbered": self._numbered, "bare": self._bare, "kept": list(self._kept), "before": dict(self._before)}
 
-    def _checked(self, content: Mapping[str, Any]) -> Kept:
-        kept = kept_as(KeptSteps, content)
+    def _checked(self, content: Mapping[str, Any]) -> SavedVehicle:
+        kept = checked_fields(SavedSteps, content)
         self._numbered, self._bare = kept.numbered, kept.bare
         self.begin_stream(kept.kept)
         self._before = kept.before

@@ -1,36 +1,36 @@
-"""Comparison of a vehicle's lines with its clock: in step, late, or on another clock."""
+"""Comparison of the times in a vehicle's lines with its clock: in step, late, or on another clock."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 OUT_OF_STEP_CYCLES = 10
-"""For so many cycles of their own time, lines out of step have to agree before their clock is believed to be set."""
+"""Cycles of their own time for which lines out of step have to agree, before the clock counts as set."""
 
 AT_ONCE_CYCLES = 10
-"""So far ahead one line is believed alone: that is a short silence, which is charged."""
+"""Cycles that a single line may be ahead: this is a short silence, bridged by steps without inputs."""
 
 AGREEING_CYCLES = 2
-"""Further ahead, within the longest gap: for so many cycles of their own time lines have to agree."""
+"""Cycles of their own time for which lines have to agree that are further ahead, but within the longest gap."""
 
 LONGEST_GAP_MS = 60_000
 LATEST_MS = 2**53
-"""No clock shows more; what does is broken."""
+"""Latest time that is accepted; a later one comes from a broken clock."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """Period, and the longest silence that is still charged cycle by cycle, in ms."""
+    """The cycle length, and the longest silence that is bridged cycle by cycle, in ms."""
 
     period_ms: int
     longest_gap_ms: int = LONGEST_GAP_MS
 
     def beginning(self, time_ms: int) -> int:
-        """Return the beginning of the cycle that holds this time, where cycles end at whole periods."""
+        """Return the beginning of the cycle that contains this time, if cycles end at whole periods."""
         return max(0, (time_ms - 1) // self.period_ms * self.period_ms)
 
     def at_once_ms(self, stride_ms: int) -> int:
-        """So far ahead one line is believed alone, of a vehicle whose last two times were so far apart."""
+        """Return how far ahead a single line is accepted, in ms; `stride_ms` is the pause before the vehicle's last line."""
         return min(self.longest_gap_ms, max(AT_ONCE_CYCLES * self.period_ms, 2 * stride_ms))
 
 
@@ -40,7 +40,7 @@ class Rhythm:
     def __init__(self, last_ms: int | None = None, stride_ms: int = 0) -> None:
         self.last_ms, self.stride_ms = last_ms, stride_ms
 
-    def heard(self, time_ms: int) -> None:
+    def note(self, time_ms: int) -> None:
         """Record a line in step."""
         if time_ms != self.last_ms:
             self.stride_ms = 0 if self.last_ms is None else max(0, time_ms - self.last_ms)
@@ -48,7 +48,7 @@ class Rhythm:
 
 
 class Streak:
-    """Lines out of step in a row. One wrong clock value is one line; a clock that was set goes on from there."""
+    """A row of lines out of step. A single line is a wrong clock value; after the clock was set, the lines agree."""
 
     def __init__(self, pace: Pace, first_ms: int | None = None, last_ms: int = 0) -> None:
         self._pace = pace
@@ -59,7 +59,7 @@ class Streak:
         self.first_ms = None
 
     def end_before(self, time_ms: int) -> None:
-        """Record a late line, which does not agree with one that is ahead."""
+        """Record a late line: it contradicts a line that is ahead."""
         if self.first_ms is not None and self.first_ms < time_ms:
             self.end()
 

@@ -15,21 +15,21 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from safeloc.errors import InputError
-from safeloc.runtime.service.kept import KeptPlace, kept_as
 from safeloc.runtime.service.lines import Line, LineCutter
+from safeloc.runtime.service.saved_fields import SavedPlace, checked_fields
 
-AT_ONCE = 16_384
-"""Bytes read before others have their turn: some thousand lines at the most."""
+_AT_ONCE = 16_384
+"""Most bytes read in one turn: at most some thousand lines."""
 
-AGAIN_S = 0.01
-"""How soon a file that has ended is looked at again."""
+_AGAIN_S = 0.01
+"""Seconds until a file is checked again after its end was reached."""
 
-MARK = 4_096
-"""Bytes before a position that identify the file."""
+_MARK = 4_096
+"""Number of bytes before a position whose digest identifies the file."""
 
 
 class Arrived(NamedTuple):
-    """A line. `vehicle`: the only one its sender may speak of; None: any."""
+    """A line that arrived. `vehicle`: the only one for which its sender may send; None: any."""
 
     origin: str
     line: Line
@@ -38,7 +38,7 @@ class Arrived(NamedTuple):
 
 @dataclass(frozen=True)
 class Left:
-    """A peer went away, or what came from it is no longer the same."""
+    """The end of an origin: a peer disconnected, or a file was replaced."""
 
     origin: str
     why: str
@@ -46,27 +46,31 @@ class Left:
 
 @dataclass(frozen=True)
 class Over:
-    """Nothing more will come."""
+    """The end of all input."""
 
 
 Event = Arrived | Left | Over
-Ready = Callable[[int], Iterator[Event]]
-"""What a selector's key carries: mask -> what came."""
+_Ready = Callable[[int], Iterator[Event]]
+"""The data of a selector's key: event mask -> events."""
 
 
 class Feed(ABC):
-    """whole: the first line is the first there was. replays: after a restart, the same lines can be read again."""
+    """A source of lines.
+
+    whole     the first line read is the first line sent
+    replays   the same lines can be read again after a restart
+    """
 
     whole = False
     replays = False
 
     @abstractmethod
     def open(self, selector: selectors.BaseSelector) -> None:
-        """Begin; InputError where that cannot be done."""
+        """Begin to read; InputError if that is impossible."""
 
     @abstractmethod
     def hold(self, held: bool) -> None:
-        """Stop reading, or go on: the sender is to wait."""
+        """Stop reading, so that the sender has to wait, or continue."""
 
     def look(self) -> Iterator[Event]:
         """Return the events that a selector does not report."""
@@ -79,25 +83,25 @@ class Feed(ABC):
 
     @property
     def live(self) -> bool:
-        """True if silence counts: a vehicle without lines now is silent, and not only later in the file being read."""
+        """Return whether silence counts. It does not while a file is read whose later lines may be of any vehicle."""
         return True
 
     def position(self) -> Mapping[str, Any]:
         """Return the position of the next line, for a snapshot."""
         return {}
 
-    def go_on(self, position: Mapping[str, Any]) -> str:
-        """Before `open`: go on there. Why lines may be missing since, "" if none can be."""
+    def resume(self, position: Mapping[str, Any]) -> str:
+        """Continue at a position; call it before `open`. Return why lines may be missing since; "" if none can be."""
         del position
         return "the process was not running"
 
     @abstractmethod
     def close(self) -> None:
-        """No more reading."""
+        """Stop reading for good."""
 
 
 class Stdin(Feed):
-    """A descriptor that is read to its end."""
+    """A file descriptor that is read to its end."""
 
     whole = True
     ORIGIN = "stdin"
@@ -111,16 +115,16 @@ class Stdin(Feed):
 
     @property
     def live(self) -> bool:
-        """Not of a file that is redirected here."""
+        """Return whether silence counts: not if standard input is a file."""
         return not self._is_file
 
     def open(self, selector: selectors.BaseSelector) -> None:
-        """Begin."""
+        """Begin to read."""
         self._selector = selector
         self.hold(False)
 
     def hold(self, held: bool) -> None:
-        """A pipe that is not read fills, and its writer waits."""
+        """Stop reading or continue: a pipe that is not read fills up, and its writer waits."""
         if self._selector is None or self._reading is not held:
             return
         self._reading = not held
@@ -131,7 +135,7 @@ class Stdin(Feed):
 
     def _ready(self, _mask: int) -> Iterator[Event]:
         try:
-            data = os.read(self._fd, AT_ONCE)
+            data = os.read(self._fd, _AT_ONCE)
         except BlockingIOError:
             return
         except OSError as error:
@@ -147,14 +151,14 @@ class Stdin(Feed):
             yield Over()
 
     def close(self) -> None:
-        """The descriptor is the caller's."""
+        """Stop reading; the descriptor belongs to the caller and stays open."""
         self.hold(True)
 
 
 class GrowingFile(Feed):
-    """A file that another process writes to. It may be there later, be cut, or be replaced by another one.
+    """A file to which another process writes. It may be created later, truncated, or replaced.
 
-    to_its_end   do not wait for more
+    to_its_end   stop at the end of the file
     """
 
     whole = True
@@ -168,7 +172,7 @@ class GrowingFile(Feed):
         self._held = self._at_end = self._over = False
 
     def open(self, selector: selectors.BaseSelector) -> None:
-        """Begin; a file that is not there yet is waited for."""
+        """Begin to read; wait for a file that does not exist yet."""
         del selector
         if self._file is None:
             self._open(0)
@@ -176,28 +180,28 @@ class GrowingFile(Feed):
             raise InputError(f"{self._path}: no such file.")
 
     def hold(self, held: bool) -> None:
-        """The file keeps what is not read."""
+        """Stop reading or continue: the file keeps its content."""
         self._held = held
 
     @property
     def again_s(self) -> float | None:
-        """At once while there is more."""
+        """Return the time until the next `look`: 0 until the end of the file is reached."""
         if self._held or self._over:
             return None
-        return AGAIN_S if self._at_end else 0.0
+        return _AGAIN_S if self._at_end else 0.0
 
     @property
     def live(self) -> bool:
-        """Only while more is waited for: before, lines are read as fast as can be, whenever they were said."""
+        """Return whether silence counts: only at the end of the file. Before, lines are read without regard to time."""
         return self._at_end and not self._to_its_end
 
     def look(self) -> Iterator[Event]:
-        """Return the next part of the file; InputError where it cannot be read."""
+        """Return the next part of the file; InputError if it cannot be read."""
         if self._held or self._over or not self._opened():
             return
         assert self._file is not None
         with self._in_words():
-            data = self._file.read(AT_ONCE)
+            data = self._file.read(_AT_ONCE)
         self._at_end = not data
         for line in self._cutter.feed(data):
             yield Arrived(self.origin, line)
@@ -211,15 +215,15 @@ class GrowingFile(Feed):
             yield from self._begin_other()
 
     def position(self) -> Mapping[str, Any]:
-        """Return the start of the next complete line, and a mark of the text before it."""
+        """Return the start of the next complete line, and a digest of the text before it."""
         consumed = self._cutter.consumed
         return {"file": self.origin, "consumed": consumed, "line": self._cutter.number, "mark": self._mark(consumed)}
 
-    def go_on(self, position: Mapping[str, Any]) -> str:
-        """Go on behind the last line that was used, if it still stands there."""
+    def resume(self, position: Mapping[str, Any]) -> str:
+        """Continue after the last line that was used, if the text before it is unchanged."""
         if position.get("file") != self.origin:
-            return f"lines came from elsewhere before, {position.get('file', 'no file')}"
-        place = kept_as(KeptPlace, position)
+            return f"lines came from another source before, {position.get('file', 'no file')}"
+        place = checked_fields(SavedPlace, position)
         self._open(place.consumed)
         if self._mark(place.consumed) != place.mark:
             self._close()
@@ -228,7 +232,7 @@ class GrowingFile(Feed):
         return ""
 
     def close(self) -> None:
-        """No more reading."""
+        """Stop reading for good."""
         self._over = True
         self._close()
 
@@ -259,16 +263,16 @@ class GrowingFile(Feed):
             raise InputError(f"{self._path}: cannot be read: {why}.") from error
 
     def _mark(self, consumed: int) -> str | None:
-        """A digest of what stands before a position; None where the file does not reach there."""
+        """Return a digest of the text before a position; None if the file is shorter."""
         if self._file is None:
             return None
-        begin = max(0, consumed - MARK)
+        begin = max(0, consumed - _MARK)
         with self._in_words():
             before = os.pread(self._file.fileno(), consumed - begin, begin)
         return hashlib.sha256(before).hexdigest() if len(before) == consumed - begin else None
 
     def _replaced(self) -> bool:
-        """Return whether the name means another file now, or this one was truncated."""
+        """Return whether the path is another file now, or this file was truncated."""
         assert self._file is not None
         with self._in_words():
             own = os.fstat(self._file.fileno())
@@ -282,7 +286,7 @@ class GrowingFile(Feed):
         tail = self._cutter.tail()
         if tail is not None:
             yield Arrived(self.origin, tail)
-        yield Left(self.origin, f"{self._path} was replaced or cut")
+        yield Left(self.origin, f"{self._path} was replaced or truncated")
         self._close()
         self._cutter = LineCutter()
         self._at_end = False
@@ -297,4 +301,4 @@ def _is_file(fd: int) -> bool:
     try:
         return stat.S_ISREG(os.fstat(fd).st_mode)
     except OSError:
-        return False  # a descriptor that is closed: reading from it will say so
+        return False  # a closed descriptor: reading from it will raise the error

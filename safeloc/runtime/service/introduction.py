@@ -1,8 +1,8 @@
-"""The proxy's header before the first line of a connection: it names the vehicle whose certificate was checked.
+"""The proxy's header before the first line of a connection, with the name of the vehicle whose certificate was checked.
 
 This is the header of the PROXY protocol, version 2, with its TLS part, as HAProxy's `send-proxy-v2-ssl-cn` sends it
 (https://www.haproxy.org/download/2.6/doc/proxy-protocol.txt, sections 2.2 and 2.2.6). The common name of the
-certificate is the vehicle's name. A header that leaves the sender open is refused.
+certificate is the vehicle's name. A header that does not identify the sender is refused.
 """
 
 from __future__ import annotations
@@ -14,25 +14,25 @@ from safeloc.runtime.outside import quoted
 from safeloc.runtime.service.messages import VEHICLE
 
 SIGNATURE = b"\r\n\r\n\0\r\nQUIT\n"
-FIXED = 16
+_FIXED = 16
 """Bytes of signature, command, family and length."""
 
 LONGEST = 4_096
-"""Bytes of the rest; with a name of 64 letters it has about a hundred."""
+"""Most bytes of the rest; with a name of 64 letters it has about a hundred."""
 
-PROXIED = 0x21
-"""Version 2, for a client; 0x20 is what the proxy sends to see whether we are there."""
+_PROXIED = 0x21
+"""Version 2, for a client; with 0x20 the proxy only checks that this process is running."""
 
-BYTES_OF_ADDRESSES = {0x1: 12, 0x2: 36, 0x3: 216}
-"""IPv4, IPv6 and Unix, from the upper half of the family's byte; without one (0) there are none."""
+_BYTES_OF_ADDRESSES = {0x1: 12, 0x2: 36, 0x3: 216}
+"""IPv4, IPv6 and Unix, by the upper half of the family's byte; 0 means no addresses."""
 
 TLS, COMMON_NAME = 0x20, 0x22
-OVER_TLS, WITH_CERTIFICATE = 0x01, 0x06
-"""Bits of the TLS part: in this connection, or in the session that it goes on with."""
+_OVER_TLS, WITH_CERTIFICATE = 0x01, 0x06
+"""Bits of the TLS part; the certificate was given in this connection, or in the session that it resumes."""
 
 
 class Introduction:
-    """Takes the header off the beginning of a connection.
+    """A reader of the header at the beginning of a connection.
 
     vehicle   the only one for which the peer may send; None while the header is incomplete
     """
@@ -58,37 +58,37 @@ def _end(data: bytes) -> int | None:
     """Return the end of the header; None while unknown. InputError as soon as the data cannot be a header."""
     if not SIGNATURE.startswith(data[: len(SIGNATURE)]):
         raise InputError("no PROXY header of version 2; only the proxy may connect here, with send-proxy-v2-ssl-cn")
-    if len(data) < FIXED:
+    if len(data) < _FIXED:
         return None
-    length = int.from_bytes(data[14:FIXED], "big")
+    length = int.from_bytes(data[14:_FIXED], "big")
     if length > LONGEST:
         raise InputError(f"a PROXY header of {length} bytes; at most {LONGEST} are read")
-    return FIXED + length
+    return _FIXED + length
 
 
 def _vehicle(header: bytes) -> str:
-    """The name in the certificate; InputError where no certificate was checked, or its name can be no vehicle's."""
-    if header[12] != PROXIED:
-        raise InputError("the proxy speaks for itself, and for no vehicle")
+    """Return the name in the certificate; InputError if no certificate was checked, or if it cannot name a vehicle."""
+    if header[12] != _PROXIED:
+        raise InputError("the proxy connects for itself and names no vehicle")
     family = header[13] >> 4
-    if family and family not in BYTES_OF_ADDRESSES:
+    if family and family not in _BYTES_OF_ADDRESSES:
         raise InputError(f"a PROXY header with addresses of unknown kind {family}")
-    parts = _only(header[FIXED + BYTES_OF_ADDRESSES.get(family, 0) :], TLS, "TLS part: no send-proxy-v2-ssl-cn")
+    parts = _only(header[_FIXED + _BYTES_OF_ADDRESSES.get(family, 0) :], TLS, "TLS part: no send-proxy-v2-ssl-cn")
     client, verified = parts[:1], parts[1:5]
-    if len(verified) < 4 or not client[0] & OVER_TLS or not client[0] & WITH_CERTIFICATE or any(verified):
-        raise InputError("no certificate was shown to the proxy, or it was not good: let it `verify required`")
+    if len(verified) < 4 or not client[0] & _OVER_TLS or not client[0] & WITH_CERTIFICATE or any(verified):
+        raise InputError("the proxy got no valid certificate; configure it with `verify required`")
     return _named(_only(parts[5:], COMMON_NAME, "common name: the certificate has none"))
 
 
 def _named(common_name: bytes) -> str:
     name = common_name.decode("latin-1")
     if not VEHICLE.fullmatch(name):
-        raise InputError(f"the certificate is of {quoted(name)}, which can be no vehicle's name")
+        raise InputError(f"the certificate is of {quoted(name)}, which cannot be the name of a vehicle")
     return name
 
 
 def _only(data: bytes, kind: int, what: str) -> bytes:
-    """The one part of this kind; InputError where there is none, or more than one."""
+    """Return the only part of this kind; InputError if there is none, or more than one."""
     found = [value for each, value in _parts(data) if each == kind]
     if len(found) != 1:
         raise InputError(f"a PROXY header with {len(found)} times a {what}")
@@ -96,7 +96,7 @@ def _only(data: bytes, kind: int, what: str) -> bytes:
 
 
 def _parts(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Kind and value of each; a part is one byte of kind, two of length, and so many bytes."""
+    """Yield kind and value of each part: one byte of kind, two of length, and the value."""
     while data:
         length = int.from_bytes(data[1:3], "big")
         if len(data) < 3 + length:

@@ -1,4 +1,4 @@
-"""The log: one JSON object a line, for people and machines. It never holds the process up."""
+"""The log: one JSON object per line, for people and programs. Writing it never delays the process."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import time
 from datetime import UTC, datetime
 
 MOST_A_SECOND = 20
-"""Lines of one event; further ones of that second are counted."""
+"""Most lines of one event per second; further ones are only counted."""
 
-SHORTER = (1_000, 200, 40)
-"""Characters that are left of each text of an event that is too long for one line, tried in turn."""
+_SHORTER = (1_000, 200, 40)
+"""Lengths to which each text of an event is cut if the event is too long for one line, tried in turn."""
 
 
 class Journal:
-    """Writes to a file descriptor; a reader that does not read costs lines of the log, and they are counted."""
+    """A log on a file descriptor. If its reader is too slow, lines are left out and counted."""
 
     def __init__(self, fd: int) -> None:
         self._fd = fd
@@ -25,15 +25,15 @@ class Journal:
         self._left_out = 0
 
     def info(self, event: str, **fields: object) -> None:
-        """Something that happens in a good run too."""
+        """Log an event of normal operation."""
         self._log("info", event, fields)
 
     def warning(self, event: str, **fields: object) -> None:
-        """Something that was survived."""
+        """Log an event from which the process recovered."""
         self._log("warning", event, fields)
 
     def error(self, event: str, **fields: object) -> None:
-        """Something that ended the process, or keeps it from restarting as it was."""
+        """Log an event that ends the process, or prevents it from restarting in its last state."""
         self._log("error", event, fields)
 
     def _log(self, level: str, event: str, fields: dict[str, object]) -> None:
@@ -56,7 +56,7 @@ class Journal:
         return self._written[event] > MOST_A_SECOND
 
     def _written_out(self, line: bytes) -> bool:
-        """A pipe that has room takes PIPE_BUF bytes without waiting."""
+        """Write a line if that needs no waiting; return whether it was written. A pipe with room takes PIPE_BUF bytes."""
         poll = select.poll()
         poll.register(self._fd, select.POLLOUT)
         try:
@@ -64,14 +64,14 @@ class Journal:
                 os.write(self._fd, line)
                 return True
         except OSError:
-            pass  # nobody reads the log any more, and there is nowhere else to say so
+            pass  # nobody reads the log any more, and there is no other place to report it
         return False
 
 
 def _fitting(head: dict[str, str], fields: dict[str, object]) -> bytes:
-    """One line of at most PIPE_BUF bytes; where something was left out, it says `shortened`."""
+    """Return one line of at most PIPE_BUF bytes; `shortened` is true in it if something was cut."""
     line = _line({**head, **fields})
-    for length in SHORTER:
+    for length in _SHORTER:
         if len(line) <= select.PIPE_BUF:
             return line
         short = {name: _shortened(value, length) for name, value in fields.items()}

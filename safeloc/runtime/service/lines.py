@@ -1,4 +1,4 @@
-"""Bytes as they come, cut into lines. A line that is too long is reported, not stored: memory stays bounded."""
+"""Received bytes, cut into lines. A line that is too long is reported and not stored, so that memory stays bounded."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 LONGEST_LINE = 65_536
-"""Bytes; a record takes about a hundred."""
+"""Most bytes of a line; a record takes about a hundred."""
 
 
 class Line(NamedTuple):
-    """One line without its end. `flaw` says why it cannot be read, and `text` is empty then; `cut`: its sender
-    went away within it."""
+    """One line without its end.
+
+    flaw   the reason why it cannot be read (`text` is then empty); "" if it can
+    cut    its sender disconnected before the end of the line
+    """
 
     number: int
     text: bytes
@@ -20,10 +23,10 @@ class Line(NamedTuple):
 
 
 class LineCutter:
-    """Cuts one stream.
+    """A cutter of one stream into lines.
 
-    number    lines seen so far
-    consumed  bytes of all whole lines seen so far, ends included: where the next line begins
+    number    number of lines so far
+    consumed  bytes of all complete lines so far, with their ends: the position of the next line
     """
 
     def __init__(self, number: int = 0, consumed: int = 0) -> None:
@@ -32,7 +35,7 @@ class LineCutter:
         self._skipped = 0
 
     def feed(self, data: bytes) -> Iterator[Line]:
-        """Return the complete lines. Take all of them before feeding again."""
+        """Yield the lines that are complete with these data. Take all of them before the next call."""
         *ended, rest = data.split(b"\n")
         for part in ended:
             if self._rest:

@@ -1,10 +1,10 @@
-"""The process: one loop that reads lines, steps the vehicles, saves snapshots, and delivers reports.
+"""The process: a loop that reads lines, steps the vehicles, saves snapshots and delivers reports.
 
-A report that withdraws a place leaves only after the withdrawal is on disk: a process that is killed and started
-again can then never report a place that it had withdrawn, unless a reference brought it back. Where the lines can be
-read again (a file, without watchdog) that is not needed: the same lines withdraw it again.
+A report that withdraws a position is delivered only after a snapshot with the withdrawal is on disk. So a process that is
+killed and restarted can never report a withdrawn position, unless a new reference has been accepted. If the lines can be
+read again (a file, without watchdog) this is not needed: the same lines withdraw the position again.
 
-After an unexpected exception nothing is saved: the memory is not trusted, and the next process resumes from the last
+After an unexpected exception nothing is saved, since the memory is not trusted: the next process resumes from the last
 snapshot, as after kill -9.
 """
 
@@ -29,24 +29,24 @@ from safeloc.runtime.embedding.snapshot import require_same
 from safeloc.runtime.service.feeds import Arrived, Event, Feed, Left, Over
 from safeloc.runtime.service.fleet import Fleet
 from safeloc.runtime.service.journal import Journal
-from safeloc.runtime.service.kept import KeptProcess, kept_as
 from safeloc.runtime.service.outlets import Outlet
 from safeloc.runtime.service.replies import Allowance
+from safeloc.runtime.service.saved_fields import SavedProcess, checked_fields
 from safeloc.runtime.service.saving import Saver
 from safeloc.runtime.service.supervised import Supervised
-from safeloc.runtime.service.vehicle import Told
+from safeloc.runtime.service.vehicle import Output
 from safeloc.runtime.service.watchdog import Watchdog
 
-TURN_S = 0.000_2
-"""How long the thread that writes snapshots may keep the interpreter before the loop has its turn."""
+_TURN_S = 0.000_2
+"""Seconds for which the thread that writes snapshots may occupy the interpreter before the loop continues."""
 
-STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+_STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
-LAST_TURN_S = 1.0
-"""How long the turn may take in which the process is told to stop; what is left of it then is not heard."""
+_LAST_TURN_S = 1.0
+"""Most seconds of the turn in which a stop signal arrives; lines that are not handled by then are dropped."""
 
-LAST_WORDS_S = 5.0
-"""How long a reader may take for what waits for it when the process ends."""
+_LAST_WORDS_S = 5.0
+"""Most seconds that the process waits at its end for readers to take their reports."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Parts:
 
 
 class Loop:
-    """Runs until the feed ends or a signal stops it."""
+    """The loop; it runs until the feed ends or a signal stops it."""
 
     def __init__(self, parts: Parts) -> None:
         self._parts = parts
@@ -78,31 +78,31 @@ class Loop:
         self._saved_at = time.monotonic()
         self._changed = False
         self._replays = parts.feed.replays and parts.watchdog is None
-        gap_s = parts.fleet.ways.longest_gap_ms / 1_000
+        gap_s = parts.fleet.settings.longest_gap_ms / 1_000
         self._clock = parts.watchdog or Watchdog(gap_s, gap_s)
         self._allowance = Allowance() if isinstance(parts.outlet, Feed) else None
         parts.fleet.on_failure = self._vehicle_failed
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Go on from a snapshot; InputError where it does not fit."""
-        parts, kept = self._parts, kept_as(KeptProcess, saved)
-        require_same("way of reading lines", "steps" if parts.fleet.ways.inputs else "records", kept.lines)
-        unsure = parts.feed.go_on(kept.feed)
-        parts.fleet.restore(kept.vehicles, unsure)
-        parts.outlet.trim(kept.outlet, self._replays and not unsure)
+        """Continue from a snapshot; InputError if it does not fit."""
+        parts, content = self._parts, checked_fields(SavedProcess, saved)
+        require_same("way of reading lines", "steps" if parts.fleet.settings.inputs else "records", content.lines)
+        unsure = parts.feed.resume(content.feed)
+        parts.fleet.restore(content.vehicles, unsure)
+        parts.outlet.trim(content.outlet, self._replays and not unsure)
         for name in parts.fleet.vehicles:
             self._clock.ended(name, time.monotonic())
-        parts.journal.info("resumed", vehicles=len(kept.vehicles), unsure=unsure)
+        parts.journal.info("resumed", vehicles=len(content.vehicles), unsure=unsure)
 
     def run(self) -> None:
-        """Until there is no more. Errors come out after what waits was saved and handed over, as far as possible."""
+        """Run to the end. An error is raised after waiting reports were delivered and a snapshot was saved, if possible."""
         parts = self._parts
         parts.feed.open(parts.selector)
         if parts.saver is not None:
             parts.fleet.make_ready_to_save()
         gc.collect()
-        gc.freeze()  # machines are large and stay: looking through them again and again would hold reports up
-        sys.setswitchinterval(TURN_S)
+        gc.freeze()  # machines are large and permanent: scanning them repeatedly would delay reports
+        sys.setswitchinterval(_TURN_S)
         try:
             with self._signals():
                 parts.journal.info("started", pid=os.getpid(), machine=parts.fleet.name)
@@ -113,7 +113,7 @@ class Loop:
                 if self._over:
                     self._tell(parts.fleet.finish(), "")
         except (SafelocError, BrokenPipeError):
-            raise  # planned: what is in memory is as it should be
+            raise  # an expected error: the memory is correct
         except BaseException as error:
             self._failed = True
             parts.journal.error("failed", why=f"{type(error).__name__}: {error}", trace=_trace(error))
@@ -126,10 +126,10 @@ class Loop:
     def _once(self) -> None:
         parts = self._parts
         for key, mask in parts.selector.select(self._patience_s()):
-            self._heed(key.data(mask))
+            self._handle(key.data(mask))
             if not self._must_save:
-                parts.outlet.flush()  # no peer waits for what the next ones say
-        self._heed(parts.feed.look())
+                parts.outlet.flush()  # so that no peer waits for lines of the next ones
+        self._handle(parts.feed.look())
         self._watch()
         self._hand_over()
         parts.feed.hold(parts.outlet.full)
@@ -156,7 +156,7 @@ class Loop:
             limits.append(max(0.0, self._saved_at + parts.save_every_s - time.monotonic()))
         return min((limit for limit in limits if limit is not None), default=None)
 
-    def _heed(self, events: Iterator[Event]) -> None:
+    def _handle(self, events: Iterator[Event]) -> None:
         fleet, whole = self._parts.fleet, self._parts.feed.whole
         for event in events:
             match event:
@@ -164,7 +164,7 @@ class Loop:
                     self._changed = True
                     if self._allowance is not None:
                         self._allowance.said(origin, len(line.text))
-                    self._tell(fleet.heed(origin, line, whole=whole, only=vehicle), origin)
+                    self._tell(fleet.handle(origin, line, whole=whole, only=vehicle), origin)
                 case Left(origin, why):
                     fleet.gone(origin, why)
                     if self._allowance is not None:
@@ -172,10 +172,10 @@ class Loop:
                 case Over():
                     self._over = True
             if time.monotonic() > self._stop_by:
-                return  # lines that were read and not heard are charged as any that came while nobody listened
+                return  # the lines that are left count as lost, like those sent while the process is not running
 
     def _watch(self) -> None:
-        """Vehicles that are silent: with a watchdog their cycles are ended, without one their places are withdrawn."""
+        """End the cycles of silent vehicles if there is a watchdog, else withdraw their positions."""
         parts, clock, now = self._parts, self._clock, time.monotonic()
         if not parts.feed.live or parts.outlet.full:
             clock.pass_over(now)
@@ -184,14 +184,17 @@ class Loop:
             if parts.watchdog is not None:
                 self._tell(parts.fleet.silence(name, "the watchdog ended the cycle"), "", watched=True)
             else:
-                why = f"it ended no cycle for {parts.fleet.ways.longest_gap_ms} ms"
+                why = f"it ended no cycle for {parts.fleet.settings.longest_gap_ms} ms"
                 self._tell(parts.fleet.withdraw(name, why), "", watched=True)
                 clock.forget(name)
 
-    def _tell(self, told: list[Told], origin: str, *, watched: bool = False) -> None:
-        """To whoever speaks for the vehicle, or else to who sent the line."""
+    def _tell(self, outputs: list[Output], origin: str, *, watched: bool = False) -> None:
+        """Send outputs to the peer of the vehicle, or else to the sender of the line.
+
+        watched   the watchdog caused them, and no line
+        """
         parts = self._parts
-        for one in told:
+        for one in outputs:
             vehicle = one.get("vehicle", "")
             self._put(parts.fleet.origins.get(vehicle, origin), one)
             event = one.get("event")
@@ -202,7 +205,7 @@ class Loop:
             elif "mode" in one and not watched:
                 self._clock.ended(vehicle, time.monotonic())
 
-    def _put(self, origin: str, one: Told) -> None:
+    def _put(self, origin: str, one: Output) -> None:
         data = json.dumps(one).encode() + b"\n"
         if self._allowance is not None and one.get("event") == "refused":
             allowed = self._allowance.refusal(origin, one, len(data))
@@ -217,10 +220,10 @@ class Loop:
     # ------------------------------------------------------------------ snapshots
 
     def _content(self) -> Callable[[], Mapping[str, Any]]:
-        """All there is to remember, as of now."""
+        """Return a function that returns the content of a snapshot as of now."""
         parts = self._parts
         vehicles, feed, outlet = parts.fleet.freeze(), parts.feed.position(), parts.outlet.position()
-        lines = "steps" if parts.fleet.ways.inputs else "records"
+        lines = "steps" if parts.fleet.settings.inputs else "records"
 
         def content() -> Mapping[str, Any]:
             parts.outlet.sync()
@@ -243,13 +246,13 @@ class Loop:
 
     @contextmanager
     def _signals(self) -> Iterator[None]:
-        """SIGTERM, SIGINT and SIGHUP end the loop after its turn; a pipe wakes it. One that is ignored (nohup) stays so."""
+        """Let SIGTERM, SIGINT and SIGHUP end the loop after its turn; a pipe wakes it. An ignored signal stays ignored."""
         reading, writing = os.pipe()
         os.set_blocking(reading, False)
         os.set_blocking(writing, False)
         self._parts.selector.register(reading, selectors.EVENT_READ, lambda _mask: self._woken(reading))
-        heeded = [number for number in STOPPING if signal.getsignal(number) is not signal.SIG_IGN]
-        before = {number: signal.signal(number, self._told_to_stop) for number in heeded}
+        handled = [number for number in _STOPPING if signal.getsignal(number) is not signal.SIG_IGN]
+        before = {number: signal.signal(number, self._request_stop) for number in handled}
         wakeup = signal.set_wakeup_fd(writing)
         try:
             yield
@@ -261,16 +264,16 @@ class Loop:
             os.close(reading)
             os.close(writing)
 
-    def _told_to_stop(self, number: int, _frame: object) -> None:
+    def _request_stop(self, number: int, _frame: object) -> None:
         self._stop = signal.Signals(number).name
-        self._stop_by = min(self._stop_by, time.monotonic() + LAST_TURN_S)
+        self._stop_by = min(self._stop_by, time.monotonic() + _LAST_TURN_S)
 
     def _woken(self, reading: int) -> Iterator[Event]:
         os.read(reading, 1_024)
         yield from ()
 
     def _end(self) -> None:
-        """Deliver the waiting reports, then save, so that reports and snapshot agree."""
+        """Deliver the waiting reports, then save a snapshot, so that both agree."""
         parts = self._parts
         parts.supervised.ending()
         try:
@@ -291,13 +294,13 @@ class Loop:
 
     def _last_words(self) -> None:
         parts = self._parts
-        until = time.monotonic() + LAST_WORDS_S
+        until = time.monotonic() + _LAST_WORDS_S
         self._hand_over()
         while parts.outlet.waiting and time.monotonic() < until:
             time.sleep(0.005)
             parts.outlet.flush()
         if parts.outlet.waiting:
-            parts.journal.warning("unsent", why=f"not read within {LAST_WORDS_S} s")
+            parts.journal.warning("unsent", why=f"not read within {_LAST_WORDS_S} s")
 
 
 def _trace(error: BaseException) -> str:

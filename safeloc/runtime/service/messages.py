@@ -1,4 +1,4 @@
-"""Meaning of a line: a record, the end of a cycle, or the inputs of a step, each for one vehicle.
+"""The meaning of a line: a record, the end of a cycle, or the inputs of a step, each for one vehicle.
 
     {"vehicle": "12", "number": 5, "kind": "distance", "time_ms": 100, ...}   a record as in docs/records.md
     {"vehicle": "12", "number": 6, "kind": "cycle", "time_ms": 100}           all records up to this time were sent
@@ -27,19 +27,19 @@ from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.runtime.streams.steps import SCHEMA
 
 ALONE = "1"
-"""The vehicle of lines that name none."""
+"""The vehicle of lines without a vehicle's name."""
 
 TRUTH = "truth_mm"
-"""Of a step: where the vehicle really is, no input but a remark."""
+"""Field of a step with the true position: a remark, not an input."""
 
 LONGEST_REASON = 300
-"""Characters of a reason: an answer is not to be much longer than what it answers."""
+"""Most characters of a reason: a reply should not be much longer than the line."""
 
-MOST_NAMES = 1_000
-"""Names in one line; the largest machine has some hundred inputs."""
+_MOST_NAMES = 1_000
+"""Most names in one line; the largest machine has some hundred inputs."""
 
-MOST_RECORD_NAMES = 32
-"""Names in a record; it has at most nine."""
+_MOST_RECORD_NAMES = 32
+"""Most names that are read in a record; a valid one has at most nine."""
 
 VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 
@@ -51,22 +51,22 @@ class Envelope(NamedTuple):
     number: int | None = None
 
 
-class Said(NamedTuple):
-    """A record."""
+class RecordLine(NamedTuple):
+    """One record of a vehicle."""
 
     envelope: Envelope
     record: Record | Unusable
 
 
-class Ended(NamedTuple):
-    """The end of all cycles up to this time: their records are complete."""
+class CycleEnd(NamedTuple):
+    """The end of all cycles up to this time: all of their records have been sent."""
 
     envelope: Envelope
     time_ms: int
 
 
 class Step(NamedTuple):
-    """The inputs of a step; `cycle` is its number from 1, None: the next one."""
+    """The inputs of a step; `cycle` is its number from 1, None for the next one."""
 
     envelope: Envelope
     cycle: int | None
@@ -76,7 +76,7 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class Header:
-    """The first line of a step stream, of the vehicle that needs no name.
+    """The first line of a step stream, for the vehicle without a name.
 
     kept   inputs that a step contains only if they changed since the step before
     """
@@ -92,15 +92,15 @@ class Refused(NamedTuple):
     number: int | None = None
 
 
-Message = Said | Ended | Step | Header | Refused
+Message = RecordLine | CycleEnd | Step | Header | Refused
 
 
 class Reader:
-    """Reads the lines of one process.
+    """A reader of the lines of one process.
 
-    own       vehicle -> program, where it is not the common one
-    inputs    lines are inputs of steps, not records
-    numbered  every line needs a number, for what brings them may lose some
+    own       vehicle -> its program, if that is not the common one
+    inputs    lines are inputs of steps instead of records
+    numbered  every line needs a number, since lines may be lost unnoticed
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class Reader:
         self._ghosts = {var.name for var in program.target.system.ghosts}
 
     def read(self, line: Line) -> Message:
-        """Read a line without raising: an unreadable line is Refused, with the reason or the place where safeloc failed."""
+        """Return the message of a line. It never raises: an unreadable line is Refused, with the reason."""
         if line.flaw:
             return Refused(line.flaw)
         vehicle: str | None = None
@@ -126,7 +126,7 @@ class Reader:
             vehicle = _vehicle(fields)
             number = _count(fields, "number")
             if self._numbered and number is None:
-                raise InputError("no number: what brings these lines may lose some; count them from 1 for each vehicle")
+                raise InputError("no number: lines may be lost on the way; count them from 1 for each vehicle")
             envelope = Envelope(vehicle, number)
             return self._step(envelope, fields) if self._inputs else _record(envelope, fields)
         except Exception as error:  # the rule of every border (safeloc.runtime.outside)
@@ -138,7 +138,7 @@ class Reader:
         named = "vehicle" in fields
         cycle = _count(fields, "cycle")
         if cycle is None and named:
-            raise InputError("no cycle: with vehicles named, a lost line shows only if each step has its number")
+            raise InputError("no cycle: a step with a vehicle needs its cycle number, so that lost lines are noticed")
         truth_mm = fields.pop(TRUTH, None)
         if truth_mm is not None and type(truth_mm) is not int:
             raise InputError(f"truth_mm is {quoted(truth_mm)}; give whole mm, or leave it out")
@@ -152,14 +152,14 @@ class Reader:
             raise InputError(f"schema is {quoted(fields['schema'])}; this version reads {SCHEMA!r}")
         machine = fields.get("machine", "")
         if machine not in ("", self._program.name):
-            raise InputError(f"a stream of machine {quoted(machine)}; here runs {self._program.name!r}")
+            raise InputError(f"a stream of machine {quoted(machine)}; this process runs {self._program.name!r}")
         first = fields.get("first", {})
         if not isinstance(first, dict):
             raise InputError("`first` must be an object of initial values")
         board = {name: value for name, value in first.items() if name not in self._ghosts}
         if board != self._first:
             raise InputError(
-                f"the stream begins with {quoted(board)}, the machine here with {dict(self._first)}; give --first"
+                f"the stream begins with {quoted(board)}, this machine with {dict(self._first)}; give --first"
             )
         return Header(self._kept(fields.get("kept", [])))
 
@@ -172,43 +172,43 @@ class Reader:
 
 
 def _require_known(program: Program, names: Collection[str]) -> None:
-    """InputError, in a few words: names that nearly fit are not looked for, which would take longer than a step."""
+    """Raise InputError for a name that is no input. The message suggests no similar name: that would take longer than a step."""
     unknown = program.unknown(names)
     if unknown:
-        told = renamed(unknown[:1], program.entries)
-        raise InputError(f"{program.name} has no input {quoted(unknown[0])}{told}")
+        new_name = renamed(unknown[:1], program.entries)
+        raise InputError(f"{program.name} has no input {quoted(unknown[0])}{new_name}")
 
 
 def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
     fields.pop("vehicle", None)
     fields.pop("number", None)
-    if len(fields) > MOST_RECORD_NAMES:
-        raise InputError(f"{len(fields)} names in one record; none has more than {MOST_RECORD_NAMES}")
+    if len(fields) > _MOST_RECORD_NAMES:
+        raise InputError(f"{len(fields)} names in one record; none has more than {_MOST_RECORD_NAMES}")
     if "kind" not in fields:
-        raise InputError("no kind: not a record; lines that are the inputs of steps are read with --inputs")
+        raise InputError("no kind: this is no record; to read lines with the inputs of steps, give --inputs")
     if fields["kind"] != "cycle":
-        return Said(envelope, record_or_fault(fields))
+        return RecordLine(envelope, record_or_fault(fields))
     time_ms = fields.get("time_ms")
     if type(time_ms) is not int or time_ms < 0 or len(fields) > 2:
-        raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {quoted(fields)}")
-    return Ended(envelope, time_ms)
+        raise InputError(f"a line of kind cycle has only time_ms, in whole ms from 0; got {quoted(fields)}")
+    return CycleEnd(envelope, time_ms)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise InputError("a name is given twice")
-    if len(found) > MOST_NAMES:
-        raise InputError(f"{len(found)} names in one line; at most {MOST_NAMES} are read")
+    if len(found) > _MOST_NAMES:
+        raise InputError(f"{len(found)} names in one line; at most {_MOST_NAMES} are read")
     return found
 
 
 _DECODER = json.JSONDecoder(object_pairs_hook=_once)
-"""Made once: making one takes longer than reading a line."""
+"""Made once, since making it takes longer than reading a line."""
 
 
 def _object(text: bytes) -> dict[str, Any]:
-    """The line's object; InputError for anything else, and for a name given twice."""
+    """Return the JSON object in a line; InputError for anything else, and for a name given twice."""
     try:
         found = _decoded(text.decode())
     except InputError:
@@ -221,7 +221,7 @@ def _object(text: bytes) -> dict[str, Any]:
 
 
 def _decoded(text: str) -> object:
-    """A line is mostly one object and nothing else, which takes half the time to see."""
+    """Decode JSON. The usual case, one object and nothing else, takes half the time."""
     if text.startswith("{"):
         found, end = _DECODER.raw_decode(text)
         if end == len(text):
@@ -230,14 +230,14 @@ def _decoded(text: str) -> object:
 
 
 def shortened(text: str) -> str:
-    """With a mark where something was left out."""
+    """Return the text, cut with a mark if it is longer than a reason may be."""
     return text if len(text) <= LONGEST_REASON else f"{text[:LONGEST_REASON]}... (shortened)"
 
 
 def _vehicle(fields: Mapping[str, Any]) -> str:
     vehicle = fields.get("vehicle", ALONE)
     if type(vehicle) is not str or not _is_name(vehicle):
-        raise InputError(f"vehicle is {quoted(vehicle)}; give text of up to 64 letters, digits and _ . : -")
+        raise InputError(f"vehicle is {quoted(vehicle)}; give up to 64 letters, digits and _ . : -")
     return vehicle
 
 

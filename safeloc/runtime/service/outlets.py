@@ -1,4 +1,4 @@
-"""Destinations of reports: standard output, or a file. Peers get theirs over their socket (safeloc.runtime.service.tcp)."""
+"""Destinations of reports: standard output or a file. Peers get reports over their socket (safeloc.runtime.service.tcp)."""
 
 from __future__ import annotations
 
@@ -15,49 +15,49 @@ from safeloc.errors import InputError
 from safeloc.runtime.service.feeds import Event
 
 FULL = 1_048_576
-"""Bytes that wait to be read; with more, reading stops until the reader has caught up."""
+"""Bytes of waiting reports; with more, the process stops reading until the reader has caught up."""
 
-LAST_LINE = 1_048_576
-"""Bytes at the end of a file in which its last line end is looked for."""
+_LAST_LINE = 1_048_576
+"""Bytes at the end of a file in which the last line end is searched."""
 
 
 class Outlet(ABC):
-    """Reports wait in it until `flush`."""
+    """A destination of reports; they wait in it until `flush`."""
 
     @abstractmethod
     def put(self, origin: str, data: bytes) -> None:
-        """Write one line to the reader of this origin's reports."""
+        """Add one line for the reader of this origin's reports."""
 
     @abstractmethod
     def flush(self) -> None:
-        """Hand over what can be handed over without waiting; BrokenPipeError where nobody reads any more."""
+        """Write as much as is possible without waiting; BrokenPipeError if the reader has closed the pipe."""
 
     @property
     @abstractmethod
     def full(self) -> bool:
-        """True if so many reports wait that no more should be made."""
+        """Return whether too many reports wait to make further ones."""
 
     @property
     @abstractmethod
     def waiting(self) -> bool:
         """True if reports wait."""
 
-    def sync(self) -> None:  # noqa: B027 # what others keep is not ours to make durable
-        """Make durable what was handed over."""
+    def sync(self) -> None:  # noqa: B027 # nothing to do for a pipe or socket
+        """Make sure that written reports are on disk."""
 
     def position(self) -> Mapping[str, Any]:
         """Return the position in the output, for a snapshot."""
         return {}
 
-    def trim(self, position: Mapping[str, Any], replays: bool) -> None:  # noqa: B027 # what is gone is gone
-        """Go on where it was. `replays`: what was handed over since will be made again."""
+    def trim(self, position: Mapping[str, Any], replays: bool) -> None:  # noqa: B027 # sent reports stay sent
+        """Continue at a position. `replays`: reports after it will be made again, so remove them."""
 
-    def close(self) -> None:  # noqa: B027 # a descriptor of the caller's stays open
-        """No more writing."""
+    def close(self) -> None:  # noqa: B027 # a descriptor of the caller stays open
+        """Stop writing for good."""
 
 
 class Stdout(Outlet):
-    """A descriptor; of a pipe no more is written at once than it takes without waiting."""
+    """A file descriptor; to a pipe, no more is written at once than it takes without waiting."""
 
     def __init__(self, selector: selectors.BaseSelector, fd: int = 1) -> None:
         self._selector, self._fd = selector, fd
@@ -72,7 +72,7 @@ class Stdout(Outlet):
         self._buffer += data
 
     def flush(self) -> None:
-        """As much as is taken now; the selector says when there is room again."""
+        """Write as much as the reader takes now; the selector reports when there is room again."""
         while self._buffer and self._poll.poll(0):
             written = self._written()
             del self._buffer[:written]
@@ -96,12 +96,12 @@ class Stdout(Outlet):
             raise InputError(f"standard output cannot be written: {error.strerror}.") from error
 
     def _ready(self, _mask: int) -> Iterator[Event]:
-        """There is room again. Nothing is handed over here: what must be saved before is, when the loop flushes."""
+        """Do nothing: the loop flushes, after it has saved whatever must be saved before."""
         yield from ()
 
     @property
     def full(self) -> bool:
-        """True if the reader is too slow."""
+        """Return whether the reader is too slow."""
         return len(self._buffer) > FULL
 
     @property
@@ -111,7 +111,7 @@ class Stdout(Outlet):
 
 
 class ToFile(Outlet):
-    """Lines are added at the end. Half a line that a killed process left there is taken away."""
+    """A file to which lines are appended. An incomplete line of a killed process is removed first."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -137,7 +137,7 @@ class ToFile(Outlet):
         self._buffer += data
 
     def flush(self) -> None:
-        """Write all of it; InputError where the disk does not take it."""
+        """Write all reports; InputError if the disk does not take them."""
         while self._buffer:
             with self._in_words():
                 written = os.write(self._fd, self._buffer)
@@ -146,7 +146,7 @@ class ToFile(Outlet):
 
     @property
     def full(self) -> bool:
-        """A file takes everything."""
+        """Return False: a file takes everything."""
         return False
 
     @property
@@ -155,7 +155,7 @@ class ToFile(Outlet):
         return bool(self._buffer)
 
     def sync(self) -> None:
-        """On disk."""
+        """Make sure that written reports are on disk."""
         with self._in_words():
             os.fsync(self._fd)
 
@@ -170,22 +170,22 @@ class ToFile(Outlet):
             return
         if self._size < size:
             raise InputError(
-                f"{self._path}: shorter than when the snapshot was taken ({self._size} bytes, then {size}); put it back, "
-                "name another file, or begin anew with --fresh."
+                f"{self._path}: shorter than when the snapshot was taken ({self._size} bytes, then {size}); restore it, "
+                "name another file, or start without the snapshot (--fresh)."
             )
         with self._in_words():
             os.ftruncate(self._fd, size)
             self._size = os.lseek(self._fd, 0, os.SEEK_END)
 
     def close(self) -> None:
-        """No more writing."""
+        """Close the file."""
         os.close(self._fd)
 
     def _last_end(self) -> int:
         """Return the end of the last complete line."""
         size = os.lseek(self._fd, 0, os.SEEK_END)
-        begin = max(0, size - LAST_LINE)
+        begin = max(0, size - _LAST_LINE)
         found = os.pread(self._fd, size - begin, begin).rfind(b"\n")
         if found < 0 and begin > 0:
-            raise InputError(f"{self._path}: no line end in its last {LAST_LINE} bytes; this is no file of reports.")
+            raise InputError(f"{self._path}: no line end in its last {_LAST_LINE} bytes; this is no file of reports.")
         return begin + found + 1

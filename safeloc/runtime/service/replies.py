@@ -1,6 +1,6 @@
-"""Limit on refusals to a peer: at most a small multiple of the bytes that it sent.
+"""A limit on refusals to a peer: at most a small multiple of the bytes that it sent.
 
-Reports are not limited: there is one for each cycle, however many lines it took.
+Reports are not limited: there is one for each cycle, regardless of its number of lines.
 """
 
 from __future__ import annotations
@@ -10,23 +10,23 @@ from typing import Any
 from safeloc.runtime.service.messages import LONGEST_REASON
 
 FACTOR = 4
-"""Bytes of refusals that a peer is sent for each byte it sends."""
+"""Bytes of refusals for each byte that the peer sends."""
 
 FIRST_BYTES = 4_096
-"""To begin with: who makes a few faults is told all of them."""
+"""Bytes of refusals at the start: a peer with few faulty lines gets all refusals."""
 
-MOST_BYTES = 65_536
-"""No more than that is saved up."""
+_MOST_BYTES = 65_536
+"""Most bytes of refusals that a peer can save up."""
 
-MOST_PEERS = 10_000
-"""Peers remembered; with more, the oldest begin as strangers again."""
+_MOST_PEERS = 10_000
+"""Most peers with an allowance; with more, the oldest are forgotten."""
 
-LONG_LINE = LONGEST_REASON
-"""Bytes that a line counts for which was too long to be kept."""
+_LONG_LINE = LONGEST_REASON
+"""Bytes that count for a line that was too long to be stored."""
 
 
 class Allowance:
-    """The bytes of refusals that each peer may still get."""
+    """The bytes of refusals that may still be sent to each peer."""
 
     def __init__(self) -> None:
         self._bytes: dict[str, int] = {}
@@ -35,16 +35,16 @@ class Allowance:
     def said(self, origin: str, size: int) -> None:
         """Count the bytes that a peer sent."""
         had = self._bytes.get(origin, FIRST_BYTES)
-        self._bytes[origin] = min(MOST_BYTES, had + FACTOR * (size or LONG_LINE))
-        if len(self._bytes) > MOST_PEERS:
+        self._bytes[origin] = min(_MOST_BYTES, had + FACTOR * (size or _LONG_LINE))
+        if len(self._bytes) > _MOST_PEERS:
             self.left(next(iter(self._bytes)))
 
     def left(self, origin: str) -> None:
-        """It is gone."""
+        """Forget a peer that has disconnected."""
         self._bytes.pop(origin, None)
         self._left_out.pop(origin, None)
 
-    def refusal(self, origin: str, told: dict[str, Any], size: int) -> dict[str, Any] | None:
+    def refusal(self, origin: str, refused: dict[str, Any], size: int) -> dict[str, Any] | None:
         """Return the refusal with the number of omitted ones before it; None if the peer has used its allowance."""
         left = self._bytes.get(origin, FIRST_BYTES)
         if size > left:
@@ -52,4 +52,4 @@ class Allowance:
             return None
         self._bytes[origin] = left - size
         left_out = self._left_out.pop(origin, 0)
-        return {**told, "left_out": left_out} if left_out else told
+        return {**refused, "left_out": left_out} if left_out else refused

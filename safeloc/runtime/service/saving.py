@@ -1,6 +1,6 @@
-"""Snapshots of the process on disk: written beside, flushed, renamed. A file is the old one or the new one, whole.
+"""Snapshots of the process on disk: written to another name, flushed, renamed. So the file is always complete, old or new.
 
-One thread does all the writing, in the order asked for; of several that wait only the newest is written.
+One thread writes all snapshots in order; if several wait, only the newest is written.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from safeloc.runtime.embedding.snapshot import opened, sealed
 
 KIND, VERSION = "safeloc-process", 1
 LONGEST = 268_435_456
-"""Bytes of a snapshot; a thousand vehicles with full cycles take less."""
+"""Most bytes of a snapshot; a thousand vehicles with full cycles take less."""
 
-Content = Callable[[], Mapping[str, Any]]
+_Content = Callable[[], Mapping[str, Any]]
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Durable once this returns: content and name are on disk. OSError where that cannot be done."""
+    """Write a file so that content and name are on disk when this returns. OSError if that is impossible."""
     if len(data) > LONGEST:
-        raise OSError(errno.EFBIG, f"{len(data)} bytes, and no more than {LONGEST} are read back")
+        raise OSError(errno.EFBIG, f"{len(data)} bytes, but only {LONGEST} could be read back")
     beside = path.with_name(f"{path.name}.new")
     with beside.open("wb") as file:
         file.write(data)
@@ -51,7 +51,7 @@ def read_saved(path: Path) -> dict[str, Any] | None:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from error
     if len(data) > LONGEST:
-        raise SnapshotError(f"{path}: over {LONGEST} bytes; no such process wrote that.")
+        raise SnapshotError(f"{path}: over {LONGEST} bytes; no safeloc process wrote this file.")
     try:
         return opened(data, KIND, VERSION)
     except SnapshotError as error:
@@ -60,7 +60,7 @@ def read_saved(path: Path) -> dict[str, Any] | None:
 
 @contextmanager
 def claimed(path: Path | None) -> Iterator[None]:
-    """The snapshot file is this process's own; InputError where another process has it, or it is none."""
+    """Lock the snapshot file for this process; InputError if another process has it, or if it is no file."""
     if path is None:
         yield
         return
@@ -72,41 +72,41 @@ def claimed(path: Path | None) -> Iterator[None]:
     try:
         file = lock.open("wb")
     except OSError as error:
-        raise InputError(f"{path}: snapshots cannot be kept there: {error.strerror}.") from error
+        raise InputError(f"{path}: snapshots cannot be written there: {error.strerror}.") from error
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise InputError(f"{path}: another process keeps its snapshots there; give each its own file.") from error
+            raise InputError(f"{path}: another process saves its snapshots there; give each its own file.") from error
         yield
 
 
 class Saver:
-    """Writes snapshots to one file.
+    """A writer of snapshots to one file.
 
-    failed   the last write's error; None if it went well
+    failed   the error of the last write; None if it succeeded
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.failed: Exception | None = None
-        self._wanted: Content | None = None
+        self._wanted: _Content | None = None
         self._asked = self._done = 0
         self._ending = False
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._write, name="safeloc-saver", daemon=True)
         self._thread.start()
 
-    def ask(self, content: Content) -> int:
-        """Have it written soon; a ticket for `wait`. `content` is called in the saver's thread."""
+    def ask(self, content: _Content) -> int:
+        """Request a snapshot; return the number of the request. `content` is called in the saver's thread."""
         with self._changed:
             self._wanted = content
             self._asked += 1
             self._changed.notify_all()
             return self._asked
 
-    def save(self, content: Content) -> None:
-        """Have it written now; InputError where the disk does not take it."""
+    def save(self, content: _Content) -> None:
+        """Write a snapshot before returning; InputError if the disk does not take it."""
         ticket = self.ask(content)
         with self._changed:
             self._changed.wait_for(lambda: self._done >= ticket)
@@ -117,12 +117,12 @@ class Saver:
 
     @property
     def busy(self) -> bool:
-        """True while a requested write is not done."""
+        """Return whether a requested snapshot is not yet written."""
         with self._changed:
             return self._done < self._asked
 
     def end(self) -> None:
-        """No more writing; what was asked for is written first."""
+        """Write the requested snapshots, then stop."""
         with self._changed:
             self._ending = True
             self._changed.notify_all()
@@ -140,9 +140,9 @@ class Saver:
                 self.failed, self._done = failed, ticket
                 self._changed.notify_all()
 
-    def _written(self, content: Content) -> Exception | None:
+    def _written(self, content: _Content) -> Exception | None:
         try:
             write_whole(self.path, sealed(content(), KIND, VERSION))
-        except Exception as error:  # handed on to who asked: this thread must not end
+        except Exception as error:  # passed to the caller of `save`: this thread must not end
             return error
         return None

@@ -1,6 +1,6 @@
-"""Signs of life for who supervises the process: systemd (sd_notify), and a file that a health check looks at.
+"""Signs of life for the supervisor of the process: notifications to systemd (sd_notify), and a file for a health check.
 
-A sign is given by the loop itself, between two turns: a process that hangs gives none.
+The loop itself gives them between two turns, so a process that hangs gives none.
 """
 
 from __future__ import annotations
@@ -13,21 +13,22 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 
-FILE_EVERY_S = 1.0
-"""How often the file is touched."""
+_FILE_EVERY_S = 1.0
+"""Seconds between two touches of the file."""
 
 
 class Supervised:
-    """alive      a file that is touched while the process runs, and taken away when it ends in order; None: no file
+    """The signs of life of this process.
 
-    environment  NOTIFY_SOCKET and WATCHDOG_USEC as systemd sets them; without them nobody is notified
+    alive        a file that is touched while the process runs, and removed at a regular end; None: no file
+    environment  NOTIFY_SOCKET and WATCHDOG_USEC, as set by systemd; without them there are no notifications
     """
 
     def __init__(self, alive: Path | None = None, environment: Mapping[str, str] = os.environ) -> None:
         self._alive = alive
         self._address = environment.get("NOTIFY_SOCKET", "")
         self.every_s = _every_s(environment, alive)
-        self._told = 0.0
+        self._last = 0.0
 
     def ready(self) -> None:
         """Announce that lines are read from now on. InputError if the file cannot be written."""
@@ -35,16 +36,16 @@ class Supervised:
         self._notify("READY=1")
 
     def living(self) -> None:
-        """Record the end of a turn."""
+        """Give a sign of life if one is due; called after each turn."""
         now = time.monotonic()
-        if self.every_s is not None and now >= self._told + self.every_s:
-            self._told = now
+        if self.every_s is not None and now >= self._last + self.every_s:
+            self._last = now
             self._notify("WATCHDOG=1")
             self._touch()
 
     def wait_s(self) -> float | None:
-        """Return the time until the next sign of life; None if nobody waits for one."""
-        return None if self.every_s is None else max(0.0, self._told + self.every_s - time.monotonic())
+        """Return the time until the next sign of life; None if none is wanted."""
+        return None if self.every_s is None else max(0.0, self._last + self.every_s - time.monotonic())
 
     def ending(self) -> None:
         """Announce that no more lines are read."""
@@ -69,13 +70,13 @@ class Supervised:
                 sock.setblocking(False)
                 sock.sendto(text.encode(), where)
         except OSError:
-            pass  # who supervises sees that no sign came; there is nobody else to tell
+            pass  # the supervisor notices the missing sign; nobody else can be notified
 
 
 def _every_s(environment: Mapping[str, str], alive: Path | None) -> float | None:
-    """Three signs in the time that is allowed; None where none is asked for."""
-    told = environment.get("WATCHDOG_USEC", "")
+    """Return the seconds between two signs: a third of systemd's limit, at most that of the file; None if none is wanted."""
+    limit = environment.get("WATCHDOG_USEC", "")
     mine = environment.get("WATCHDOG_PID", str(os.getpid())) == str(os.getpid())
-    allowed = int(told) / 3_000_000 if told.isascii() and told.isdecimal() and mine and int(told) > 0 else None
-    wanted = [one for one in (allowed, FILE_EVERY_S if alive is not None else None) if one is not None]
+    allowed = int(limit) / 3_000_000 if limit.isascii() and limit.isdecimal() and mine and int(limit) > 0 else None
+    wanted = [one for one in (allowed, _FILE_EVERY_S if alive is not None else None) if one is not None]
     return min(wanted, default=None)

@@ -1,11 +1,10 @@
-"""Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles back.
+"""Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles.
 
-Behind a proxy that checks certificates, each connection begins with what the proxy says of it, and is of one vehicle.
+Behind a proxy that checks certificates, each connection begins with the proxy's header, and is for one vehicle.
 
-They take turns. Of what a peer sends a few lines are heard at once, and the rest when all others had their turn: who
-says little waits for nobody who says much. Who has said no more than can be read at once is heard in every turn, as those
-that keep up: what piled up while the process had no time makes nobody wait for long. Those that have said more share a
-short time.
+Peers take turns. A few lines of a peer are handled at once, and the rest after all other peers had a turn: so a peer with
+few lines never waits long for a peer with many. A peer whose waiting lines can be read at once has a part in every turn, so
+lines that piled up while the process was busy are handled soon. Peers with more waiting lines share a short time.
 """
 
 from __future__ import annotations
@@ -25,21 +24,21 @@ from safeloc.runtime.service.lines import Line, LineCutter
 from safeloc.runtime.service.outlets import FULL, Outlet
 
 AT_ONCE = 32_768
-"""Bytes read from one peer; no more is read until they were heard."""
+"""Bytes read from one peer; no more are read until their lines were handled."""
 
 LINES_AT_ONCE = 16
-"""Lines of one peer before others have their turn; a vehicle says a handful in a cycle."""
+"""Lines of one peer in a turn; a vehicle sends a handful in a cycle."""
 
 FLOODS_S = 0.003
-"""How long a turn may take for those that have said more than can be read at once."""
+"""Seconds in each turn for all peers with more waiting lines than can be read at once."""
 
-MOST_PEERS = 200
-TOO_MUCH = 8 * FULL
-"""Bytes that wait for a peer; it is sent away with more, for it does not read."""
+_MOST_PEERS = 200
+_TOO_MUCH = 8 * FULL
+"""Bytes of waiting reports with which a peer is disconnected, since it does not read."""
 
 
-class Peer:
-    """One connection. Reading from it stops while too much waits for it, or all reading is held."""
+class _Peer:
+    """One connection. Its lines are not read while too many reports wait for it, or while all reading is held."""
 
     def __init__(
         self, origin: str, sock: socket.socket, port: TcpPort, introduction: Introduction | None = None
@@ -54,16 +53,16 @@ class Peer:
 
     @property
     def behind(self) -> bool:
-        """True if received lines of this peer are not read yet."""
+        """Return whether received lines of this peer are not handled yet."""
         return self._next is not None
 
     @property
     def deaf(self) -> bool:
-        """True if so many reports wait for this peer that its lines are not read."""
+        """Return whether too many reports wait for this peer to read its lines."""
         return len(self._buffer) > FULL
 
     def attend(self) -> None:
-        """Tell the selector what is waited for now."""
+        """Update the selector: register for reading, for writing, for both or for nothing."""
         reads = not (self.ended or self._port.held or self.deaf or self.behind)
         mask = (selectors.EVENT_READ if reads else 0) | (selectors.EVENT_WRITE if self._buffer else 0)
         if mask == self._mask:
@@ -83,16 +82,16 @@ class Peer:
 
     @property
     def waiting(self) -> int:
-        """Bytes that wait for it."""
+        """Return the number of bytes that wait for this peer."""
         return len(self._buffer)
 
     def flush(self) -> None:
-        """As much as it takes now. A peer that is gone, or does not read, is closed."""
+        """Write as much as the peer takes now. Disconnect a peer that is gone or does not read."""
         try:
             while self._buffer:
                 del self._buffer[: self._sock.send(self._buffer)]
         except BlockingIOError:
-            if len(self._buffer) > TOO_MUCH:
+            if len(self._buffer) > _TOO_MUCH:
                 self._port.drop(self, "does not read")
                 return
         except OSError as error:
@@ -119,7 +118,7 @@ class Peer:
             yield Left(self.origin, "the connection broke")
             return
         if data:
-            self.floods = len(data) == AT_ONCE  # more waits to be read
+            self.floods = len(data) == AT_ONCE  # more data wait to be read
             yield from self._take(data)
             return
         self.ended = True
@@ -141,15 +140,15 @@ class Peer:
                 self._port.introduced(self, self._vehicle)
         self._lines = self._cutter.feed(data)
         self._next = next(self._lines, None)
-        yield from self.said()
+        yield from self.next_lines()
 
     @property
     def _vehicle(self) -> str | None:
         """Return the only vehicle for which the peer may send, from the proxy's header; None without a proxy: any."""
         return None if self._introduction is None else self._introduction.vehicle
 
-    def said(self) -> Iterator[Event]:
-        """Return a few of the lines that were read; with more, the peer has another turn."""
+    def next_lines(self) -> Iterator[Event]:
+        """Yield a few of the lines that were read; if there are more, the peer gets another turn."""
         for _ in range(LINES_AT_ONCE):
             line = self._next
             if line is None:
@@ -171,21 +170,21 @@ class Peer:
 
 
 class TcpPort(Feed, Outlet):
-    """Listens, reads from all peers, and writes back. `proxied`: each is introduced by a proxy first."""
+    """A listening port that reads from all peers and writes back. `proxied`: a proxy introduces each connection."""
 
     def __init__(self, where: Address, journal: Journal, *, proxied: bool = False) -> None:
         self._where, self._journal, self._proxied = where, journal, proxied
-        self.peers: dict[str, Peer] = {}
+        self.peers: dict[str, _Peer] = {}
         self._left: list[Left] = []
-        self._written: set[Peer] = set()
-        self._behind: deque[Peer] = deque()
-        self._flooding: deque[Peer] = deque()
+        self._written: set[_Peer] = set()
+        self._behind: deque[_Peer] = deque()
+        self._flooding: deque[_Peer] = deque()
         self._waited = 0
         self._count = 0
         self.held = False
 
     def open(self, selector: selectors.BaseSelector) -> None:
-        """Listen; InputError where the port is taken."""
+        """Listen; InputError if the port is taken."""
         self.selector = selector
         self._listener = bound(self._where, socket.SOCK_STREAM)
         self._listener.listen()
@@ -194,14 +193,14 @@ class TcpPort(Feed, Outlet):
         self._journal.info("listening", protocol="proxy" if self._proxied else "tcp", host=host, port=port)
 
     def hold(self, held: bool) -> None:
-        """A connection that is not read fills, and its sender waits."""
+        """Stop reading or continue: a connection that is not read fills up, and its sender waits."""
         if held is not self.held:
             self.held = held
             for peer in self.peers.values():
                 peer.attend()
 
     def look(self) -> Iterator[Event]:
-        """Peers that were found gone while writing to them; then more of what others have said, one after the other."""
+        """Yield the peers that disconnected during a write, then further lines of all other peers in turn."""
         left, self._left = self._left, []
         yield from left
         yield from self._more_of_all()
@@ -209,7 +208,7 @@ class TcpPort(Feed, Outlet):
         self._waited = len(self._behind)
 
     def _more_of_all(self) -> Iterator[Event]:
-        """A turn for each that was behind when the last turn ended; the others have had theirs in this one."""
+        """Give a turn to each peer that was behind when the last turn ended; the others already had one."""
         for _ in range(min(self._waited, len(self._behind))):
             if self.held or not self._behind:
                 return
@@ -217,7 +216,7 @@ class TcpPort(Feed, Outlet):
             if peer.deaf:
                 self._behind.append(peer)
             else:
-                yield from peer.said()
+                yield from peer.next_lines()
 
     def _more_of_floods(self) -> Iterator[Event]:
         until, turns = time.monotonic() + FLOODS_S, len(self._flooding)
@@ -225,16 +224,16 @@ class TcpPort(Feed, Outlet):
             peer = self._flooding.popleft()
             if peer.deaf:
                 self._flooding.append(peer)
-                turns -= 1  # a turn of those who cannot be heard: when all are, there is nothing to do
+                turns -= 1  # its lines cannot be handled now; stop if that is so for all peers
             else:
                 turns = len(self._flooding) + 1
-                yield from peer.said()
+                yield from peer.next_lines()
 
-    def introduced(self, peer: Peer, vehicle: str) -> None:
+    def introduced(self, peer: _Peer, vehicle: str) -> None:
         """Record the vehicle that the proxy's header names."""
         self._journal.info("peer introduced", peer=peer.origin, vehicle=vehicle)
 
-    def another_turn(self, peer: Peer) -> None:
+    def another_turn(self, peer: _Peer) -> None:
         """Schedule another turn for a peer with unread lines."""
         (self._flooding if peer.floods else self._behind).append(peer)
 
@@ -259,22 +258,22 @@ class TcpPort(Feed, Outlet):
         for peer in written:
             peer.flush()
 
-    def has_room(self, peer: Peer) -> None:
-        """It takes more now. Nothing is handed over here: what must be saved before is, when the loop flushes."""
+    def has_room(self, peer: _Peer) -> None:
+        """Note that a peer takes more now. The loop flushes, after it has saved whatever must be saved before."""
         self._written.add(peer)
 
     @property
     def full(self) -> bool:
-        """Each peer is held by itself."""
+        """Return False: each peer is held separately."""
         return False
 
     @property
     def waiting(self) -> bool:
-        """True if reports wait for a peer."""
+        """Return whether reports wait for any peer."""
         return any(peer.waiting for peer in self.peers.values())
 
-    def drop(self, peer: Peer, why: str) -> None:
-        """No more of this peer. `why` is empty where it had ended by itself."""
+    def drop(self, peer: _Peer, why: str) -> None:
+        """Disconnect a peer; `why` is empty if it ended the connection itself."""
         if self.peers.pop(peer.origin, None) is not None:
             self._journal.info("peer left", peer=peer.origin, why=why or "closed")
             if not peer.ended:
@@ -285,7 +284,7 @@ class TcpPort(Feed, Outlet):
                     peers.remove(peer)
 
     def close(self) -> None:
-        """No more reading and writing."""
+        """Disconnect all peers and stop listening."""
         for peer in list(self.peers.values()):
             peer.close()
         self.peers.clear()
@@ -300,14 +299,14 @@ class TcpPort(Feed, Outlet):
         except OSError as error:
             self._journal.warning("peer not taken", why=error.strerror)
             return
-        if len(self.peers) >= MOST_PEERS:
-            self._journal.warning("peer not taken", why=f"{MOST_PEERS} are there")
+        if len(self.peers) >= _MOST_PEERS:
+            self._journal.warning("peer not taken", why=f"{_MOST_PEERS} are there")
             sock.close()
             return
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._count += 1
-        peer = Peer(f"tcp:{self._count}", sock, self, Introduction() if self._proxied else None)
+        peer = _Peer(f"tcp:{self._count}", sock, self, Introduction() if self._proxied else None)
         self.peers[peer.origin] = peer
         peer.attend()
         self._journal.info("peer came", peer=peer.origin, address=f"{where[0]}:{where[1]}")

@@ -1,6 +1,6 @@
-"""Datagrams on the loopback interface: lines in, and each report back as a datagram of its own.
+"""Datagrams on the loopback interface: they bring lines, and each report is sent as a separate datagram.
 
-Datagrams may be lost, doubled or swapped, so every line needs its number; missing lines count as lost.
+Datagrams may be lost, repeated or swapped, so every line needs a number; missing lines count as lost.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from safeloc.runtime.service.lines import LONGEST_LINE, Line
 from safeloc.runtime.service.outlets import FULL, Outlet
 
 LINES_AT_ONCE = 256
-"""Lines heard before others have their turn, give or take a datagram."""
+"""Lines handled in one turn, up to the end of a datagram."""
 
 MOST_LINES = 256
-"""Lines of one datagram that are read; a vehicle says a handful in a cycle. The rest is refused as one."""
+"""Most lines of one datagram; a vehicle sends a handful in a cycle. The rest is refused as one line."""
 
 TURN_S = 0.005
-"""How long a turn may take, give or take a datagram."""
+"""Most seconds of a turn, up to the end of a datagram."""
 
-ROOM = 4_194_304
-"""Bytes that the system is asked to keep for a burst."""
+_ROOM = 4_194_304
+"""Size in bytes of the receive buffer that the operating system is asked for."""
 
 MOST_WAITING = 10_000
-"""Reports that wait to be sent, and addresses kept; with more, the oldest are given up, reports with a line in the log."""
+"""Most waiting reports, and most remembered addresses. With more, the oldest are dropped; dropped reports are logged."""
 
 MOST_BYTES = 8 * FULL
-"""The same of all that wait together."""
+"""Most bytes of all waiting reports."""
 
 
 class UdpPort(Feed, Outlet):
@@ -49,10 +49,10 @@ class UdpPort(Feed, Outlet):
         self._held = False
 
     def open(self, selector: selectors.BaseSelector) -> None:
-        """Listen; InputError where the port is taken."""
+        """Listen; InputError if the port is taken."""
         self._selector = selector
         self._socket = bound(self._where, socket.SOCK_DGRAM)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _ROOM)
         selector.register(self._socket, selectors.EVENT_READ, self._ready)
         host, port = self._socket.getsockname()[:2]
         self._journal.info("listening", protocol="udp", host=host, port=port)
@@ -75,7 +75,7 @@ class UdpPort(Feed, Outlet):
             self._given_up += 1
 
     def flush(self) -> None:
-        """Send each report as a datagram, as far as they are taken."""
+        """Send each report as a datagram, as long as the system takes them."""
         while self._waiting and self._sent(*self._waiting[0]):
             self._bytes -= len(self._waiting.popleft()[1])
         if self._given_up:
@@ -84,26 +84,26 @@ class UdpPort(Feed, Outlet):
 
     @property
     def full(self) -> bool:
-        """Datagrams wait for nobody."""
+        """Return False: reports that cannot be sent are dropped."""
         return False
 
     @property
     def waiting(self) -> bool:
-        """True if reports wait."""
+        """Return whether reports wait."""
         return bool(self._waiting)
 
     @property
     def again_s(self) -> float | None:
-        """Soon while something waits."""
+        """Return the time until the next `look`: short while reports wait."""
         return 0.001 if self._waiting else None
 
     def close(self) -> None:
-        """No more reading and writing."""
+        """Stop reading and close the socket."""
         self.hold(True)
         self._socket.close()
 
     def _sent(self, origin: str, data: bytes) -> bool:
-        """Send a datagram; return whether the next one may be tried, because this one is sent or given up."""
+        """Send a datagram; return whether the next one can be tried, because this one is sent or dropped."""
         where = self._addresses.get(origin)
         if where is None:
             self._journal.warning("unsent", origin=origin, bytes=len(data), why="no address is known")
@@ -130,9 +130,9 @@ class UdpPort(Feed, Outlet):
             self._addresses[origin] = where
             if len(self._addresses) > MOST_WAITING:
                 del self._addresses[next(iter(self._addresses))]
-            yield from self._said(origin, data)
+            yield from self._lines_in(origin, data)
 
-    def _said(self, origin: str, data: bytes) -> Iterator[Event]:
+    def _lines_in(self, origin: str, data: bytes) -> Iterator[Event]:
         for number, text in enumerate(data.split(b"\n", MOST_LINES)):
             if text:
                 self._lines += 1

@@ -1,7 +1,7 @@
-"""One vehicle of the process: turns its lines into cycles of its controller, and accounts for every lost line.
+"""One vehicle of the process: it turns lines into cycles of its controller, and accounts for every lost line.
 
-An unreadable line, a gap in the numbers or a disconnected peer means that data may be lost between two received lines. The
-cycles in which the two lines fall are discarded; cycles in between count as empty.
+After an unreadable line, a gap in the numbers or a disconnection, data may be lost between two received lines. The cycles of
+these two lines are run without inputs, and so are all cycles between them.
 
 An unexpected exception in a machine withdraws the position of this vehicle only: see `fail`.
 """
@@ -16,16 +16,16 @@ from safeloc.errors import InputError
 from safeloc.runtime.embedding import Controller, Report
 from safeloc.runtime.service.clock_lag import AGREEING_CYCLES, LATEST_MS, OUT_OF_STEP_CYCLES, Pace, Rhythm, Streak
 from safeloc.runtime.service.counting import Agreement, LineCount
-from safeloc.runtime.service.kept import Kept
-from safeloc.runtime.service.messages import Ended, Header, Message, Refused, Said, Step, shortened
+from safeloc.runtime.service.messages import CycleEnd, Header, Message, RecordLine, Refused, Step, shortened
+from safeloc.runtime.service.saved_fields import SavedVehicle
 
-Told = dict[str, Any]
+Output = dict[str, Any]
 MakeController = Callable[[int], Controller]
-"""Beginning of its first cycle, in ms -> controller."""
+"""Start of the first cycle in ms -> controller."""
 
 
 class Vehicle(ABC):
-    """Turns lines into reports and events. The two subclasses define the meaning of a line.
+    """A vehicle that turns lines into reports and events. Two subclasses define the meaning of a line.
 
     whole      its first line is the first one that was sent; otherwise the cycle of that line may be incomplete
     withdrew   a reported position was withdrawn: set here, cleared by the fleet
@@ -40,15 +40,15 @@ class Vehicle(ABC):
         self._count = LineCount(None, "" if whole else "its first lines may be missing")
         self._streak = Streak(pace)
         self._rhythm = Rhythm()
-        self._lost = self._lost_until_heard = ""
-        self._out: list[Told] = []
+        self._lost = self._lost_before_next = ""
+        self._out: list[Output] = []
 
     # ------------------------------------------------------------------ for the fleet
 
-    def heed(self, line: int, message: Message) -> list[Told]:
+    def handle(self, line: int, message: Message) -> list[Output]:
         """Handle one line of this vehicle."""
         match message:
-            case Said() | Ended() | Step():
+            case RecordLine() | CycleEnd() | Step():
                 if self.stopped:
                     self._refuse(line, f"halted: {self.stopped}")
                 else:
@@ -58,70 +58,69 @@ class Vehicle(ABC):
                 self._missed(f"line {line}: {reason}")
             case Header():
                 pass
-        return self._told()
+        return self._outputs()
 
-    def missed(self, why: str) -> list[Told]:
-        """Something that may have been this vehicle's cannot be read, nor how many lines it was."""
+    def missed(self, why: str) -> list[Output]:
+        """Note that an unknown number of this vehicle's lines may have been lost."""
         self._doubt(why)
-        return self._told()
+        return self._outputs()
 
     def be_unsure(self, why: str) -> None:
-        """Note that lines may have been lost, unless the number of its next line shows that none was."""
+        """Note that lines may have been lost; the number of its next line decides it."""
         self._count.unsure = self._count.unsure or why
 
-    def silence(self, why: str) -> list[Told]:
-        """End the open cycle. Its input may be incomplete, and is not used then."""
+    def silence(self, why: str) -> list[Output]:
+        """End the open cycle. If it has input, this may be incomplete and is not used."""
         if self.controller is not None and not self.stopped:
             if self._anything_open():
                 self._lost = self._lost or why
             self._close()
-        return self._told()
+        return self._outputs()
 
-    def withdraw(self, why: str) -> list[Told]:
-        """Withdraw its position, if it reports one, by a restart."""
+    def withdraw(self, why: str) -> list[Output]:
+        """Withdraw its position by a restart, if it reports one."""
         if self.place is not None and not self.stopped:
             self._lost = self._lost or why
             self._anew(why)
-        return self._told()
+        return self._outputs()
 
-    def fail(self, why: str, line: int | None) -> list[Told]:
+    def fail(self, why: str, line: int | None) -> list[Output]:
         """Handle an unexpected exception: replace the machine, since its state is not trusted, and restart, or stop if that
         is impossible. The line counts as unreadable."""
-        told, had = self._told(), self.place is not None
-        told.append(
+        outputs, had = self._outputs(), self.place is not None
+        outputs.append(
             {"vehicle": self.name, "event": "failed", "reason": why, **({} if line is None else {"line": line})}
         )
         self.withdrew = self.withdrew or had
         try:
             self._renew(why)
-        except Exception as error:  # no machine can be had any more, whatever the reason
+        except Exception as error:  # of any kind: no machine can be made
             self._stop(f"{why}; then {type(error).__name__}: {error}")
-        return [*told, *self._told()]
+        return [*outputs, *self._outputs()]
 
     @property
     def place(self) -> tuple[int, int] | None:
-        """The interval that it reports, in mm; None while it reports none."""
+        """Return the interval that it reports, in mm; None while it reports none."""
         interval = None if self.controller is None else self.controller.report.interval
         return None if interval is None else (interval.low_mm, interval.high_mm)
 
     @property
     def forgettable(self) -> bool:
-        """True if the vehicle can be removed: it reports no position, and neither would a new one; only its count is
-        lost."""
+        """Return whether the vehicle can be removed: it reports no position, and neither would a new one."""
         controller = self.controller
         return controller is None or (not self.stopped and self.place is None and controller.may_begin_anew)
 
-    def finish(self) -> list[Told]:
-        """Nothing more will come: the open cycle is over, if anything came in it."""
+    def finish(self) -> list[Output]:
+        """Handle the end of all lines: end the open cycle, if it has input or lost some."""
         if self.controller is not None and not self.stopped and (self._anything_open() or self._lost):
             self._close()
-        return self._told()
+        return self._outputs()
 
     def freeze(self) -> Callable[[], dict[str, Any]]:
-        """Return a function that makes the vehicle as plain data, in whichever thread it is called."""
+        """Return a function that returns the vehicle as plain data; it may be called in another thread."""
         controller = None if self.controller is None else self.controller.freeze()
         own = {
-            "lost": [self._lost, self._lost_until_heard],
+            "lost": [self._lost, self._lost_before_next],
             "count": [self._count.last, self._count.unsure],
             "recount": [self._count.agreed.last, self._count.agreed.lines],
             "streak": [self._streak.first_ms, self._streak.last_ms],
@@ -132,22 +131,22 @@ class Vehicle(ABC):
         return lambda: {"controller": None if controller is None else controller().decode(), **own}
 
     def restore(self, content: Mapping[str, Any]) -> None:
-        """Go on where `freeze` was called; SnapshotError where the controller is of something else, or a field is none."""
-        kept = self._checked(content)
-        if kept.controller is not None:
+        """Continue from the data that `freeze` gave; SnapshotError if they are invalid or of another machine."""
+        saved = self._checked(content)
+        if saved.controller is not None:
             self.controller = self._make(0)
-            self.controller.restore(kept.controller.encode())
-        self._lost, self._lost_until_heard = kept.lost
-        self._count = LineCount(*kept.count, Agreement(*kept.recount))
-        self._streak, self._rhythm = Streak(self._pace, *kept.streak), Rhythm(*kept.rhythm)
-        self.stopped = kept.stopped
+            self.controller.restore(saved.controller.encode())
+        self._lost, self._lost_before_next = saved.lost
+        self._count = LineCount(*saved.count, Agreement(*saved.recount))
+        self._streak, self._rhythm = Streak(self._pace, *saved.streak), Rhythm(*saved.rhythm)
+        self.stopped = saved.stopped
 
     # ------------------------------------------------------------------ for both kinds
 
-    def _counted(self, line: int, message: Said | Ended | Step) -> None:
+    def _counted(self, line: int, message: RecordLine | CycleEnd | Step) -> None:
         time_ms = self._time_ms(message)
         if time_ms is not None and time_ms > LATEST_MS:
-            self._refuse(line, f"its time is {time_ms} ms, more than any clock shows")
+            self._refuse(line, f"its time is {time_ms} ms, more than any clock can show")
             self._doubt(f"line {line}: its time")
             return
         counted = self._count.take(message.envelope.number)
@@ -158,34 +157,34 @@ class Vehicle(ABC):
         else:
             self._take(line, message)
 
-    def _time_ms(self, message: Said | Ended | Step) -> int | None:
+    def _time_ms(self, message: RecordLine | CycleEnd | Step) -> int | None:
         match message:
-            case Said(record=record):
+            case RecordLine(record=record):
                 return record.time_ms
-            case Ended(time_ms=time_ms):
+            case CycleEnd(time_ms=time_ms):
                 return time_ms
             case Step(cycle=cycle):
                 return None if cycle is None else cycle * self._pace.period_ms
 
     @abstractmethod
-    def _take(self, line: int, message: Said | Ended | Step) -> None:
-        """A line that counts."""
+    def _take(self, line: int, message: RecordLine | CycleEnd | Step) -> None:
+        """Handle a line whose number is in order."""
 
     @abstractmethod
     def _close(self) -> None:
-        """The open cycle is over."""
+        """End the open cycle."""
 
     @abstractmethod
     def _anything_open(self) -> bool:
-        """Return whether the open cycle has input that waits for its end."""
+        """Return whether the open cycle has input."""
 
     @abstractmethod
     def _own(self) -> Mapping[str, Any]:
-        """Return the own memory of this kind of vehicle, as plain data."""
+        """Return the memory of this subclass as plain data."""
 
     @abstractmethod
-    def _checked(self, content: Mapping[str, Any]) -> Kept:
-        """Check a snapshot of this kind of vehicle and restore its own part; SnapshotError if it is wrong."""
+    def _checked(self, content: Mapping[str, Any]) -> SavedVehicle:
+        """Check the data of a snapshot and restore the memory of this subclass; SnapshotError if they are invalid."""
 
     @abstractmethod
     def _forget_open(self) -> None:
@@ -195,24 +194,23 @@ class Vehicle(ABC):
         self._doubt(why)
 
     def _doubt(self, why: str) -> None:
-        """Something was lost between its last line and its next one."""
+        """Note that lines were lost between the last line and the next one."""
         self._lost = self._lost or why
-        self._lost_until_heard = why
+        self._lost_before_next = why
 
-    def _heard(self) -> None:
-        """The line that comes next after a loss is in the cycle that is open now."""
-        if self._lost_until_heard:
-            self._lost, self._lost_until_heard = self._lost or self._lost_until_heard, ""
+    def _note_line(self) -> None:
+        """Note a line in the open cycle: if it is the first one after a loss, this cycle is incomplete too."""
+        if self._lost_before_next:
+            self._lost, self._lost_before_next = self._lost or self._lost_before_next, ""
 
     def _in_step(self, line: int, time_ms: int) -> bool:
-        """Return whether the line's time follows the vehicle's clock; a clock that was set is accepted after several
-        lines."""
+        """Return whether the line's time fits the vehicle's clock; a changed clock is accepted after several lines."""
         controller, pace = self.controller, self._pace
         assert controller is not None
         ahead = time_ms - controller.next_end_ms
         if -pace.period_ms < ahead <= pace.at_once_ms(self._rhythm.stride_ms):
             self._streak.end()
-            self._rhythm.heard(time_ms)
+            self._rhythm.note(time_ms)
             return True
         within = 0 < ahead <= pace.longest_gap_ms
         if ahead > 0:
@@ -221,20 +219,20 @@ class Vehicle(ABC):
             self._rhythm = Rhythm(time_ms, time_ms - (self._streak.first_ms or 0) if within else 0)
             self._streak.end()
             if not within:
-                self._anew(f"its clock was set by {ahead} ms", pace.beginning(time_ms))
+                self._anew(f"its clock was changed by {ahead} ms", pace.beginning(time_ms))
             return not self.stopped
         if ahead > 0:
             self._refuse(line, self._too_early(ahead, within))
-            self._lost_until_heard = f"line {line}: ahead of its time"
+            self._lost_before_next = f"line {line}: ahead of its time"
         return ahead <= 0
 
     def _too_early(self, ahead: int, within: bool) -> str:
         if within:
-            return f"{ahead} ms ahead; believed once lines of {AGREEING_CYCLES} cycles agree"
+            return f"{ahead} ms ahead; accepted as soon as lines of {AGREEING_CYCLES} cycles agree"
         return f"{ahead} ms ahead; a gap may have at most {self._pace.longest_gap_ms} ms"
 
     def _anew(self, reason: str, start_ms: int | None = None) -> None:
-        """Restart, by default with the open cycle."""
+        """Restart the machine, by default with the open cycle."""
         assert self.controller is not None
         if self._anything_open():
             self._close()
@@ -245,7 +243,7 @@ class Vehicle(ABC):
         self._doubt(reason)
 
     def _renew(self, why: str) -> None:
-        """Another machine in the place of this one, in the cycle that is open."""
+        """Replace the machine by a new one, in the open cycle."""
         self._forget_open()
         self._doubt(why)
         if self.controller is not None and not self.stopped:
@@ -273,7 +271,7 @@ class Vehicle(ABC):
         return report
 
     def _tell(self, report: Report | None, lines: Mapping[int, int]) -> None:
-        """`lines`: place of a record in its step -> the line it came in."""
+        """Send a report; `lines`: place of a record in its step -> number of its line."""
         if report is None:
             return
         data = {"vehicle": self.name, **report.as_data()}
@@ -285,6 +283,6 @@ class Vehicle(ABC):
     def _refuse(self, line: int, reason: str) -> None:
         self._out.append({"vehicle": self.name, "event": "refused", "line": line, "reason": shortened(reason)})
 
-    def _told(self) -> list[Told]:
-        told, self._out = self._out, []
-        return told
+    def _outputs(self) -> list[Output]:
+        outputs, self._out = self._out, []
+        return outputs

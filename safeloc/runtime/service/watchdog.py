@@ -1,7 +1,7 @@
-"""The optional watchdog: by the wall clock, a silent vehicle gets its cycles too.
+"""The optional watchdog: it ends the cycles of a silent vehicle by the wall clock.
 
-It knows only when a vehicle's cycle ended last, and how long a cycle may take. Time in which this process itself did not
-run does not count as silence.
+It knows only when each vehicle's last cycle ended, and how long a cycle may take. Time in which this process itself did
+not run does not count as silence.
 """
 
 from __future__ import annotations
@@ -10,7 +10,11 @@ from collections.abc import Iterable
 
 
 class Watchdog:
-    """limit_s: how long after a cycle's end the next one may end; at least a period. period_s: of each cycle."""
+    """A watchdog for all vehicles.
+
+    limit_s    longest time from the end of a cycle to the end of the next one; at least a period
+    period_s   length of a cycle
+    """
 
     def __init__(self, limit_s: float, period_s: float) -> None:
         self._limit_s, self._period_s = limit_s, period_s
@@ -22,17 +26,17 @@ class Watchdog:
         self._due[vehicle] = now_s + self._limit_s
 
     def forget(self, vehicle: str) -> None:
-        """It is not watched any more."""
+        """Stop watching a vehicle."""
         self._due.pop(vehicle, None)
 
     def pass_over(self, now_s: float) -> None:
-        """Skip the time since the last look, in which no line could be read."""
+        """Ignore the time since the last call, in which no line could be read."""
         own = 0.0 if self._looked is None else now_s - self._looked
         self._looked = now_s
         self._due = {vehicle: due + own for vehicle, due in self._due.items()}
 
     def overdue(self, now_s: float) -> Iterable[str]:
-        """List the vehicles whose cycle is overdue without a line that ended it; from then on, one per period."""
+        """Return the vehicles whose cycle is overdue; from then on, each of them once per period until a line ends a cycle."""
         if self._looked is not None and now_s - self._looked > self._limit_s:
             self.pass_over(now_s)
             return []
@@ -43,5 +47,5 @@ class Watchdog:
         return found
 
     def next_s(self, now_s: float) -> float | None:
-        """Return the time until the next look, short enough to notice when this process itself was not running."""
+        """Return the time until the next call, short enough to notice that this process was not running."""
         return max(0.0, min(min(self._due.values()) - now_s, self._limit_s / 2)) if self._due else None

@@ -1,4 +1,4 @@
-"""Runs of one machine in columns, in one packed file: what a report keeps of witnesses and counterexamples.
+"""Runs of one machine in columns, in one packed file. A report stores its witnesses and counterexamples in this form.
 
 The file is JSON packed with xz (`xz -dc FILE | python -m json.tool`):
 
@@ -7,9 +7,9 @@ The file is JSON packed with xz (`xz -dc FILE | python -m json.tool`):
      "runs": [{"results": [ID, ...], "machine": NAME, "steps": NUMBER, "first": [VALUE, ...],
                "inputs": [COLUMN, ...], "fired": [...], "state": [...], "outputs": [...], "truth_mm": COLUMN}, ...]}
 
-A COLUMN is [value, count, value, count, ...] over the steps, in order of the names; null where a step does not have it
-(an absent input, or an absent output). `first` are the values before the first step, in order of the names of `state`. `results` are the
-ids of all results that are shown by the run, `machine` is the one that ran.
+A COLUMN is [value, count, value, count, ...] over the steps, and there is one for each name, in order; null stands for an
+absent input or output. `first` are the values before the first step, in the order of `state`. `results` are the ids of
+all results that the run shows, `machine` is the name of the machine that ran.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ from safeloc.runtime.packed import SMALL, packed, read_packed
 from safeloc.runtime.streams.files import MOST_CELLS, MOST_ROWS, existing, streaming
 from safeloc.runtime.streams.steps import Cell, StepStream
 
-SCHEMA = "safeloc-runs/1"
+_SCHEMA = "safeloc-runs/1"
 KINDS = ("inputs", "fired", "state", "outputs")
-Column = list[Any]
-Plain = dict[str, Any]
+_Column = list[Any]
+_Plain = dict[str, Any]
 _ABSENT = object()
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A run, the ids of the results that it shows, and the recorded truth after each step where it is known."""
+    """A run, the ids of the results that it shows, and the recorded true position after each step (None: unknown)."""
 
     results: Sequence[str]
     trace: Trace
@@ -48,11 +48,11 @@ class Shown:
 
 
 def runs_file(runs: Sequence[Shown]) -> bytes:
-    """Return the content of the file."""
+    """Return the content of a file with these runs."""
     rows = [[_row(one.trace, number) for number in range(len(one.trace.steps))] for one in runs]
     names = _names(runs, rows)
     data = {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "names": names,
         "runs": [_packed_run(one, own, names) for one, own in zip(runs, rows, strict=True)],
     }
@@ -60,18 +60,18 @@ def runs_file(runs: Sequence[Shown]) -> bytes:
 
 
 def _row(trace: Trace, number: int) -> Sequence[Mapping[str, Cell]]:
-    """A step by kind, in order of KINDS."""
+    """Return the values of a step, by kind in the order of KINDS."""
     step = trace.steps[number]
-    return present_inputs(trace.system, step.inputs), step.fired, step.state, _told(trace, step)
+    return present_inputs(trace.system, step.inputs), step.fired, step.state, _outputs(trace, step)
 
 
-def _told(trace: Trace, step: Step) -> Mapping[str, Cell]:
+def _outputs(trace: Trace, step: Step) -> Mapping[str, Cell]:
     outputs = without_absent(step.outputs, stand_ins(trace.system))
     return {name: value for name, value in outputs.items() if value is not None}
 
 
 def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, Cell]]]]) -> dict[str, Sequence[str]]:
-    """Every name that a run has, by kind, in the order in which they come; inputs in that of the declaration."""
+    """Return the names in all runs, by kind: inputs in the order of the declaration, others in order of appearance."""
     found = {kind: dict[str, None]() for kind in KINDS}
     for one, steps in zip(runs, rows, strict=True):
         found["state"].update(dict.fromkeys(one.trace.initial))
@@ -84,7 +84,7 @@ def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, 
     return {**names, "inputs": [name for name in declared if name in found["inputs"]]}
 
 
-def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> Plain:
+def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> _Plain:
     columns = {kind: _columns([row[at] for row in rows], names[kind]) for at, kind in enumerate(KINDS)}
     truth = [*one.truth_mm][: len(rows)]
     truth += [None] * (len(rows) - len(truth))
@@ -98,9 +98,9 @@ def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names:
     }
 
 
-def _columns(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[Column]:
-    """Each name's values and how often each comes in a row; 1 and true are not the same."""
-    columns: list[Column] = [[] for _ in names]
+def _columns(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[_Column]:
+    """Return the column of each name: values, and how often each is repeated; 1 and true differ."""
+    columns: list[_Column] = [[] for _ in names]
     since = [0] * len(names)
     before: Sequence[Any] = [_ABSENT] * len(names)
     for number, row in enumerate(rows):
@@ -123,31 +123,31 @@ def _columns(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[Co
 
 @contextmanager
 def _flawless(path: Path) -> Iterator[None]:
-    """Whatever the content of a file does not allow is a StreamError with its name."""
+    """Raise StreamError with the file's name if its content does not fit the schema."""
     with streaming(path):
         try:
             yield
         except SafelocError:
             raise
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-            raise StreamError(f"{path}: does not keep to schema {SCHEMA}: {shortened(error)}.") from error
+            raise StreamError(f"{path}: does not fit schema {_SCHEMA}: {shortened(error)}.") from error
 
 
 def read_runs(path: Path) -> Runs:
-    """Return the runs of a file. StreamError with its name where it is damaged, or no such file."""
+    """Return the runs of a file. StreamError with its name if it is missing, damaged, or of another kind."""
     with _flawless(path):
         data = json.loads(read_packed(existing(path)))
-        if data["schema"] != SCHEMA:
-            raise StreamError(f"{path}: schema is {quoted(data['schema'])}; this version reads {SCHEMA!r}.")
+        if data["schema"] != _SCHEMA:
+            raise StreamError(f"{path}: schema is {quoted(data['schema'])}; this version reads {_SCHEMA!r}.")
         return Runs(path, data)
 
 
 class Runs:
-    """The runs of a file, by the ids of the results that they show; a run is unfolded when it is asked for."""
+    """The runs of a file, by the ids of the results that they show; a run is unpacked only when it is used."""
 
     def __init__(self, path: Path, data: Mapping[str, Any]) -> None:
         self._path, self._names = path, data["names"]
-        self._runs: Mapping[str, Plain] = {result: run for run in data["runs"] for result in run["results"]}
+        self._runs: Mapping[str, _Plain] = {result: run for run in data["runs"] for result in run["results"]}
         if not all(isinstance(self._names[kind], list) for kind in KINDS):
             raise TypeError("lists of the names of columns were expected")
 
@@ -155,11 +155,11 @@ class Runs:
         return result in self._runs
 
     def __iter__(self) -> Iterator[str]:
-        """The ids of all results that a run is kept of."""
+        """Iterate over the ids of all results that have a run."""
         return iter(self._runs)
 
-    def plain(self, result: str) -> Plain:
-        """Return the run as reports hold it: first values, and what each step has by kind; StreamError as `stream`."""
+    def plain(self, result: str) -> _Plain:
+        """Return the run of a result in the form of reports: first values, and each step by kind; StreamError as `stream`."""
         with _flawless(self._path):
             run = self._found(result)
             kinds = [self._rows(run, kind) for kind in KINDS]
@@ -167,7 +167,7 @@ class Runs:
             return {"first": self._first(run), "steps": steps, "truth_mm": self._truth_mm(run)}
 
     def stream(self, result: str) -> StepStream:
-        """Return the run's inputs as `replay` takes them. StreamError where no run is kept of the result."""
+        """Return the inputs of the run of a result as a stream for `replay`. StreamError if the file has no run of it."""
         with _flawless(self._path):
             run = self._found(result)
             truth = self._truth_mm(run) or repeat(None, run["steps"])
@@ -178,7 +178,7 @@ class Runs:
             columns = {name: 1 for step in steps for name in step}
             return StepStream(steps, tuple(range(1, len(steps) + 1)), self._first(run), str(run["machine"]), columns)
 
-    def _found(self, result: str) -> Plain:
+    def _found(self, result: str) -> _Plain:
         if result not in self._runs:
             known = ", ".join(map(repr, islice(self, 5))) + (", ..." if len(self._runs) > 5 else "")
             raise StreamError(f"{self._path}: no run of {quoted(result)}; it holds {len(self._runs)}: {known}.")
@@ -187,16 +187,16 @@ class Runs:
         refuse_beyond(self._path, run["steps"] * sum(map(len, self._names.values())), MOST_CELLS, "cells")
         return run
 
-    def _first(self, run: Plain) -> dict[str, Value]:
+    def _first(self, run: _Plain) -> dict[str, Value]:
         pairs = zip(self._names["state"], run["first"], strict=True)
         return {name: value for name, value in pairs if value is not None}
 
-    def _truth_mm(self, run: Plain) -> list[int | None]:
-        """Nothing where it is known of no step."""
+    def _truth_mm(self, run: _Plain) -> list[int | None]:
+        """Return the true positions; an empty list if none is known."""
         values = _unfolded(run["truth_mm"], run["steps"])
         return [] if all(value is None for value in values) else values
 
-    def _rows(self, run: Plain, kind: str) -> Iterator[dict[str, Any]]:
+    def _rows(self, run: _Plain, kind: str) -> Iterator[dict[str, Any]]:
         names, columns = self._names[kind], run[kind]
         if len(columns) != len(names):
             raise ValueError(f"{len(columns)} columns of {len(names)} {kind}")
@@ -205,7 +205,7 @@ class Runs:
         return ({name: cell for name, cell in zip(names, row, strict=True) if cell is not None} for row in rows)
 
 
-def _unfolded(column: Column, steps: int) -> list[Any]:
+def _unfolded(column: _Column, steps: int) -> list[Any]:
     counts = column[1::2]
     if len(column) % 2 or any(type(count) is not int or count < 1 for count in counts) or sum(counts) != steps:
         raise ValueError(f"a column of {sum(counts)} steps where there are {steps}")

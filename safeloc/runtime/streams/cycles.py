@@ -1,12 +1,13 @@
-"""From records to the steps of a machine: one step every `period_ms`, and a reason for every record not used.
+"""From records to the steps of a machine: one step every `period_ms`, and a reason for every record that is not used.
 
-A record belongs to the cycle its time falls into: cycle n ends at `start_ms + n period_ms`, that instant included (and
-cycle 1 has its beginning too). Distances of one channel within a cycle are added up. The border judges
-(safeloc.runtime.border): a record of a cycle that is over is STALE, one older than what its channel said before OUT_OF_ORDER,
-and so on. A channel of which a record was refused, or of which fewer came than expected, gives NO input in that step:
-part of its distance, or the right one of two readings, is unknown, and an absent input is what machines treat with
-care. The other inputs of the same reading are dropped too (a marker without its accuracy would get the default one), and
-two channels that give the same input are both ignored. Records are not sorted.
+A record belongs to the cycle that contains its time: cycle n ends at `start_ms + n period_ms`, that instant included (and
+cycle 1 includes its start). Distances of one channel within a cycle are added up. The border (safeloc.runtime.border)
+checks each record: one of a past cycle is STALE, one older than the last record of its channel is OUT_OF_ORDER, and so on.
+
+A channel gives NO input in a step if one of its records was refused, or if fewer arrived than expected: then part of its
+distance, or the right one of two readings, is unknown, and the machine handles an absent input safely. The other inputs of
+the same reading are left out too (a marker without its accuracy would get the default one). If two channels give the same
+input, both are ignored. Records are not sorted.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from safeloc.errors import InputError
 from safeloc.runtime.border import Channel, Deliveries, Fault, Reason, admitted
 from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 
-LONGEST_GAP_MS = 3_600_000
+_LONGEST_GAP_MS = 3_600_000
 Places = Callable[[str], Iterable[object]]
-"""Name in a record -> the inputs that it stands for."""
+"""Name in a record -> the inputs that it means."""
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """One step: inputs, remarks (the truth, never an input), and every fault, by channel, with its reason."""
+    """One step: inputs, remarks (the true position, never an input), and all faults."""
 
     number: int
     end_ms: int
@@ -35,12 +36,12 @@ class Cycle:
 
     @property
     def rejected(self) -> tuple[Fault, ...]:
-        """Records that were not used, each with its number in the stream (from 0)."""
+        """Return the faults of single records, each with the record's number in the stream (from 0)."""
         return tuple(fault for fault in self.faults if fault.number is not None)
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Channels of which fewer records came than expected."""
+        """Return the channels with fewer records than expected."""
         return tuple(fault.channel for fault in self.faults if fault.reason is Reason.MISSING)
 
     def as_step(self) -> Mapping[str, int | str]:
@@ -49,15 +50,15 @@ class Cycle:
 
 
 class CycleBuilder:
-    """Fills one cycle after the other. It remembers the number of cycles, and the last record of each channel.
+    """A builder of cycles, one after the other. Its memory is the number of cycles and the last record of each channel.
 
-    begin_ms    the last instant that is too early for the open cycle
+    begin_ms    the last instant before the open cycle
     end_ms      the last instant of the open cycle
 
-    channels    ranges of machine inputs by their names (`channels_of`); what lies outside is no input
+    channels    ranges of machine inputs by name (`channels_of`); a value outside of its range is a fault
     expected    channel -> number of its records per cycle; a channel with fewer gives no input and is MISSING
-    places      where an input has several names: which inputs a name stands for
-    done        cycles closed before, with their `deliveries`: to go on where another builder stopped
+    places      the inputs that a name means, if that is more than the input of this name
+    done        number of cycles closed before, with their `deliveries`: to continue where another builder stopped
 
     InputError for a period below 1 ms.
     """
@@ -74,7 +75,7 @@ class CycleBuilder:
         deliveries: Deliveries | None = None,
     ) -> None:
         if period_ms < 1:
-            raise InputError(f"period_ms is {period_ms}; a cycle takes at least 1 ms.")
+            raise InputError(f"period_ms is {period_ms}; give at least 1 ms.")
         self.period_ms, self.start_ms, self.done = period_ms, start_ms, done
         self._open()
         self.deliveries = deliveries or Deliveries()
@@ -86,11 +87,11 @@ class CycleBuilder:
 
     @property
     def empty(self) -> bool:
-        """True if the open cycle has no records."""
+        """Return whether the open cycle has no records."""
         return not self._used and not self._faults
 
     def take(self, number: int, record: Record | Unusable) -> Fault | None:
-        """Take one record for the open cycle, and return why it is not used; `number` is its place in the stream."""
+        """Take a record for the open cycle; return the fault if it is not used. `number` is its place in the stream."""
         channel = record.channel
         fault = self._fault(channel, record)
         if fault is not None:
@@ -100,17 +101,17 @@ class CycleBuilder:
         return fault
 
     def refuse(self, fault: Fault) -> None:
-        """Add a fault that was found before: its channel gives no input in the open cycle."""
+        """Add a fault that was found elsewhere: its channel gives no input in the open cycle."""
         self._faults.append(fault)
 
     def close(self) -> Cycle:
-        """End the open cycle, and begin the next one."""
+        """End the open cycle and return it; begin the next one."""
         faults = [*self._faults, *self._missing()]
         doubtful = {fault.channel for fault in faults}
         totals: dict[str, Mapping[str, int | str]] = {}
-        for name, said in self._used.items():
+        for name, records in self._used.items():
             if name not in doubtful:
-                total = _total(said)
+                total = _total(records)
                 outside = _outside(self._limits, name, total)
                 if outside is None:
                     totals[name] = total
@@ -132,22 +133,22 @@ class CycleBuilder:
         return cycle
 
     def _open(self) -> None:
-        """The times of the cycle that comes next."""
+        """Set the times of the next cycle."""
         self.end_ms = self.start_ms + (self.done + 1) * self.period_ms
         self.begin_ms = self.end_ms - self.period_ms if self.done else self.start_ms - 1
 
     def _contradicting(self, totals: Mapping[str, Mapping[str, int | str]]) -> list[Fault]:
-        """List all channels that give an input which another channel gives too, with equal values or not."""
+        """Return a fault for each channel that gives the same input as another channel, with equal values or not."""
         places = self._places
-        said = [place for total in totals.values() for name in total for place in places(name)]
-        if len(set(said)) == len(said):  # as it always should be
+        given = [place for total in totals.values() for name in total for place in places(name)]
+        if len(set(given)) == len(given):  # the usual case
             return []
-        sayers: dict[object, str] = {}
+        givers: dict[object, str] = {}
         faults: list[Fault] = []
         for channel, total in totals.items():
             for name in total:
                 for place in places(name):
-                    other = sayers.setdefault(place, channel)
+                    other = givers.setdefault(place, channel)
                     if other != channel:
                         faults.append(Fault(channel, Reason.SURPLUS, f"{other} gives the same input"))
                         faults.append(Fault(other, Reason.SURPLUS, f"{channel} gives the same input"))
@@ -155,12 +156,12 @@ class CycleBuilder:
 
     def _missing(self) -> Iterator[Fault]:
         for name, least in self._expected.items():
-            came = len(self._used.get(name, ()))
-            if came < least:
-                yield Fault(name, Reason.MISSING, f"{came} of {least}")
+            count = len(self._used.get(name, ()))
+            if count < least:
+                yield Fault(name, Reason.MISSING, f"{count} of {least}")
 
     def _fault(self, channel: str, record: Record | Unusable) -> Fault | None:
-        """Check time, number and value of a record; the sum of increments is checked at the end of the cycle."""
+        """Return the fault in a record's time, number or value; the sum of increments is checked at the end of the cycle."""
         late = self.deliveries.late(channel, record.time_ms, None, self.end_ms, self.end_ms - self.begin_ms - 1)
         if late is not None:
             return late
@@ -181,19 +182,19 @@ def cycles(
     channels: Sequence[Channel] = (),
     expected: Mapping[str, int] | None = None,
     places: Places | None = None,
-    longest_gap_ms: int = LONGEST_GAP_MS,
+    longest_gap_ms: int = _LONGEST_GAP_MS,
 ) -> Iterator[Cycle]:
-    """Return steps up to the last record, none left out: a silent period gives steps without inputs.
+    """Yield all steps up to the last record; a silent period gives steps without inputs.
 
     channels, expected, places  as for the CycleBuilder
-    longest_gap_ms              a leap of time beyond it is taken for a wrong clock: InputError
+    longest_gap_ms              InputError for a longer gap in time, since the clock may be wrong
     """
     builder = CycleBuilder(period_ms, start_ms=start_ms, channels=channels, expected=expected, places=places)
     for number, record in enumerate(records):
         if record.time_ms > builder.end_ms + longest_gap_ms:
             raise InputError(
                 f"record {number} ({record.channel}) is {record.time_ms - builder.end_ms} ms ahead, more than "
-                f"longest_gap_ms {longest_gap_ms}; mend its time, split the recording there, or allow a longer gap."
+                f"longest_gap_ms {longest_gap_ms}; correct its time, split the recording there, or allow a longer gap."
             )
         while record.time_ms > builder.end_ms:
             yield builder.close()
@@ -203,7 +204,7 @@ def cycles(
 
 
 def _torn(faults: Sequence[Fault], totals: Mapping[str, object]) -> list[Fault]:
-    """List incomplete readings: `front_marker` if `front_marker_accuracy_mm` was refused, and the reverse."""
+    """Return a fault for each incomplete reading: `front_marker` if `front_marker_accuracy_mm` was refused, and the reverse."""
     refused = {fault.channel for fault in faults if fault.reason is not Reason.UNKNOWN}
     stems = [(one, one.rpartition(".")[2]) for one in refused]
     return [
@@ -215,33 +216,33 @@ def _torn(faults: Sequence[Fault], totals: Mapping[str, object]) -> list[Fault]:
 
 
 def _is_part(one: str, other: str) -> bool:
-    """Return whether one of the names begins with the other: both belong to one reading."""
+    """Return whether both names belong to one reading: one of them begins with the other."""
     return one == other or one.startswith(f"{other}_") or other.startswith(f"{one}_")
 
 
 def _outside(limits: Mapping[str, Channel], channel: str, inputs: Mapping[str, int | str]) -> Fault | None:
-    """The first of these inputs that is not in its range."""
+    """Return the fault of the first input outside of its range; None if all are in range."""
     for name, value in inputs.items():
         limit = limits.get(name)
         if limit is None or (type(value) is int and limit.low <= value <= limit.high):
             continue
-        judged = admitted(limit, value)
-        if isinstance(judged, Fault):
-            return Fault(channel, judged.reason, f"{name}: {judged.detail}")
+        checked = admitted(limit, value)
+        if isinstance(checked, Fault):
+            return Fault(channel, checked.reason, f"{name}: {checked.detail}")
     return None
 
 
-def _remarks(said: Sequence[Record]) -> Mapping[str, int]:
-    truth = [record for record in said if isinstance(record, TruthRecord)]
+def _remarks(records: Sequence[Record]) -> Mapping[str, int]:
+    truth = [record for record in records if isinstance(record, TruthRecord)]
     return truth[-1].remarks() if truth else {}
 
 
-def _total(said: Sequence[Record]) -> Mapping[str, int | str]:
-    """Increments added up; otherwise there is just one record."""
-    if len(said) == 1:
-        return said[0].inputs()
+def _total(records: Sequence[Record]) -> Mapping[str, int | str]:
+    """Return the inputs of a channel's records: the sum of increments; of any other kind there is only one record."""
+    if len(records) == 1:
+        return records[0].inputs()
     total: dict[str, int | str] = {}
-    for record in said:
+    for record in records:
         for name, value in record.inputs().items():
             before = total.get(name, 0)
             total[name] = before + value if isinstance(before, int) and isinstance(value, int) else value

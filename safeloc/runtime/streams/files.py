@@ -1,4 +1,4 @@
-"""Reading of text, lines of JSON and tables within bounds, for files of records and files of steps."""
+"""Bounded reading of text, lines of JSON and tables, for files of records and files of steps."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from safeloc.errors import InputError, StreamError, UnforeseenError
 from safeloc.runtime.outside import quoted, read_lines, reading, refuse_beyond
 from safeloc.runtime.streams.gzipped import is_packed, unpacked_lines
 
-FORMATS = "use .jsonl, .csv, either of them also with .gz, or .parquet"
+_FORMATS = "use .jsonl, .csv, either of them also with .gz, or .parquet"
 LONGEST_LINE = 1_000_000
-"""Bytes of a line of JSON, and of a row of CSV: a step with ten thousand inputs."""
+"""Most bytes of a line of JSON or a row of CSV: enough for a step with ten thousand inputs."""
 LONGEST_CELL = 1_000
-"""Characters in a cell of a table; what is longer is no number, truth value or name."""
+"""Most characters in a cell of a table: a cell is a number, a truth value or a name."""
 MOST_ROWS = 10_000_000
-"""Lines or rows of one file: eleven days of steps of 100 ms."""
+"""Most lines or rows of one file: eleven days of steps of 100 ms."""
 MOST_CELLS = 100_000_000
-"""Cells or fields of one file."""
+"""Most cells or fields of one file."""
 
-Content = TypeVar("Content", bound=Sized)
+_Content = TypeVar("_Content", bound=Sized)
 
 
 @contextmanager
 def streaming(path: Path) -> Iterator[None]:
-    """Apply the rule for external input (`safeloc.runtime.outside`) to streams: a refusal is a StreamError, an unexpected
-    exception an UnforeseenError."""
+    """Apply the rule for external input (`safeloc.runtime.outside`) to streams: a flaw raises a StreamError, any other
+    exception becomes an UnforeseenError."""
     try:
         with reading(path):
             yield
@@ -41,8 +41,8 @@ def streaming(path: Path) -> Iterator[None]:
         raise StreamError(str(error)) from error
 
 
-def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[int, Content]]:
-    """Return the same rows; StreamError beyond `MOST_ROWS` and `MOST_CELLS`, so that what is kept of a file stays in bounds."""
+def bounded(path: Path, rows: Iterable[tuple[int, _Content]]) -> Iterator[tuple[int, _Content]]:
+    """Yield the same rows; StreamError beyond `MOST_ROWS` or `MOST_CELLS`, so that the memory for a file is bounded."""
     cells = 0
     for count, (line, row) in enumerate(rows, 1):
         cells += len(row)
@@ -53,7 +53,7 @@ def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[i
 
 
 def lines_of(path: Path) -> Iterator[tuple[int, str]]:
-    """Return every line that is not blank with its number, one in memory at a time."""
+    """Yield each line that is not blank with its number; only one is in memory at a time."""
     return ((number, text) for number, text in _lines(path) if text.strip())
 
 
@@ -70,12 +70,12 @@ def existing(path: Path) -> Path:
 
 
 def unknown_kind(path: Path) -> StreamError:
-    """Make the error for an unknown suffix."""
-    return StreamError(f"{path}: unknown kind of file {path.suffix!r}; {FORMATS}.")
+    """Return the error for an unknown suffix."""
+    return StreamError(f"{path}: unknown kind of file {path.suffix!r}; {_FORMATS}.")
 
 
 def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
-    """Return one line's object. NaN and infinities come through as such: whoever knows the field refuses them."""
+    """Return the object of one line. NaN and infinities are kept: the reader of the field refuses them."""
 
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         fields = dict(pairs)
@@ -99,7 +99,7 @@ def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
 
 
 def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Return every row with its line in the file, the names of the columns first; StreamError for what is no table."""
+    """Yield every row with its line in the file, the names of the columns first; StreamError if the file is no table."""
     fed = _Fed(path)
     reader = csv.reader(fed)
     try:
@@ -113,12 +113,12 @@ def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
             yield reader.line_num, row
     except csv.Error as error:
         raise StreamError(
-            f"{path}:{reader.line_num}: not CSV ({error}); one row a line, commas between cells."
+            f"{path}:{reader.line_num}: not CSV ({error}); write one row per line, with commas between cells."
         ) from error
 
 
 class _Fed:
-    """Lines for the CSV reader, which takes as many as a row's quotes ask for: StreamError for a row without end."""
+    """Lines for the CSV reader. Open quotes make it read on: StreamError for a row that becomes too long."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._lines, self._size = path, _lines(path), 0
@@ -134,7 +134,7 @@ class _Fed:
         return f"{text}\n"
 
     def row_ends(self) -> None:
-        """The next line belongs to the next row."""
+        """Note that the next line begins a new row."""
         self._size = 0
 
 

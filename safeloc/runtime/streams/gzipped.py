@@ -1,6 +1,6 @@
-"""Streams packed with gzip: `NAME.jsonl.gz` is read and written wherever `NAME.jsonl` is, and CSV likewise.
+"""Streams packed with gzip: wherever `NAME.jsonl` is read or written, `NAME.jsonl.gz` is too, and CSV likewise.
 
-Parquet packs its columns itself and is not packed once more. A damaged file is refused by name: gzip keeps a check sum.
+Parquet packs its columns itself, so it is not packed again. A damaged file is refused by name: gzip files contain a checksum.
 """
 
 from __future__ import annotations
@@ -16,34 +16,34 @@ from typing import TextIO
 from safeloc.errors import StreamError
 from safeloc.runtime.outside import LARGEST_FILE, cut_lines, reading, refuse_beyond
 
-SUFFIX = ".gz"
-PACKABLE = (".jsonl", ".ndjson", ".csv")
-SMALLEST = 9
-"""How hard to pack: a recording is written once, and reading takes the same time."""
+_SUFFIX = ".gz"
+_PACKABLE = (".jsonl", ".ndjson", ".csv")
+_SMALLEST = 9
+"""Level of gzip: a recording is written once, and the time to read it does not depend on the level."""
 
 
 def is_packed(path: PurePath) -> bool:
-    """Tell whether the name is that of a packed stream."""
-    return path.suffix == SUFFIX
+    """Return whether the name ends in .gz."""
+    return path.suffix == _SUFFIX
 
 
 def kind_of(path: PurePath) -> str:
     """Return the suffix for the format of the stream: `.jsonl` for `run.jsonl` and for `run.jsonl.gz`."""
     within = PurePath(path.stem).suffix
-    return within if is_packed(path) and within in PACKABLE else path.suffix
+    return within if is_packed(path) and within in _PACKABLE else path.suffix
 
 
 def name_of(path: PurePath) -> str:
-    """Return what findings and pictures call the stream: `run`, packed or not."""
+    """Return the stream's name for findings and pictures: `run` for `run.jsonl` and `run.jsonl.gz`."""
     return path.stem.removesuffix(kind_of(path)) if is_packed(path) else path.stem
 
 
 def unpacked_lines(path: Path, longest: int) -> Iterator[tuple[int, str]]:
-    """Give every line of a packed file as `read_lines` does of a plain one; StreamError for a file that is damaged."""
+    """Yield the lines of a packed file, as `read_lines` does for a plain one; StreamError for a damaged file."""
     with reading(path):
         size = path.stat().st_size
         refuse_beyond(path, size, LARGEST_FILE, "bytes")
-        if size == 0:  # which Python takes for a packed file with nothing in it
+        if size == 0:  # Python would accept it as an empty packed file
             raise _damaged(path, "it is empty")
         try:
             with gzip.open(path) as file:
@@ -58,15 +58,14 @@ def _damaged(path: Path, why: str) -> StreamError:
 
 @contextmanager
 def created(path: Path) -> Iterator[TextIO]:
-    """Open a stream to write text to, packed where the path ends in .gz: without name and time, so equal text gives equal
-    bytes."""
+    """Open a stream for writing text, packed if the path ends in .gz. Equal text gives equal bytes, without name and time."""
     if not is_packed(path):
         with path.open("w", newline="", encoding="utf-8") as text:
             yield text
         return
     with (
         path.open("wb") as file,
-        gzip.GzipFile("", "wb", SMALLEST, file, mtime=0) as packed,
+        gzip.GzipFile("", "wb", _SMALLEST, file, mtime=0) as packed,
         TextIOWrapper(packed, encoding="utf-8", newline="") as text,
     ):
         yield text

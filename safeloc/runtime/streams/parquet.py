@@ -1,7 +1,7 @@
-"""Tables in Parquet by way of pyarrow (extra `parquet`): columns of whole numbers, truth values and text.
+"""Tables in Parquet, read and written with pyarrow (extra `parquet`): columns of whole numbers, truth values and text.
 
-A Parquet file of some kilobytes may stand for gigabytes: equal values are kept once. So a file's own figures are looked
-at before it is read, it is read some rows at a time, text is kept once a batch, and cells are counted as they come.
+A Parquet file of some kilobytes may unpack to gigabytes, since equal values are stored once. So the sizes in its metadata are
+checked before it is read, rows are read in batches, equal texts of a batch are stored once, and cells are counted.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from safeloc.errors import StreamError
 from safeloc.runtime.outside import LARGEST_FILE, quoted, refuse_beyond, shortened
 from safeloc.runtime.streams.files import LONGEST_CELL, MOST_CELLS, MOST_ROWS
 
-BATCH_ROWS = 10_000
-MOST_COLUMNS = 10_000
+_BATCH_ROWS = 10_000
+_MOST_COLUMNS = 10_000
 
-Row = dict[str, Any]
+_Row = dict[str, Any]
 
 
-def read_parquet(path: Path) -> tuple[list[Row], Sequence[str], Mapping[bytes, bytes]]:
-    """Return rows without their empty cells, the names of all columns, and the metadata of the file.
+def read_parquet(path: Path) -> tuple[list[_Row], Sequence[str], Mapping[bytes, bytes]]:
+    """Return the rows without their empty cells, the names of all columns, and the metadata of the file.
 
-    StreamError for what is no Parquet file, for columns of other kinds, and for a file that is too large.
+    StreamError for a file that is no Parquet file, has columns of other types, or is too large.
     """
     pyarrow, parquet = _pyarrow(path)
     try:
-        with parquet.ParquetFile(path) as file:  # read_table would make columns of `name=value` in the path
+        with parquet.ParquetFile(path) as file:  # read_table would turn `name=value` in the path into columns
             names = _names(path, file.schema_arrow)
             _refuse_large(path, file.metadata, len(names))
             _refuse_kinds(path, pyarrow, file.schema_arrow)
@@ -47,12 +47,12 @@ def _names(path: Path, schema: Any) -> list[str]:
     return names
 
 
-def _refuse_large(path: Path, told: Any, columns: int) -> None:
+def _refuse_large(path: Path, metadata: Any, columns: int) -> None:
     """Refuse a file whose metadata exceed a limit; other sizes are checked while the file is read."""
-    refuse_beyond(path, columns, MOST_COLUMNS, "columns")
-    refuse_beyond(path, told.num_rows, MOST_ROWS, "rows")
-    refuse_beyond(path, told.num_rows * columns, MOST_CELLS, "cells")
-    size = sum(told.row_group(group).total_byte_size for group in range(told.num_row_groups))
+    refuse_beyond(path, columns, _MOST_COLUMNS, "columns")
+    refuse_beyond(path, metadata.num_rows, MOST_ROWS, "rows")
+    refuse_beyond(path, metadata.num_rows * columns, MOST_CELLS, "cells")
+    size = sum(metadata.row_group(group).total_byte_size for group in range(metadata.num_row_groups))
     refuse_beyond(path, size, LARGEST_FILE, "bytes in its columns")
 
 
@@ -71,12 +71,12 @@ def _is_text(pyarrow: Any, kind: Any) -> bool:
     return bool(pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind))
 
 
-def _rows(path: Path, pyarrow: Any, parquet: Any, names: Sequence[str]) -> Iterator[Row]:
-    """Batch after batch; equal texts of a batch are one text in memory."""
+def _rows(path: Path, pyarrow: Any, parquet: Any, names: Sequence[str]) -> Iterator[_Row]:
+    """Yield the rows, read in batches; equal texts of a batch are one object in memory."""
     count = 0
     with parquet.ParquetFile(path, read_dictionary=names) as file:
-        for batch in file.iter_batches(BATCH_ROWS, use_threads=False):
-            batch.validate(full=True)  # places in a damaged file lead beyond its texts
+        for batch in file.iter_batches(_BATCH_ROWS, use_threads=False):
+            batch.validate(full=True)  # indices in a damaged file may point beyond its texts
             refuse_beyond(path, count + batch.num_rows, min(MOST_ROWS, MOST_CELLS // max(1, len(names))), "rows")
             columns = [_cells(path, pyarrow, name, column) for name, column in zip(names, batch.columns, strict=True)]
             rows = zip(*columns, strict=True) if columns else ((),) * batch.num_rows
@@ -92,14 +92,14 @@ def _cells(path: Path, pyarrow: Any, name: str, column: Any) -> list[Any]:
     longest = pyarrow.compute.max(pyarrow.compute.binary_length(texts)).as_py() or 0
     if longest > LONGEST_CELL:
         raise StreamError(f"{path}: column {quoted(name)} has a cell of {longest} bytes; a cell is one number or name.")
-    held = texts.to_pylist()
-    return [None if at is None else held[at] for at in column.indices.to_pylist()]
+    values = texts.to_pylist()
+    return [None if at is None else values[at] for at in column.indices.to_pylist()]
 
 
 def write_parquet(
     path: Path, rows: Sequence[Mapping[str, Any]], types: Mapping[str, str], metadata: Mapping[str, str] | None = None
 ) -> None:
-    """Write rows as a table with these columns, each of Arrow type `int64`, `bool_` or `string`; absent cells are empty."""
+    """Write rows as a table; `types` are its columns, each of Arrow type `int64`, `bool_` or `string`; absent cells are empty."""
     pyarrow, parquet = _pyarrow(path)
     columns = [(name, getattr(pyarrow, kind)()) for name, kind in types.items()]
     try:

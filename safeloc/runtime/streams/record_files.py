@@ -1,10 +1,11 @@
-"""Files of records: JSONL (one record a line), CSV (one column a field, empty: not given), Parquet (same columns).
+"""Files of records: JSONL (one record per line), CSV (one column per field, empty if not given), Parquet (same columns).
+
 JSONL and CSV may be packed with gzip (`gzipped`).
 
-Records come back in the order of the file. Nothing is sorted, repaired or left out: late, repeated and disordered
-records are for the cycle builder to judge (`cycles`); what is no record at all is a StreamError with file and line.
-`read_records` refuses a measurement that is none (NaN, text, a fraction) in the same way; `read_raw` hands it over as
-`Unusable`, a fault of its channel.
+Records are returned in the order of the file. Nothing is sorted, repaired or left out: the cycle builder (`cycles`) checks
+for late, repeated and disordered records. A row that is no record raises a StreamError with file and line. An invalid
+measurement (NaN, text, a fraction) is refused in the same way by `read_records`; `read_raw` returns it as `Unusable`, a
+fault of its channel.
 """
 
 from __future__ import annotations
@@ -40,45 +41,45 @@ FIELDS: tuple[str, ...] = (
     "kind", "time_ms", "end", "unit", "step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
     "value", "position_nm",
 )  # fmt: skip
-"""Columns of a table of records; each row fills those its kind has."""
+"""Columns of a table of records; each row fills the columns of its kind."""
 
-TEXT_FIELDS = ("kind", "end", "unit", "name")
+_TEXT_FIELDS = ("kind", "end", "unit", "name")
 MEASURED = ("step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
-"""Fields that say what was measured; the others say who speaks, and when."""
+"""Fields with measured values; the others identify the device and give the time."""
 
 OWN: Mapping[str, frozenset[str]] = {
     kind.model_fields["kind"].default: frozenset(kind.model_fields) for kind in get_args(Record)
 }
 """Kind -> the fields that its records have."""
 
-Row = Mapping[str, Any]
+_Row = Mapping[str, Any]
 
-_VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
-"""The adapter's own call has arguments that are not used here, and takes a quarter longer."""
+_VALIDATED: Callable[[_Row], Record] = RECORD.validator.validate_python
+"""A direct call of the validator: that of the adapter takes a quarter longer."""
 
 
 def read_records(path: Path) -> tuple[Record, ...]:
-    """Return all records of a .jsonl, .ndjson, .csv (these also with .gz) or .parquet file, in order; StreamError for what
-    is no measurement."""
+    """Return all records of a .jsonl, .ndjson, .csv (these also with .gz) or .parquet file, in order; StreamError for an
+    invalid measurement."""
     return tuple(_each(path, _record))
 
 
 def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
-    """Read the same records, with `Unusable` for a record whose value is no measurement."""
+    """Return the same records, with `Unusable` for a record with an invalid measurement."""
     return tuple(_each(path, record_or_fault))
 
 
-Said = TypeVar("Said")
+_Result = TypeVar("_Result")
 
 
-def _each(path: Path, read: Callable[[Row], Said]) -> Iterator[Said]:
-    """Read every row of the file. StreamError with file and line for a row that cannot be read."""
+def _each(path: Path, read: Callable[[_Row], _Result]) -> Iterator[_Result]:
+    """Yield every row of the file, as `read` returns it. StreamError with file and line for a row that cannot be read."""
     with streaming(path):
         for line, row in bounded(path, _rows(path)):
             yield _located(path, line, row, read)
 
 
-def _located(path: Path, line: int, row: Row, read: Callable[[Row], Said]) -> Said:
+def _located(path: Path, line: int, row: _Row, read: Callable[[_Row], _Result]) -> _Result:
     try:
         return read(row)
     except InputError as error:
@@ -89,7 +90,7 @@ def _located(path: Path, line: int, row: Row, read: Callable[[Row], Said]) -> Sa
         raise UnforeseenError(f"{path}:{line}: {refusal(error)}") from error
 
 
-def _rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _rows(path: Path) -> Iterator[tuple[int, _Row]]:
     match kind_of(existing(path)):
         case ".jsonl" | ".ndjson":
             return _jsonl_rows(path)
@@ -116,11 +117,11 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
             raise unknown_kind(path)
 
 
-def record_or_fault(row: Row) -> Record | Unusable:
-    """Read one row of any origin as a record; InputError if it is none.
+def record_or_fault(row: _Row) -> Record | Unusable:
+    """Return one row of any origin as a record, or as a fault of its channel; InputError if it is no record.
 
-    A field of another kind is harmless where it is null, as writers of one flat record class have it. With a value in
-    it the row is no record, because its kind, and so its device, is uncertain.
+    A field of another kind of record is accepted if it is null: programs with one flat class for all records write such fields.
+    If it has a value, the row is no record, since its kind and so its device are uncertain.
     """
     try:
         return _VALIDATED(_narrow(row))
@@ -134,8 +135,8 @@ def record_or_fault(row: Row) -> Record | Unusable:
         return unusable
 
 
-def _record(row: Row) -> Record:
-    """The same; InputError for what is no measurement as well."""
+def _record(row: _Row) -> Record:
+    """Return one row as a record; InputError if it is none, or has an invalid measurement."""
     try:
         return _VALIDATED(_narrow(row))
     except ValidationError as error:
@@ -145,15 +146,15 @@ def _record(row: Row) -> Record:
         raise InputError(_flaw(row, error)) from error
 
 
-def _narrow(row: Row) -> Row:
-    """The row, unless it has more fields than any record: each one would be looked at, and answered."""
+def _narrow(row: _Row) -> _Row:
+    """Return the row; InputError if it has more fields than any record, since the message would name each of them."""
     if len(row) > len(FIELDS):
-        raise InputError(f"{len(row)} fields, and a record has {len(FIELDS)} at the most; mend it or take it out.")
+        raise InputError(f"{len(row)} fields, but a record has at most {len(FIELDS)}; correct it or take it out.")
     return row
 
 
-def _of_its_kind(row: Row) -> Row:
-    """The row without empty fields of other kinds. InputError for one that is filled."""
+def _of_its_kind(row: _Row) -> _Row:
+    """Return the row without the empty fields of other kinds. InputError if such a field has a value."""
     kind = row.get("kind")
     own = OWN.get(kind) if isinstance(kind, str) else None
     if own is None:
@@ -164,42 +165,42 @@ def _of_its_kind(row: Row) -> Row:
             others = " and ".join(other for other, names in OWN.items() if name in names)
             raise InputError(
                 f"field {kind}.{name}: a {kind} record has no such field, only {others} has "
-                f"(got {quoted(row[name])}); leave it empty, or mend the kind."
+                f"(got {quoted(row[name])}); leave it empty, or correct the kind."
             )
     return {name: value for name, value in row.items() if name not in foreign}
 
 
-def _flaw(row: Row, error: ValidationError) -> str:
+def _flaw(row: _Row, error: ValidationError) -> str:
     strange = [f"{shown(name)} is {value}" for name, value in row.items() if not_finite(value)]
     if strange:
-        return f"{strange[0]}, no measurement; leave the record out where there is none."
+        return f"{strange[0]}, no measurement; leave the record out if there is none."
     first = error.errors(include_url=False)[0]
     where = ".".join(shown(str(part)) for part in first["loc"]) or "kind"
-    return f"field {where}: {first['msg'][:400]} (got {quoted(first['input'])}); mend the record or take it out."
+    return f"field {where}: {first['msg'][:400]} (got {quoted(first['input'])}); correct the record or take it out."
 
 
-def _unusable(row: Row, error: ValidationError) -> Unusable | None:
-    """The fault, if nothing but what was measured is wrong; zeros stand there only to learn who speaks."""
+def _unusable(row: _Row, error: ValidationError) -> Unusable | None:
+    """Return the fault if only measured values are wrong, else None. Zeros replace them only to find the channel."""
     wrong = {str(place) for one in error.errors(include_url=False) for place in one["loc"][1:2]}
     if not wrong or not wrong <= set(MEASURED) & set(row):
         return None
-    speaker = RECORD.validate_python({**row, **dict.fromkeys(wrong, 0)})
+    sender = RECORD.validate_python({**row, **dict.fromkeys(wrong, 0)})
     detail = ", ".join(f"{name}: {quoted(row[name])}" for name in sorted(wrong))
-    return Unusable(speaker.time_ms, speaker.channel, _reason(row, wrong, error), detail)
+    return Unusable(sender.time_ms, sender.channel, _reason(row, wrong, error), detail)
 
 
-def _reason(row: Row, wrong: set[str], error: ValidationError) -> Reason:
+def _reason(row: _Row, wrong: set[str], error: ValidationError) -> Reason:
     if any(not_finite(row[name]) for name in wrong):
         return Reason.NOT_FINITE
     below = all(one["type"] == "greater_than_equal" for one in error.errors())
     return Reason.OUT_OF_RANGE if below else Reason.WRONG_TYPE
 
 
-def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _jsonl_rows(path: Path) -> Iterator[tuple[int, _Row]]:
     return ((line, json_object(path, line, text)) for line, text in lines_of(path))
 
 
-def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _csv_rows(path: Path) -> Iterator[tuple[int, _Row]]:
     rows = csv_rows(path)
     _, names = next(rows, (1, []))
     if "kind" not in names or len(set(names)) < len(names):
@@ -215,7 +216,7 @@ def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
 
 
 def _refuse_unknown(path: Path, names: Iterable[str]) -> None:
-    """A column that no record has is a misspelt name, even where nothing stands under it."""
+    """Refuse a column that no record has, even an empty one: its name is misspelt."""
     for name in names:
         if name not in FIELDS:
             close = difflib.get_close_matches(name, FIELDS, n=1)
@@ -224,8 +225,8 @@ def _refuse_unknown(path: Path, names: Iterable[str]) -> None:
 
 
 def _value(name: str, text: str) -> int | bool | str:
-    """Whole numbers and truth values; all else stays text, which a number field then refuses."""
-    if name in TEXT_FIELDS:
+    """Return a whole number, a truth value or, for anything else, the text, which a field for numbers then refuses."""
+    if name in _TEXT_FIELDS:
         return text
     truth = truth_value(text)
     if truth is not None:
@@ -234,7 +235,7 @@ def _value(name: str, text: str) -> int | bool | str:
     return text if whole is None else whole
 
 
-def _write_csv(path: Path, rows: Sequence[Row]) -> None:
+def _write_csv(path: Path, rows: Sequence[_Row]) -> None:
     with created(path) as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
@@ -245,19 +246,19 @@ def _cell(value: object) -> object:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def _parquet_rows(path: Path) -> Iterator[tuple[int, Row]]:
+def _parquet_rows(path: Path) -> Iterator[tuple[int, _Row]]:
     rows, names, _ = read_parquet(path)
     _refuse_unknown(path, names)
     for line, row in enumerate(rows, 1):
-        yield line, {name: _value(name, cell) if _is_told(name, cell) else cell for name, cell in row.items()}
+        yield line, {name: _value(name, cell) if _is_text_value(name, cell) else cell for name, cell in row.items()}
 
 
-def _is_told(name: str, cell: object) -> bool:
-    """A value stands in its column as text, for it may be a number, a truth value or a name."""
+def _is_text_value(name: str, cell: object) -> bool:
+    """Return whether the cell is a `value`: its column is text, since it may be a number, a truth value or a name."""
     return name == "value" and isinstance(cell, str)
 
 
-def _write_parquet(path: Path, rows: Sequence[Row]) -> None:
-    text = (*TEXT_FIELDS, "value")
+def _write_parquet(path: Path, rows: Sequence[_Row]) -> None:
+    text = (*_TEXT_FIELDS, "value")
     cells = [{**row, "value": str(_cell(row["value"]))} if "value" in row else row for row in rows]
     write_parquet(path, cells, {name: "string" if name in text else "int64" for name in FIELDS})

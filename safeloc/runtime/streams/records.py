@@ -1,4 +1,4 @@
-"""Records: single measurements of a vehicle's devices, each with the time for which it is valid.
+"""Records: single measurements of a vehicle's devices, each with the time to which it refers.
 
 Every record names its channel (the device) and the machine inputs that it sets:
 
@@ -6,10 +6,10 @@ Every record names its channel (the device) and the machine inputs that it sets:
     pulses    {end}_{unit}_pulses                                   signed
     marker    {end}_marker, {end}_marker_position_mm, ..._accuracy_mm, ..._since_mm
     value     its own name
-    truth     the remark truth_mm, which no machine reads
+    truth     none; it gives the remark truth_mm
 
-Records are strict: a number in quotes, a fraction, NaN or an unknown field is refused, never converted. A record whose
-value is no measurement is `Unusable`: the cycle builder counts it as a fault of its channel.
+Records are strict: a number in quotes, a fraction, NaN or an unknown field is refused, never converted. A record with an
+invalid measurement is `Unusable`: the cycle builder counts it as a fault of its channel.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from safeloc.language.units import NM_PER_MM
 from safeloc.runtime.border import Reason
 
 End = Literal["front", "rear"]
-"""The fixed ends of the vehicle: A and B, whichever way it runs."""
+"""The fixed ends of the vehicle: front is end A, rear is end B, whichever way it runs."""
 
-Time = Annotated[int, Field(ge=0, description="ms since the recording began")]
+_Time = Annotated[int, Field(ge=0, description="ms since the recording began")]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*$")]
 
 
 class DistanceRecord(Config):
-    """The distance a unit measured since its last record."""
+    """The distance that a unit measured since its last record."""
 
     is_increment: ClassVar[bool] = True
     kind: Literal["distance"] = "distance"
-    time_ms: Time
+    time_ms: _Time
     end: End
     unit: Name
     step_mm: int
@@ -47,16 +47,16 @@ class DistanceRecord(Config):
         return f"{self.end}_{self.unit}"
 
     def inputs(self) -> Mapping[str, int]:
-        """Return the machine inputs it stands for."""
+        """Return the machine inputs that it sets."""
         return {f"{self.channel}_mm": self.step_mm}
 
 
 class PulseRecord(Config):
-    """The pulses a wheel generator counted since its last record; what a pulse is worth is the machine's matter."""
+    """The pulses that a wheel generator counted since its last record; the machine knows the distance per pulse."""
 
     is_increment: ClassVar[bool] = True
     kind: Literal["pulses"] = "pulses"
-    time_ms: Time
+    time_ms: _Time
     end: End
     unit: Name = "wheel"
     pulses: int
@@ -67,16 +67,16 @@ class PulseRecord(Config):
         return f"{self.end}_{self.unit}"
 
     def inputs(self) -> Mapping[str, int]:
-        """Return the machine inputs it stands for."""
+        """Return the machine inputs that it sets."""
         return {f"{self.channel}_pulses": self.pulses}
 
 
 class MarkerRecord(Config):
-    """A marker read at one end. Without a position the map does not have it: a foreign marker."""
+    """A marker read at one end. Without a position it is a foreign marker: the map does not have it."""
 
     is_increment: ClassVar[bool] = False
     kind: Literal["marker"] = "marker"
-    time_ms: Time
+    time_ms: _Time
     end: End
     marker: Annotated[int, Field(ge=0)]
     position_mm: int | None = None
@@ -89,7 +89,7 @@ class MarkerRecord(Config):
         return f"{self.end}_marker"
 
     def inputs(self) -> Mapping[str, int]:
-        """Return the machine inputs it stands for; what is not known is left out."""
+        """Return the machine inputs that it sets; unknown ones are left out."""
         own = {"_position_mm": self.position_mm, "_accuracy_mm": self.accuracy_mm, "_since_mm": self.since_mm}
         known = {f"{self.channel}{name}": value for name, value in own.items() if value is not None}
         return {self.channel: self.marker, **known}
@@ -100,7 +100,7 @@ class ValueRecord(Config):
 
     is_increment: ClassVar[bool] = False
     kind: Literal["value"] = "value"
-    time_ms: Time
+    time_ms: _Time
     name: Name
     value: int | bool | str
 
@@ -110,7 +110,7 @@ class ValueRecord(Config):
         return self.name
 
     def inputs(self) -> Mapping[str, int | str]:
-        """Return the machine input it stands for."""
+        """Return the machine input that it sets."""
         return {self.name: self.value}
 
 
@@ -119,7 +119,7 @@ class TruthRecord(Config):
 
     is_increment: ClassVar[bool] = False
     kind: Literal["truth"] = "truth"
-    time_ms: Time
+    time_ms: _Time
     position_nm: int
 
     @property
@@ -128,17 +128,17 @@ class TruthRecord(Config):
         return "truth"
 
     def inputs(self) -> Mapping[str, int]:
-        """Nothing: the truth is a remark."""
+        """Return no inputs: no machine reads the truth."""
         return {}
 
     def remarks(self) -> Mapping[str, int]:
-        """`truth_mm`, rounded down."""
+        """Return `truth_mm`, rounded down."""
         return {"truth_mm": self.position_nm // NM_PER_MM}
 
 
 Record = DistanceRecord | PulseRecord | MarkerRecord | ValueRecord | TruthRecord
 RECORD: TypeAdapter[Record] = TypeAdapter(Annotated[Record, Field(discriminator="kind")])
-"""Checks and reads any record."""
+"""Validator of any record."""
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,11 @@
-"""Step streams: the inputs of a machine, one mapping a step. What `replay` reads and what traces are saved as.
+"""Step streams: the inputs of a machine, one mapping per step. `replay` reads them, and traces are saved as such.
 
 JSONL     optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}, "kept": [...]}, then one object
           a step; a step contains an input named in `kept` only if it changed since the step before
-CSV       one column an input; an empty cell is an absent input; `true` and `false` are truth values, also TRUE and FALSE
-Parquet   one column an input, whole numbers, truth values or text; an empty cell is an absent input; the object of
-          JSONL's first line may stand in the file's metadata under `safeloc`
+CSV       one column per input; an empty cell is an absent input; `true` and `false` (in any case) are truth values
+
+Parquet   one column per input, of whole numbers, truth values or text; an empty cell is an absent input; the file's metadata
+          may contain the object of JSONL's first line under `safeloc`
 
 JSONL and CSV may be packed with gzip, as `NAME.jsonl.gz` and `NAME.csv.gz` (`gzipped`).
 Columns that the machine does not have (such as `truth_mm`) are kept apart as remarks, never passed to it.
@@ -37,16 +38,16 @@ from safeloc.runtime.streams.parquet import read_parquet, write_parquet
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str
-METADATA = b"safeloc"
-ARROW: Mapping[type, str] = {int: "int64", bool: "bool_", str: "string"}
+_METADATA = b"safeloc"
+_ARROW: Mapping[type, str] = {int: "int64", bool: "bool_", str: "string"}
 
 
 @dataclass(frozen=True)
 class StepStream:
     """Steps in order, each with its line in the file (Parquet: its row).
 
-    `first` chooses values of initial state variables that are open.
-    `columns` are the names that the file has, each with the line where it stands first, also those with nothing in them.
+    first    values for state variables whose first value is open
+    columns  all names in the file, empty ones too, each with the line where it first occurs
     """
 
     steps: tuple[Mapping[str, Cell], ...]
@@ -67,7 +68,7 @@ def read_steps(path: Path) -> StepStream:
             case ".parquet":
                 return _read_parquet(path)
             case ".xz":
-                raise StreamError(f"{path}: holds runs of a report; say which one with --run and the id of its result.")
+                raise StreamError(f"{path}: holds runs of a report; choose one with --run and the id of its result.")
             case _:
                 raise unknown_kind(path)
 
@@ -80,11 +81,11 @@ def write_steps(
     first: Mapping[str, Value] | None = None,
     short: bool = False,
 ) -> None:
-    """Write a .jsonl or .parquet stream with its header, or a .csv one, which has no room for `machine` and `first`.
+    """Write a .jsonl or .parquet stream with its header, or a .csv stream, which cannot hold `machine` and `first`.
 
     A path that ends in .jsonl.gz or .csv.gz is written packed.
 
-    short  in .jsonl, what is in every step is written only where it changes
+    short  in .jsonl, write an input that every step has only if it changed
     """
     for number, step in enumerate(steps, 1):
         for key, value in step.items():
@@ -112,7 +113,7 @@ def _in_every(steps: Sequence[Mapping[str, Cell]]) -> list[str]:
 
 
 def _changed(steps: Sequence[Mapping[str, Cell]], kept: Sequence[str]) -> Iterator[dict[str, Cell]]:
-    """Each step without what is as it was before; 1 and true are not the same."""
+    """Yield each step without the values in `kept` that are as in the step before; 1 and true differ."""
     always, before = set(kept), dict[str, Cell]()
     for step in steps:
         yield {name: cell for name, cell in step.items() if name not in always or not _same(before.get(name), cell)}
@@ -183,12 +184,10 @@ def _kept(path: Path, record: Mapping[str, object]) -> list[str]:
 def _filled(
     path: Path, number: int, step: Mapping[str, Cell], before: Mapping[str, Cell], left_out: Sequence[str]
 ) -> Mapping[str, Cell]:
-    """The step with what it leaves out because it is as it was in the step before."""
+    """Return the step with the values that it leaves out because they are as in the step before."""
     unknown = [name for name in left_out if name not in before]
     if unknown:
-        raise StreamError(
-            f"{path}:{number}: {unknown[0]} is left out as kept, and the step before does not say what it is."
-        )
+        raise StreamError(f"{path}:{number}: {unknown[0]} is left out as kept, but the step before has no value of it.")
     return {**{name: before[name] for name in left_out}, **step}
 
 
@@ -197,7 +196,7 @@ def _cell(path: Path, number: int, key: str, value: object) -> Cell:
         return value
     if not_finite(value):
         raise StreamError(
-            f"{path}:{number}: {shown(key)} is {value}, no measurement; leave the input out where there is none."
+            f"{path}:{number}: {shown(key)} is {value}, no measurement; leave the input out if there is none."
         )
     raise StreamError(
         f"{path}:{number}: {shown(key)} is {quoted(value)}; steps hold whole numbers, truth values and member names."
@@ -246,13 +245,13 @@ def _read_parquet(path: Path) -> StepStream:
 
 
 def _metadata(path: Path, metadata: Mapping[bytes, bytes]) -> Mapping[str, object]:
-    if METADATA not in metadata:
+    if _METADATA not in metadata:
         return {"schema": SCHEMA}
     try:
-        text = metadata[METADATA].decode()
+        text = metadata[_METADATA].decode()
     except UnicodeDecodeError as error:
         raise StreamError(
-            f"{path}: its metadata `{METADATA.decode()}` is no UTF-8 text; the file is damaged."
+            f"{path}: its metadata `{_METADATA.decode()}` is no UTF-8 text; the file is damaged."
         ) from error
     return json_object(path, 1, text)
 
@@ -261,8 +260,8 @@ def _write_parquet(path: Path, steps: Sequence[Mapping[str, Cell]], header: Mapp
     kinds: dict[str, str] = {}
     for number, step in enumerate(steps, 1):
         for name, value in step.items():
-            if kinds.setdefault(name, ARROW[type(value)]) != ARROW[type(value)]:
-                raise StreamError(f"{path}:{number}: {name} is not always of one type, as a column is; write .jsonl.")
+            if kinds.setdefault(name, _ARROW[type(value)]) != _ARROW[type(value)]:
+                raise StreamError(f"{path}:{number}: {name} has values of different types; write .jsonl.")
     if steps and not kinds:
         raise StreamError(f"{path}: steps without any input make no table; write .jsonl.")
-    write_parquet(path, steps, kinds, {METADATA.decode(): json.dumps(header)})
+    write_parquet(path, steps, kinds, {_METADATA.decode(): json.dumps(header)})

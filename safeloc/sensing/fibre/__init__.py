@@ -1,1 +1,1 @@
-"""Fibre sensing: from backscatter along a track to trains, sections and test patterns, in whole numbers with bounds."""
+"""Fibre front end: finds trains, sections and test patterns in backscatter, in whole numbers with bounds."""

@@ -1,6 +1,6 @@
-"""Blocks of frames at the border: taken as they are, or refused with a reason; nothing is repaired.
+"""Admits blocks of frames unchanged or refuses them with a reason; nothing is repaired.
 
-A refused block tells nothing: to the machines the fibre was silent for that long, and what was followed is lost.
+A refused block contains no information: for the machines the fibre was silent in it, and all tracked trains are lost.
 """
 
 from __future__ import annotations
@@ -10,18 +10,17 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.language.units import MS_PER_S
 from safeloc.runtime.border import Deliveries, Raw, Reason
+from safeloc.sensing.array_types import Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
-Single = NDArray[np.float32]
-TIME_SLACK_MS = 2
+_TIME_SLACK_MS = 2
 
 
 class Refusal(Enum):
-    """Why a block is refused that came in time: what only blocks can have. The rest has the border's reasons."""
+    """Reasons to refuse a block that only blocks can have; others are the border's (`Reason`)."""
 
     WRONG_SHAPE = "not frames x channels of this interrogator"
     WRONG_INTENSITY = "intensity is not finite, not >= 0, or not one number a light channel"
@@ -38,8 +37,8 @@ class FibreBlock:
     """Frames as delivered.
 
     phase_rate   [frames, channels], change of phase over each channel's gauge in rad a frame, 32-bit or 64-bit floats
-    intensity    [light channels], mean power of the light that came back; None where the interrogator does not tell
-    time_ms      of the last frame
+    intensity    [light channels], mean power of the returned light; None if the interrogator does not measure it
+    time_ms      time of the last frame
     sequence     number of the block
     """
 
@@ -51,7 +50,7 @@ class FibreBlock:
 
 @dataclass(frozen=True)
 class NoFibre:
-    """Nothing is known of this block's time, and why."""
+    """A missing or refused block, with the reason."""
 
     reason: Reason | Refusal
     detail: str = ""
@@ -59,14 +58,14 @@ class NoFibre:
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """An admitted block's arrays."""
+    """The arrays of an admitted block."""
 
-    phase_rate: Single
-    intensity: Single | None
+    phase_rate: Singles
+    intensity: Singles | None
 
 
 def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
-    """Return the block's arrays, or the reason why they cannot be used. Their energy shows whether they are finite."""
+    """Return the block's arrays, or the reason why they cannot be used. Finiteness is checked later, on the energies."""
     rate = block.phase_rate
     if not isinstance(rate, np.ndarray) or rate.dtype not in (np.float32, np.float64):
         return NoFibre(Reason.WRONG_TYPE, str(getattr(rate, "dtype", type(rate).__name__)))
@@ -80,7 +79,7 @@ def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
         return Content(rate.astype(np.float32, copy=False), intensity)
 
 
-def _intensity(given: object, channels: int) -> Single | NoFibre | None:
+def _intensity(given: object, channels: int) -> Singles | NoFibre | None:
     if given is None:
         return None
     if not isinstance(given, np.ndarray) or given.dtype not in (np.float32, np.float64):
@@ -92,10 +91,10 @@ def _intensity(given: object, channels: int) -> Single | NoFibre | None:
     return given.astype(np.float32, copy=False)
 
 
-def unusable(config: FibreConfig, energy: Single) -> NoFibre | None:
-    """Detect frames that are not finite, or a silent interrogator, from the energies [windows, channels].
+def unusable(config: FibreConfig, energy: Singles) -> NoFibre | None:
+    """Detect frames that are not finite, and a silent interrogator, from the energies [windows, channels].
 
-    Every frame has a weight in every energy, and NaN and infinity stay NaN or infinite in sums.
+    Every frame has a weight in the energies of its window, and NaN and infinity persist in sums.
     """
     if not np.isfinite(energy).all():
         return NoFibre(Reason.NOT_FINITE, f"{int((~np.isfinite(energy)).any(axis=0).sum())} channels")
@@ -106,7 +105,7 @@ def unusable(config: FibreConfig, energy: Single) -> NoFibre | None:
 
 
 class Order:
-    """Judges the place of blocks in their stream: when they come, whether they join, and whether they change."""
+    """Checks order and age of blocks, that they join without a gap, and that consecutive blocks differ."""
 
     def __init__(self, config: FibreConfig, max_age_ms: int) -> None:
         self._max_age_ms = max_age_ms
@@ -116,17 +115,17 @@ class Order:
         self._digest: bytes | None = None
 
     def judge(self, block: FibreBlock, now_ms: int) -> NoFibre | None:
-        """None when the block is fresh and newer than all before."""
+        """Return None if the block is in time and new, else the reason."""
         fault = self._deliveries.fault("block", Raw(None, block.time_ms, block.sequence), now_ms, self._max_age_ms)
         return None if fault is None else NoFibre(fault.reason, fault.detail)
 
     def joins(self, block: FibreBlock) -> NoFibre | None:
-        """None when it continues the last block that was judged here, or is the first one."""
+        """Return None if the block continues the last one checked here, or is the first, else the reason."""
         before, self._joins = self._joins, (block.sequence, block.time_ms)
         if before is None:
             return None
         late_ms = block.time_ms - before[1] - self._duration_ms
-        if block.sequence == before[0] + 1 and abs(late_ms) <= TIME_SLACK_MS:
+        if block.sequence == before[0] + 1 and abs(late_ms) <= _TIME_SLACK_MS:
             return None
         return NoFibre(Refusal.GAP, f"number {before[0]} to {block.sequence}, {late_ms:+.0f} ms")
 
@@ -134,7 +133,7 @@ class Order:
         """Mark a break: the next block does not continue an earlier one."""
         self._joins = None
 
-    def changes(self, energy: Single) -> NoFibre | None:
-        """None when the block's energies are not those of the one before."""
+    def changes(self, energy: Singles) -> NoFibre | None:
+        """Return None if the energies differ from those of the last block, else the reason."""
         before, self._digest = self._digest, hashlib.blake2b(energy.tobytes()).digest()
         return NoFibre(Refusal.FROZEN) if before == self._digest else None

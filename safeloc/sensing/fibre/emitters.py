@@ -1,7 +1,7 @@
-"""Test emitters heard in the backscatter (FVA-8): which pattern, where. A foreign pattern does not pass for a known one.
+"""Detects patterns of test emitters in the backscatter (FVA-8), with their place. Foreign patterns are never accepted.
 
-A pattern stands between silences longer than any in it. Its bits are on or off clearly, for their whole time but
-the windows in which they change. What comes through is compared bit by bit, without correction.
+A pattern lies between silences longer than any within it. Each bit has to be clearly on or off, except in the windows in which
+it may change. The received bits are compared one by one, without correction.
 """
 
 from __future__ import annotations
@@ -12,20 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.figures import SILENT_BITS, FibreConfig
-
-Single = NDArray[np.float32]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
 class Heard:
     """A pattern that ended.
 
-    emitter   whose pattern it is, and heard at its place; None: a foreign pattern, or a known one at a wrong place
-    bits      as heard
-    fibre_mm  where it is loudest, as measured (middle of the channel)
-    begin_ms  when its first bit began, to a window
+    emitter   emitter of this pattern at this place; None: a foreign pattern, or a known one at a wrong place
+    bits      received bits
+    fibre_mm  measured place of the loudest channel (its middle)
+    begin_ms  time of the first bit, to a window
     """
 
     emitter: str | None
@@ -41,14 +39,14 @@ class Listener:
         self._config, self._rules = config, config.emission
         self._bits = len(self._rules.emitters[0].bits) if self._rules.emitters else 0
         windows = (self._bits + 2 * SILENT_BITS) * self._rules.bit_windows
-        self._tones: deque[Single] = deque(maxlen=windows)
+        self._tones: deque[Singles] = deque(maxlen=windows)
 
     def reset(self) -> None:
-        """After missing frames: a pattern with a hole is none."""
+        """Forget what was received, after missing frames: a pattern with a gap is not accepted."""
         self._tones.clear()
 
-    def listen(self, tone: Single, time_ms: float) -> list[Heard]:
-        """One window's energy at the tone over its quiet, [channels]; patterns that ended, and the silence after them."""
+    def listen(self, tone: Singles, time_ms: float) -> list[Heard]:
+        """Process one window's energy at the tone over its quiet level, [channels]; return patterns that ended with silence."""
         self._tones.append(tone)
         if len(self._tones) < (self._tones.maxlen or 0):
             return []
@@ -58,10 +56,10 @@ class Listener:
         channels = np.flatnonzero(begins)
         if not len(channels):
             return []
-        return self._heard(np.stack([tone[channels] for tone in self._tones]), channels, time_ms)
+        return self._received(np.stack([tone[channels] for tone in self._tones]), channels, time_ms)
 
-    def _heard(self, level: Single, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
-        """Of channels in which a bit began after silence; neighbours hear one emitter."""
+    def _received(self, level: Singles, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
+        """Return the patterns in channels where a bit began after silence; neighbouring channels receive one emitter."""
         loud, threshold = level.max(axis=0), 10 ** (self._rules.contrast_cdb / 1_000)
         picture = level > np.maximum(threshold, loud * 10 ** (-self._rules.fall_cdb / 1_000))
         made: list[Heard] = []
@@ -73,8 +71,8 @@ class Listener:
                 made.append(self._named(bits, int(channels[loudest]), time_ms))
         return made
 
-    def _read(self, on: Mask) -> str | None:
-        """Bits between silences; None where a bit is not clear or there is no silence."""
+    def _read(self, on: Flags) -> str | None:
+        """Return the bits between silences; None if a bit is not clear or a silence is missing."""
         per = self._rules.bit_windows
         bits = on.reshape(-1, per)
         inner = bits[:, 1:-1] if per > 2 else bits[:, :1]

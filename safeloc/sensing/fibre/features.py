@@ -9,18 +9,18 @@ from enum import Enum
 from safeloc.sensing.fibre.axles import Count
 from safeloc.sensing.fibre.emitters import Heard
 from safeloc.sensing.fibre.sections import Edge, Effect
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Whole numbers that the truth lies between, both included."""
+    """Whole bounds of a quantity, both included."""
 
     low: int
     high: int
 
     @classmethod
-    def outward(cls, interval: Interval) -> Bounds:
+    def outward(cls, interval: ExactBounds) -> Bounds:
         """Return the smallest whole bounds around exact ones."""
         return cls(math.floor(interval.low), math.ceil(interval.high))
 
@@ -29,11 +29,11 @@ class Bounds:
 class End:
     """One end of a train.
 
-    path_mm             along the fibre's path on the track, over buffers
-    fibre_mm            along the cable: Se, by time of flight
-    time_of_flight_ps   between pulse and pattern
+    path_mm             place along the fibre's path on the track, over buffers
+    fibre_mm            place along the cable: Se, by time of flight
+    time_of_flight_ps   time of flight between pulse and pattern
     points              reflecting points whose reflection coincides with the pattern's end (ZOS); free of drift
-    amplitude_cdb       of the pattern there over its normal, rounded to the nearest; None: normal is not known yet
+    amplitude_cdb       amplitude of the pattern there over its normal level, to the nearest; None: level not known yet
     """
 
     path_mm: Bounds
@@ -47,13 +47,14 @@ class End:
 class SectionSignal:
     """A position signal So.
 
-    effect      of the section on the amplitude; `edge`: what the amplitude did now
-    entering    from normal into the section; else back to normal, which is no second section
-    leading     at the end in front; else at the rear
-    direction   of travel along the fibre: +1 away from the coupler, -1 towards it
-    time_ms     of the window in which it was seen
-    fibre_mm    Se of that end then: for the comparison that gives F, not for telling which section it is
-    length_mm   of the section as run through, when leaving; None when entering, or turned back inside
+    effect      effect of the section on the amplitude
+    edge        the present change of the amplitude
+    entering    True: from the normal level into the section; False: back to the normal level, which is no second section
+    leading     True: at the front of the train; False: at the rear
+    direction   direction of travel along the fibre: +1 away from the coupler, -1 towards it
+    time_ms     time of the window with the change
+    fibre_mm    Se of that end then: for the comparison that gives F, not to identify the section
+    length_mm   run through the section, on leaving; None on entering, or if the train turned back inside
     section     the only configured section with this effect within the search distance of Se; None: none, or several
     """
 
@@ -72,12 +73,13 @@ class SectionSignal:
 class TrainSeen:
     """A train at the block's last frame.
 
-    track       number that it keeps as long as it is followed; `origin`: tracks that joined to, or parted into it
-    low, high   its ends, nearer to the coupler and farther along the fibre; None: beyond the fibre
-    speed_mm_s  along the fibre, positive away from the coupler
-    length_mm   on the track, over buffers; None: an end is beyond the fibre
-    count       clusters of axles and axles, as far as counted
-    signals     in order of time, since the last block
+    track       number of the train while it is tracked
+    origin      tracks that joined to, or parted into, this one
+    low, high   ends nearer to the coupler and farther from it; None: beyond the fibre
+    speed_mm_s  speed along the fibre, positive away from the coupler
+    length_mm   length on the track, over buffers; None: an end is beyond the fibre
+    count       counted clusters of axles, and axles; None: not counted
+    signals     position signals since the last block, in order of time
     """
 
     track: int
@@ -91,17 +93,17 @@ class TrainSeen:
 
     @property
     def direction(self) -> int:
-        """+1 away from the coupler, -1 towards it, 0 not surely known."""
+        """The direction of travel: +1 away from the coupler, -1 towards it, 0 uncertain."""
         return 1 if self.speed_mm_s.low > 0 else -1 if self.speed_mm_s.high < 0 else 0
 
     @property
     def front(self) -> End | None:
-        """The end in front; None where direction or end is not known."""
+        """The front end; None if direction or end is unknown."""
         return {1: self.high, -1: self.low, 0: None}[self.direction]
 
     @property
     def rear(self) -> End | None:
-        """The end behind; None where direction or end is not known."""
+        """The rear end; None if direction or end is unknown."""
         return {1: self.low, -1: self.high, 0: None}[self.direction]
 
 
@@ -117,10 +119,11 @@ class Trouble(Enum):
 class FibreFrame:
     """One block's result, at its last frame.
 
-    trains   in order along the fibre, nearest to the coupler first
-    lost     trains told in the block before and not in this one: silent is not gone; it may come back under its number
-             within the hold time
+    trains   trains in order along the fibre, nearest to the coupler first
+    lost     trains reported in the previous block and not in this one: silent, not gone; a train may return under its
+             number within the hold time
     heard    test patterns that ended in this block
+    troubles, missing_points   faults of the fibre, and the reflecting points not found
     """
 
     time_ms: int

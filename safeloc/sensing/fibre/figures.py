@@ -1,4 +1,4 @@
-"""Figures of the interrogator, of what it listens to, and of when it believes it (FWG-1 to FWG-8, FVA-8).
+"""Configuration of the interrogator, of detection and of emitters (FWG-1 to FWG-8, FVA-8).
 
 Channel c of a frame is the change of phase, in rad a frame, between backscatter from `c * channel_mm` and from
 `gauge_mm` farther along the fibre. Levels are powers in hundredths of dB (cdB).
@@ -18,13 +18,13 @@ from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.time_of_flight import most_pulses_hz, speed_mm_s
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION
 
-HALVES_OF_NS_PER_S = 2 * 10**9
+_HALVES_OF_NS_PER_S = 2 * 10**9
 SILENT_BITS = 4
-KM = 1_000_000
+_KM = 1_000_000
 
 
 class Interrogator(Config):
-    """Pulses, and what is made of their backscatter (FWG-1). ValueError where two pulses would be in the fibre."""
+    """The interrogator: pulses and channels (FWG-1). ValueError if two pulses would be in the fibre at a time."""
 
     fibre_mm: int = quantity(40_000_000, "mm", 100_000, 200_000_000, "[S] Frauscher: 40 km a side; cable, not track")
     pulse_hz: int = quantity(1_000, "Hz", 10, 100_000, "issue: 1 kHz; [S] Frauscher 2500 Hz")
@@ -50,48 +50,50 @@ class Interrogator(Config):
     @model_validator(mode="after")
     def _whole_gauge(self) -> Interrogator:
         if self.gauge_mm % self.channel_mm:
-            raise ValueError(f"gauge_mm ({self.gauge_mm}) is a multiple of channel_mm ({self.channel_mm}).")
+            raise ValueError(f"gauge_mm ({self.gauge_mm}) has to be a multiple of channel_mm ({self.channel_mm}).")
         return self
 
     @model_validator(mode="after")
     def _whole_frames(self) -> Interrogator:
         if self.pulse_hz % self.pulses_per_frame:
-            raise ValueError(f"pulse_hz ({self.pulse_hz}) is a multiple of pulses_per_frame ({self.pulses_per_frame}).")
+            raise ValueError(
+                f"pulse_hz ({self.pulse_hz}) has to be a multiple of pulses_per_frame ({self.pulses_per_frame})."
+            )
         return self
 
     @property
     def frame_hz(self) -> int:
-        """Frames a second."""
+        """The number of frames a second."""
         return self.pulse_hz // self.pulses_per_frame
 
     @property
     def pulse_mm(self) -> int:
-        """Fibre that one pulse lights at a time: V times duration, halved for there and back; rounded up."""
-        return -(-LIGHT_MM_S * MILLION * self.pulse_ns // (self.index_ppm * HALVES_OF_NS_PER_S))
+        """The length of fibre that one pulse lights at a time: V times duration, halved for there and back; rounded up."""
+        return -(-LIGHT_MM_S * MILLION * self.pulse_ns // (self.index_ppm * _HALVES_OF_NS_PER_S))
 
     @property
     def channels(self) -> int:
-        """Channels whose whole gauge and pulse lie in the fibre."""
+        """The number of channels whose whole gauge and pulse lie in the fibre."""
         return (self.fibre_mm - self.gauge_mm - self.pulse_mm) // self.channel_mm + 1
 
     @property
     def gauge_channels(self) -> int:
-        """Channels between the two ends of a gauge."""
+        """The number of channels between the two ends of a gauge."""
         return self.gauge_mm // self.channel_mm
 
     @property
     def light_channels(self) -> int:
-        """Places, a channel apart, whose light is told: up to the fibre's end."""
+        """The number of places, a channel apart, whose light is measured: up to the fibre's end."""
         return -(-self.fibre_mm // self.channel_mm)
 
     @property
     def span_mm(self) -> int:
-        """Fibre that one channel feels."""
+        """The length of fibre that acts on one channel."""
         return self.gauge_mm + self.pulse_mm
 
 
 class Band(Config):
-    """Windows of frames and the band of frequencies whose energy is taken in each."""
+    """Windows of frames, and the frequency band whose energy is computed in each."""
 
     window_frames: int = quantity(50, "frames", 16, 10_000, "[D] 50 ms: 1.5 m at 30 m/s")
     windows_per_block: int = quantity(10, "windows", 1, 100, "[D] a result every 0.5 s")
@@ -100,12 +102,12 @@ class Band(Config):
 
     @property
     def block_frames(self) -> int:
-        """Frames of a block."""
+        """The number of frames of a block."""
         return self.window_frames * self.windows_per_block
 
 
 class Detection(Config):
-    """Thresholds for fibre that a train shakes, and the largest distance of the train from the shaken fibre."""
+    """Thresholds for fibre that a train shakes, and the greatest distance of the train from the shaken fibre."""
 
     threshold_cdb: int = quantity(900, "cdB", 300, 3_000, "[D] over the channel's own quiet: e^-20 a window")
     average_windows: int = quantity(3, "windows", 1, 20, "[D] 150 ms: energies of so many windows are averaged")
@@ -135,7 +137,7 @@ class Detection(Config):
 
 
 class Sections(Config):
-    """Thresholds for a rise or fall of a pattern's amplitude (FWG-1, FWG-8), against its earlier value, with hysteresis."""
+    """Thresholds for a rise or fall of a pattern's amplitude over its earlier level, with hysteresis (FWG-1, FWG-8)."""
 
     change_cdb: int = quantity(
         700, "cdB", 100, 4_000, "[D] a section changes 12 dB, coupling 2 dB a standard deviation"
@@ -155,7 +157,7 @@ class Sections(Config):
     @model_validator(mode="after")
     def _hysteresis(self) -> Sections:
         if self.return_cdb >= self.change_cdb:
-            raise ValueError(f"return_cdb ({self.return_cdb}) lies below change_cdb ({self.change_cdb}).")
+            raise ValueError(f"return_cdb ({self.return_cdb}) has to lie below change_cdb ({self.change_cdb}).")
         return self
 
 
@@ -177,7 +179,7 @@ class Counting(Config):
 
 
 class Emitter(Config):
-    """A test emitter (FVA-8): at a known place it sends its own pattern, bit by bit, as a tone switched on and off."""
+    """A test emitter (FVA-8). At a known place it sends its own pattern bit by bit, as a tone switched on and off."""
 
     id: str = Field(min_length=1, max_length=200)
     fibre_mm: int = Field(ge=0, le=200_000_000, json_schema_extra={"unit": "mm"})
@@ -199,16 +201,16 @@ class Emission(Config):
     def _told_apart(self) -> Emission:
         for emitter in self.emitters:
             if emitter.bits[0] == "0":
-                raise ValueError(f"the pattern of {emitter.id} begins with 1: its beginning is heard.")
+                raise ValueError(f"the pattern of {emitter.id} has to begin with 1, so that its beginning is detected.")
             if "0" * SILENT_BITS in emitter.bits:
                 raise ValueError(
-                    f"{SILENT_BITS} zeros in a row are the silence before a pattern; {emitter.id} has them."
+                    f"{emitter.id} has {SILENT_BITS} zeros in a row, which mean the silence before a pattern."
                 )
         for one, other in combinations(self.emitters, 2):
             if one.id == other.id:
                 raise ValueError(f"two emitters are named {one.id}.")
             if len(one.bits) != len(other.bits):
-                raise ValueError(f"patterns of {one.id} and {other.id} have the same number of bits.")
+                raise ValueError(f"patterns of {one.id} and {other.id} must have the same number of bits.")
             if apart(one.bits, other.bits) < self.least_distance:
                 raise ValueError(
                     f"patterns of {one.id} and {other.id} differ in fewer than {self.least_distance} bits."
@@ -217,7 +219,7 @@ class Emission(Config):
 
 
 def apart(one: str, other: str) -> int:
-    """Bits in which two patterns of one length differ."""
+    """Return the number of bits in which two patterns of one length differ."""
     return sum(a != b for a, b in zip(one, other, strict=True))
 
 
@@ -246,7 +248,7 @@ class Reflections(Config):
 
 
 class FibreConfig(Config):
-    """Everything the front end needs. ValueError where figures do not fit together."""
+    """The configuration of the front end. ValueError if figures contradict each other."""
 
     interrogator: Interrogator = Interrogator()
     band: Band = Band()
@@ -263,7 +265,7 @@ class FibreConfig(Config):
         rate, band = self.interrogator.frame_hz, self.band
         if not band.low_hz < band.high_hz < rate / 2:
             raise ValueError(
-                f"a band of {band.low_hz} to {band.high_hz} Hz does not lie below half of {rate} frames a second."
+                f"a band of {band.low_hz} to {band.high_hz} Hz does not lie below half the frame rate of {rate} Hz."
             )
         if not tones_hz(self):
             raise ValueError(
@@ -272,7 +274,7 @@ class FibreConfig(Config):
             )
         if self.emission.emitters and not band.high_hz < self.emission.tone_hz < rate / 2:
             raise ValueError(
-                f"emitters' tone of {self.emission.tone_hz} Hz lies between the band and half the frame rate."
+                f"the emitters' tone of {self.emission.tone_hz} Hz has to lie between the band and half the frame rate."
             )
         return self
 
@@ -281,7 +283,7 @@ class FibreConfig(Config):
         end = self.interrogator.fibre_mm
         for section in self.section_places:
             if not section.from_mm < section.to_mm <= end:
-                raise ValueError(f"section {section.id} does not lie on the fibre of {end} mm, from_mm < to_mm.")
+                raise ValueError(f"section {section.id} has to lie on the fibre of {end} mm, with from_mm < to_mm.")
         places = [(one.id, one.fibre_mm) for one in self.point_places]
         for name, fibre_mm in [*places, *((one.id, one.fibre_mm) for one in self.emission.emitters)]:
             if fibre_mm > end:
@@ -297,12 +299,12 @@ class FibreConfig(Config):
 
     @property
     def window_ms(self) -> float:
-        """Duration of a window."""
+        """The duration of a window, ms."""
         return MS_PER_S * self.band.window_frames / self.interrogator.frame_hz
 
 
 def tones_hz(config: FibreConfig) -> list[float]:
-    """Return tones that a Hann window resolves whose main lobes (two cells either side) lie in the band."""
+    """Return the tones that a Hann window resolves and whose main lobes (two cells on either side) lie in the band."""
     cell = config.interrogator.frame_hz / config.band.window_frames
     first, last = math.ceil(config.band.low_hz / cell + 1), math.floor(config.band.high_hz / cell - 1)
     return [number * cell for number in range(first, last + 1)]
@@ -311,4 +313,4 @@ def tones_hz(config: FibreConfig) -> list[float]:
 def _unique(names: Sequence[str], what: str) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise ValueError(f"{what} have names of their own; twice: {', '.join(twice)}.")
+        raise ValueError(f"{what} need unique names; given twice: {', '.join(twice)}.")

@@ -2,8 +2,8 @@
 
     block -> in time? joins? -> energy in the band -> shaken fibre -> runs -> tracks -> FibreFrame | NoFibre(reason)
 
-A train is a candidate, never a position to rely on: whether it is trusted is the machine's question. A fibre that is
-still does not tell that no train stands there.
+A train is a candidate, never a position to rely on: the machine decides whether it is trusted. A quiet fibre is no evidence
+that no train stands there.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from safeloc.runtime.border import Reason
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.axles import Counter
-from safeloc.sensing.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, Single, admitted, unusable
+from safeloc.sensing.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, admitted, unusable
 from safeloc.sensing.fibre.emitters import Heard, Listener
 from safeloc.sensing.fibre.energy import Analyser, Energies, Quiet, Smoother
 from safeloc.sensing.fibre.features import End, FibreFrame, TrainSeen, Trouble
@@ -23,17 +24,17 @@ from safeloc.sensing.fibre.fibre_map import FibreMap, one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.measures import at_last_frame, end, length, speed
 from safeloc.sensing.fibre.reflections import Reflections, reflections
-from safeloc.sensing.fibre.runs import Mask, runs
+from safeloc.sensing.fibre.runs import runs
 from safeloc.sensing.fibre.signals import Signaller
 from safeloc.sensing.fibre.tracks import Fit, Follower, Track
 
 Outcome = FibreFrame | NoFibre
-TINY = np.float32(np.finfo(np.float32).tiny)
+_TINY = np.float32(np.finfo(np.float32).tiny)
 
 
 @dataclass(frozen=True)
 class _Watch:
-    """Data of one track besides its course."""
+    """The axle counter and the position signals of one track."""
 
     counter: Counter
     signaller: Signaller
@@ -41,16 +42,16 @@ class _Watch:
 
 @dataclass(frozen=True, eq=False)
 class _Window:
-    """One window: its energies as they are and averaged, [channels], and the block's light."""
+    """One window: its energies, also averaged, [channels], and the block's light."""
 
     time_ms: float
-    energy: Single
-    smooth: Single
+    energy: Singles
+    smooth: Singles
     light: Reflections | None
 
 
 class FrontEnd:
-    """Blocks of one fibre in the order of their delivery."""
+    """The front end of one fibre. It takes blocks in the order of their delivery."""
 
     def __init__(self, config: FibreConfig, max_age_ms: int, where: FibreMap | None = None) -> None:
         self._config = config
@@ -92,9 +93,9 @@ class FrontEnd:
         )
         if refused is not None:
             return refused
-        return self._judged(block, content, energies)
+        return self._checked(block, content, energies)
 
-    def _judged(self, block: FibreBlock, content: Content, energies: Energies) -> Outcome:
+    def _checked(self, block: FibreBlock, content: Content, energies: Energies) -> Outcome:
         light = None if content.intensity is None else reflections(content.intensity, self._config)
         if light is not None and light.dark_percent > self._config.detection.lost_percent:
             return NoFibre(Refusal.DARK, f"{light.dark_percent:.0f} % of the channels")
@@ -118,8 +119,8 @@ class FrontEnd:
         if energies.tone is not None:
             self._tone_quiet.learn(energies.tone)
 
-    def _disturbed(self, shaken: Mask, time_ms: int) -> NoFibre | None:
-        """Too much of the fibre at once, now or lately."""
+    def _disturbed(self, shaken: Flags, time_ms: int) -> NoFibre | None:
+        """Refuse a block while too much of the fibre is shaken at once, and for some time after."""
         percent = 100 * float(shaken.mean(axis=1).max())
         if percent > self._config.detection.disturbed_percent:
             self._disturbed_until_ms = time_ms + self._config.detection.disturbed_hold_ms
@@ -128,10 +129,10 @@ class FrontEnd:
         return None
 
     def _followed(
-        self, block: FibreBlock, energies: Energies, smooth: Single, shaken: Mask, light: Reflections | None
+        self, block: FibreBlock, energies: Energies, smooth: Singles, shaken: Flags, light: Reflections | None
     ) -> FibreFrame:
         assert self._quiet.level is not None
-        ratio = np.divide(smooth, np.maximum(self._quiet.level, TINY), dtype=np.float32)
+        ratio = np.divide(smooth, np.maximum(self._quiet.level, _TINY), dtype=np.float32)
         before = {track.number for track in self._follower.tracks if track.confirmed}
         heard: list[Heard] = []
         for window in range(len(ratio)):
@@ -144,7 +145,7 @@ class FrontEnd:
         return FibreFrame(block.time_ms, block.sequence, trains, lost, tuple(heard), *_troubles(light))
 
     def _watch(self, window: _Window, ended: Sequence[Track]) -> None:
-        """Courses, counts and signals go on with one window."""
+        """Continue courses, counts and signals with one window."""
         tracks = self._follower.tracks
         for gone in ended:
             self._watches.pop(gone.number, None)
@@ -172,7 +173,7 @@ class FrontEnd:
         level = self._tone_quiet.level
         if energies.tone is None or level is None:
             return []
-        tone = energies.tone[window] / np.maximum(level, TINY)
+        tone = energies.tone[window] / np.maximum(level, _TINY)
         return self._listener.listen(tone, time_ms)
 
     def _trains(self, light: Reflections | None) -> tuple[TrainSeen, ...]:
@@ -215,5 +216,5 @@ def _troubles(light: Reflections | None) -> tuple[tuple[Trouble, ...], tuple[str
 
 
 def read_all(blocks: Sequence[FibreBlock], front: FrontEnd) -> list[Outcome]:
-    """Return blocks of a recording, each taken at its own time."""
+    """Process the blocks of a recording, each at its own time."""
     return [front.receive(block, block.time_ms) for block in blocks]

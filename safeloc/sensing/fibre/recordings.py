@@ -1,7 +1,7 @@
-"""Recorded arrays: `.npy` and `.npz` always; HDF5 in each form that dascore knows (PRODML among them) with the extra `das`.
+"""Reads recorded arrays: `.npy` and `.npz`, and with the extra `das` HDF5 in each form that dascore knows (such as PRODML).
 
-A recording is phase rate or strain rate, [frames, channels], finite or not as it was recorded: the border judges it,
-block by block. Data in another scale serve as well, since levels are compared with each channel's own quiet.
+A recording is phase rate or strain rate, [frames, channels], unchecked: the border checks it block by block. Its scale does
+not matter, since levels are compared with each channel's quiet level.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.hdf5_contents import require_harmless
 
 LARGEST_RECORDING = 4_000_000_000
-"""Bytes: an hour of a thousand channels, 1000 times a second as 8-bit numbers. Cut longer ones; blocks are judged alone."""
+"""Bytes: an hour of a thousand channels, 1000 times a second as 8-bit numbers. Cut longer recordings into pieces."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +37,17 @@ class Recording:
 
 
 def read_array(path: Path, *, name: str = "data", channels_first: bool = False) -> Recording:
-    """Read an array from `.npy`, or `name` from `.npz` with `scale`, `fs_hz` and `dx_m` where they are; no pickles.
+    """Read an array from `.npy`, or `name` from `.npz` with `scale`, `fs_hz` and `dx_m` if present; no pickles.
 
-    Whole numbers are taken times `scale`, which they need. StreamError for anything that is not two axes of numbers.
+    Whole numbers are multiplied by `scale`, which they need. StreamError for anything that is not two axes of numbers.
     """
     with streaming(path):
-        data, told = _loaded(path, name)
-        return _recording(path, data, told, channels_first)
+        data, figures = _loaded(path, name)
+        return _recording(path, data, figures, channels_first)
 
 
 def _refuse_large(path: Path) -> None:
-    """By what the file, or every array in it, takes in memory as it says; a file of zeros packs to a thousandth."""
+    """Refuse a file whose arrays declare too much memory; a file of zeros compresses to a thousandth."""
     size = path.stat().st_size
     if is_zipfile(path):
         with ZipFile(path) as archive:
@@ -56,7 +56,7 @@ def _refuse_large(path: Path) -> None:
 
 
 def _loaded(path: Path, name: str) -> tuple[object, dict[str, float]]:
-    """The array, and what is told beside it."""
+    """Return the array and the figures stored beside it."""
     try:
         _refuse_large(path)
         loaded = np.load(path, allow_pickle=False)
@@ -67,28 +67,28 @@ def _loaded(path: Path, name: str) -> tuple[object, dict[str, float]]:
                 raise StreamError(
                     f"{path}: holds {shown(', '.join(sorted(loaded)))}, no array {name!r}; give its name."
                 )
-            told = ("scale", "fs_hz", "dx_m")
-            return loaded[name], {key: float(loaded[key]) for key in told if key in loaded and loaded[key].size == 1}
+            names = ("scale", "fs_hz", "dx_m")
+            return loaded[name], {key: float(loaded[key]) for key in names if key in loaded and loaded[key].size == 1}
     except (InputError, FileNotFoundError, MemoryError):
         raise
-    except Exception as error:  # numpy, zipfile and zlib fail on damage in their own ways
+    except Exception as error:  # numpy, zipfile and zlib may raise anything on a damaged file
         raise StreamError(f"{path}: not an array that numpy reads without pickles ({shortened(error)}).") from error
 
 
-def _recording(path: Path, data: object, told: dict[str, float], channels_first: bool) -> Recording:
+def _recording(path: Path, data: object, figures: dict[str, float], channels_first: bool) -> Recording:
     if not isinstance(data, np.ndarray) or data.ndim != 2 or data.dtype.kind not in "fiu":
         raise StreamError(f"{path}: needs two axes of real numbers, frames and channels.")
-    if data.dtype.kind != "f" and "scale" not in told:
+    if data.dtype.kind != "f" and "scale" not in figures:
         raise StreamError(f"{path}: whole numbers need their scale; store it beside them as `scale` in an .npz.")
-    frames = (data.T if channels_first else data).astype(np.float32) * np.float32(told.get("scale", 1.0))
-    spacing = told.get("dx_m")
-    return Recording(frames, told.get("fs_hz"), None if spacing is None else spacing * MM_PER_M)
+    frames = (data.T if channels_first else data).astype(np.float32) * np.float32(figures.get("scale", 1.0))
+    spacing = figures.get("dx_m")
+    return Recording(frames, figures.get("fs_hz"), None if spacing is None else spacing * MM_PER_M)
 
 
 def read_das(path: Path) -> Recording:
-    """Read an HDF5 file in a form that dascore knows. EngineError without dascore; StreamError when it cannot read the file.
+    """Read an HDF5 file in a form that dascore knows. EngineError without dascore; StreamError if it cannot read the file.
 
-    No other kind of file: dascore tells kinds apart by trying, and one of those it tries is the pickle, which is code.
+    Only HDF5 is read: dascore finds the kind of a file by trying, and would also try to unpickle it, which runs code.
     """
     try:
         import dascore  # pyright: ignore[reportMissingImports] # an extra
@@ -115,12 +115,12 @@ def _of_patch(path: Path, patch: Any) -> Recording:
     seconds = np.diff(patch.get_array("time")[:2]) / np.timedelta64(1, "s")
     metres = np.diff(patch.get_array("distance")[:2])
     if not seconds[0] > 0:
-        raise StreamError(f"{path}: its first two frames are {seconds[0]:g} s apart; time has to go on.")
+        raise StreamError(f"{path}: its first two frames are {seconds[0]:g} s apart; time has to increase.")
     return Recording(data.astype(np.float32), float(1 / seconds[0]), float(metres[0]) * MM_PER_M)
 
 
 def blocks(recording: Recording, config: FibreConfig, first_ms: int = 0) -> Iterator[FibreBlock]:
-    """Return the recording cut into blocks; what is left over at the end makes none.
+    """Cut the recording into blocks; an incomplete block at the end is dropped.
 
     InputError where rate, spacing or number of channels are not those of the configuration.
     """

@@ -1,7 +1,7 @@
-"""The run of a train from block to block, from the pattern alone (FWG-9): smooth, and not drifting from its places.
+"""Measures the run of a train from block to block by its pattern alone (FWG-9), smoothly and without drift.
 
-Places of a train's ends jump by metres from block to block, speeds are smooth and off by some per cent. The run is the
-speed's, drawn slowly to where the train's middle is seen; a train is rigid, so it is the run of both its ends.
+Measured ends of a train jump by metres from block to block; speeds are smooth, with an error of some per cent. The run follows
+the speed and is slowly corrected towards the measured middle of the train. A train is rigid, so both ends have this run.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.features import Bounds, TrainSeen
 from safeloc.sensing.fibre.figures import FibreConfig
 
-DRAWN_PERCENT = 5
-"""Share of the difference between run and place that one block takes away [D]: the least error over simulated trains."""
+_DRAWN_PERCENT = 5
+"""Per cent of the difference between run and place that one block corrects [D]: the least error over simulated trains."""
 
 
 @dataclass(frozen=True)
 class _Reckoned:
-    """The track followed, since when, and where its middle is by speed and place together."""
+    """The tracked train, the time since when it is tracked, and its middle by speed and place together."""
 
     track: int
     since_ms: int
@@ -26,7 +26,7 @@ class _Reckoned:
 
 
 class RunMeter:
-    """Blocks of one train in order; a track with another number begins anew."""
+    """Measures the run of one train, block by block; another track number starts a new measurement."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._settling_ms = 2 * config.detection.fit_ms
@@ -34,7 +34,7 @@ class RunMeter:
         self._last: _Reckoned | None = None
 
     def follow(self, train: TrainSeen | None, time_ms: int) -> int | None:
-        """Run since the block before, mm; None while an end is not seen, and until the course is fitted and settled."""
+        """Return the run since the previous block, mm; None while an end is not visible, and until the course has settled."""
         if train is None or train.low is None or train.high is None:
             self._last = None
             return None
@@ -44,7 +44,7 @@ class RunMeter:
             self._last = _Reckoned(train.track, time_ms, middle)
             return None
         reckoned = last.middle_mm + _middle(train.speed_mm_s) * self._block_ms / MS_PER_S
-        reckoned += (middle - reckoned) * DRAWN_PERCENT / 100
+        reckoned += (middle - reckoned) * _DRAWN_PERCENT / 100
         settled = time_ms - last.since_ms >= self._settling_ms
         self._last = _Reckoned(train.track, last.since_ms, reckoned)
         return round(reckoned) - round(last.middle_mm) if settled else None

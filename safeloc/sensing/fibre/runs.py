@@ -1,7 +1,7 @@
-"""Runs of shaken fibre in one window, and where a train's outermost axles stand in them.
+"""Finds runs of shaken fibre in one window, and estimates the places of a train's outermost axles in them.
 
-An axle shakes the fibre around it; the energy falls with the fourth power of distance. The last channel above the
-threshold lies the farther from the axle, the louder the train is there: with r the ratio of level to threshold, an axle
+An axle shakes the fibre around it; the energy falls with the fourth power of distance. The louder the train, the farther from
+the axle is the last channel above the threshold: with r the ratio of level to threshold, an axle
 at a distance d of near * sqrt(sqrt(r) - 1) just reaches the threshold.
 """
 
@@ -12,20 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
-Single = NDArray[np.float32]
-Mask = NDArray[np.bool_]
-LEAST_CHANNELS = 3
-NEIGHBOURHOOD_MM = 120_000
-LEVEL_SHARE = 0.15
+_LEAST_CHANNELS = 3
+_NEIGHBOURHOOD_MM = 120_000
+_LEVEL_SHARE = 0.15
 
 
 @dataclass(frozen=True)
 class Run:
     """Shaken fibre from channel `first` to `last`, and the estimated places of the outermost axles, in mm of fibre.
 
-    cut_low, cut_high   it touches that end of the fibre: the train may go on beyond it
+    cut_low, cut_high   the run touches that end of the fibre, so the train may extend beyond it
     """
 
     first: int
@@ -36,10 +35,13 @@ class Run:
     cut_high: bool
 
 
-def runs(ratio: Single, shaken: Mask, config: FibreConfig) -> list[Run]:
-    """Of one window: energy over quiet, and where it exceeds the threshold, [channels]. In order along the fibre."""
+def runs(ratio: Singles, shaken: Flags, config: FibreConfig) -> list[Run]:
+    """Return the runs of one window in order along the fibre.
+
+    ratio   energy over quiet level, [channels]; `shaken`: where it exceeds the threshold
+    """
     channels = np.flatnonzero(shaken)
-    if len(channels) < LEAST_CHANNELS:
+    if len(channels) < _LEAST_CHANNELS:
         return []
     gap = config.detection.gap_mm // config.interrogator.channel_mm + 1
     parts = np.split(channels, np.flatnonzero(np.diff(channels) > gap) + 1)
@@ -47,14 +49,14 @@ def runs(ratio: Single, shaken: Mask, config: FibreConfig) -> list[Run]:
 
 
 def _is_solid(channels: NDArray[np.intp]) -> bool:
-    """Noise at one place shakes the two channels that share it; a train shakes more."""
-    return len(channels) >= LEAST_CHANNELS and bool((np.diff(channels) == 1).any())
+    """Return whether the channels can be a train's: noise at one place shakes only the two channels that share it."""
+    return len(channels) >= _LEAST_CHANNELS and bool((np.diff(channels) == 1).any())
 
 
-def _run(ratio: Single, channels: NDArray[np.intp], config: FibreConfig) -> Run:
+def _run(ratio: Singles, channels: NDArray[np.intp], config: FibreConfig) -> Run:
     first, last = int(channels[0]), int(channels[-1])
     inter = config.interrogator
-    near = max(1, NEIGHBOURHOOD_MM // inter.channel_mm)
+    near = max(1, _NEIGHBOURHOOD_MM // inter.channel_mm)
     span = last - first + 1
     half = (span - 1) * inter.channel_mm / 2
     low = min(half, _edge(ratio[first : first + min(near, span)], config))
@@ -70,10 +72,10 @@ def _run(ratio: Single, channels: NDArray[np.intp], config: FibreConfig) -> Run:
     )
 
 
-def _edge(ratio: Single, config: FibreConfig) -> float:
+def _edge(ratio: Singles, config: FibreConfig) -> float:
     """Return the distance of the axle inward from the last channel's middle, in mm; `ratio` begins at that end."""
     detection, inter = config.detection, config.interrogator
     threshold = 10 ** (detection.threshold_cdb / 1_000)
-    level = max(float(np.sort(ratio)[int(LEVEL_SHARE * len(ratio))]), threshold)
+    level = max(float(np.sort(ratio)[int(_LEVEL_SHARE * len(ratio))]), threshold)
     away = detection.near_mm * np.sqrt(np.sqrt(level / threshold) - 1)
     return float(away) + inter.span_mm / 2 - inter.channel_mm / 2

@@ -1,8 +1,8 @@
-"""Position signals So: the amplitude of a train's pattern rises or falls (FWG-1, FWG-8), whenever that happens.
+"""Detects position signals So: a rise or fall of the amplitude of a train's pattern (FWG-1, FWG-8).
 
-What is watched is the amplitude of the pattern's first metres from an end of the train, over its run. It is compared
-with what it was before; a return to it ends the section and is no second one. No time of flight is used, so no drift
-of it matters. A louder vehicle moves with the train and changes nothing; a section stays where it is.
+A watcher follows the amplitude of the pattern's first metres from an end of the train, over its run, and compares it with the
+earlier level. A return to that level ends the section and is no second one. The time of flight is not used, so its drift does
+not matter. A louder vehicle moves with the train and changes nothing, while a section is fixed.
 """
 
 from __future__ import annotations
@@ -14,26 +14,24 @@ from enum import Enum
 from statistics import median
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.figures import FibreConfig
 
-Single = NDArray[np.float32]
-Mask = NDArray[np.bool_]
-MEDIAN_WINDOWS = 9
-SAMPLE_MM = 1_000
-CDB_PER_DECADE = 1_000
+_MEDIAN_WINDOWS = 9
+_SAMPLE_MM = 1_000
+_CDB_PER_DECADE = 1_000
 
 
 class Effect(Enum):
-    """The effect of a section on the amplitude."""
+    """Effects of a section on the amplitude."""
 
     RAISES = "raises"
     LOWERS = "lowers"
 
 
 class Edge(Enum):
-    """A change of the amplitude."""
+    """Changes of the amplitude."""
 
     RISE = "rise"
     FALL = "fall"
@@ -43,10 +41,10 @@ class Edge(Enum):
 class Change:
     """An edge in the amplitude at one end of a train.
 
-    entering      from normal; else back to normal
-    length_mm     when leaving: how far the end ran since entering (None: it came back the way it
-                  went in, or the amplitude stayed so long that it is the new normal)
-    size_cdb      how far the amplitude is from normal
+    entering      True: away from the normal level; False: back to it
+    length_mm     on leaving, the run of the end since entering; None: on entering, if it went back the way it came, or if
+                  the amplitude lasted so long that it is the new normal level
+    size_cdb      difference of the amplitude from the normal level
     """
 
     effect: Effect
@@ -57,19 +55,19 @@ class Change:
 
 
 class Watcher:
-    """Watches the amplitude at one end of one train; `change_cdb`: over normal, in the last window."""
+    """Watches the amplitude at one end of one train. `change_cdb` is its last difference from the normal level."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._rules = config.sections
         self._normal: deque[tuple[float, float]] = deque()
-        self._recent: deque[float] = deque(maxlen=MEDIAN_WINDOWS)
+        self._recent: deque[float] = deque(maxlen=_MEDIAN_WINDOWS)
         self._inside: Effect | None = None
-        self._told = False
+        self._reported = False
         self.change_cdb: float | None = None
         self._entered_mm = self._towards = 0.0
 
     def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
-        """Follow the end's place along the fibre and the amplitude of the pattern there; return a change."""
+        """Process the end's place along the fibre and the amplitude of the pattern there; return a change of level, if any."""
         self._recent.append(amplitude_cdb)
         level = median(self._recent)
         normal = self._level_of_normal()
@@ -86,8 +84,8 @@ class Watcher:
         return median(level for _, level in self._normal)
 
     def _learn(self, place_mm: float, level: float) -> None:
-        """One sample a metre: a train that stands teaches nothing."""
-        if self._normal and abs(place_mm - self._normal[-1][0]) < SAMPLE_MM:
+        """Add a sample to the normal level, at most one a metre: a train at rest adds none."""
+        if self._normal and abs(place_mm - self._normal[-1][0]) < _SAMPLE_MM:
             return
         self._normal.append((place_mm, level))
         while abs(place_mm - self._normal[0][0]) > self._rules.baseline_mm:
@@ -97,7 +95,7 @@ class Watcher:
         if abs(change) < self._rules.change_cdb:
             self._learn(place_mm, level)
             return None
-        self._inside, self._told = Effect.RAISES if change > 0 else Effect.LOWERS, False
+        self._inside, self._reported = Effect.RAISES if change > 0 else Effect.LOWERS, False
         self._entered_mm, self._towards = place_mm, place_mm - self._normal[-1][0] or place_mm - self._normal[0][0]
         return None
 
@@ -113,38 +111,38 @@ class Watcher:
             self._start_again(place_mm, level)
         else:
             self._carry_over(place_mm)
-        if not self._told:
+        if not self._reported:
             return None
         crossed = (place_mm - self._entered_mm) * self._towards > 0 and not endless
         edge = Edge.FALL if effect is Effect.RAISES else Edge.RISE
         return Change(effect, edge, False, run if crossed else None, round(change))
 
     def _lasting(self, run: float, change: float) -> Change | None:
-        """The change is told once, when it has lasted."""
+        """Return the change once, as soon as it has lasted long enough."""
         assert self._inside is not None
-        if self._told or run < self._rules.persist_mm:
+        if self._reported or run < self._rules.persist_mm:
             return None
-        self._told = True
+        self._reported = True
         edge = Edge.RISE if self._inside is Effect.RAISES else Edge.FALL
         return Change(self._inside, edge, True, None, round(change))
 
     def _carry_over(self, place_mm: float) -> None:
-        """Normal is that of the run outside of sections: what was learnt before goes on behind the section, however long."""
+        """Shift the samples of the normal level behind the section, so that its length does not count as run."""
         shift = place_mm - self._normal[-1][0]
         self._normal = deque((place + shift, level) for place, level in self._normal)
 
     def _start_again(self, place_mm: float, level: float) -> None:
-        """Changed for longer than any section: that is normal now."""
+        """Learn a new normal level, since the amplitude has changed for longer than any section."""
         self._normal.clear()
         self._learn(place_mm, level)
 
 
 def amplitude(
-    energy: Single, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Mask | None
+    energy: Singles, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Flags | None
 ) -> float | None:
-    """Mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
+    """Return the mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
 
-    The outermost metres are left out, for the end is not known exactly; None where no usable channel is left.
+    The outermost metres are left out, since the end is not known exactly. None if no usable channel is left.
     """
     rules, inter = config.sections, config.interrogator
     end = high_mm if outward > 0 else low_mm
@@ -158,4 +156,4 @@ def amplitude(
     if faded is not None:
         part = part[~faded[first : last + 1]]
     part = part[part > 0]
-    return CDB_PER_DECADE * float(np.log10(part).mean()) if len(part) else None
+    return _CDB_PER_DECADE * float(np.log10(part).mean()) if len(part) else None

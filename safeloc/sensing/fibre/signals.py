@@ -1,16 +1,16 @@
-"""Position signals of one train: the amplitude at both its ends, with what is known of the place at that moment."""
+"""Makes the position signals of one train, from the amplitude at both its ends and their measured places."""
 
 from __future__ import annotations
 
-from safeloc.sensing.fibre.blocks import Single
+from safeloc.sensing.array_types import Flags, Singles
 from safeloc.sensing.fibre.features import Bounds, SectionSignal
 from safeloc.sensing.fibre.fibre_map import one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.measures import by_index, end
-from safeloc.sensing.fibre.runs import Mask, Run
+from safeloc.sensing.fibre.runs import Run
 from safeloc.sensing.fibre.sections import Change, Effect, Watcher, amplitude
 from safeloc.sensing.fibre.tracks import Fit
-from safeloc.sensing.rounding import Interval, exactly
+from safeloc.sensing.rounding import ExactBounds, exactly
 
 
 class Signaller:
@@ -22,8 +22,8 @@ class Signaller:
         self._ends = {-1: Watcher(config), 1: Watcher(config)}
         self._made: list[SectionSignal] = []
 
-    def follow(self, run: Run, fit: Fit, energy: Single, time_ms: float, faded: Mask | None) -> None:
-        """Process one window: the train's run and course, every channel's energy, and the channels without meaning."""
+    def follow(self, run: Run, fit: Fit, energy: Singles, time_ms: float, faded: Flags | None) -> None:
+        """Process one window: run and course of the train, energy of every channel, and the channels with a meaningless phase."""
         for side, place, off, cut in (
             (-1, fit.low_mm, fit.off_low_mm, run.cut_low),
             (1, fit.high_mm, fit.off_high_mm, run.cut_high),
@@ -38,12 +38,12 @@ class Signaller:
                 self._made.append(self._signal(change, side == direction, direction, time_ms, se))
 
     def amplitude_cdb(self, side: int) -> int | None:
-        """Over normal at the end towards the coupler (-1) or away from it (+1)."""
+        """Return the amplitude over its normal level, at the end towards the coupler (-1) or away from it (+1)."""
         change = self._ends[side].change_cdb
         return None if change is None else round(change)
 
     def taken(self) -> tuple[SectionSignal, ...]:
-        """Return all since the last call."""
+        """Return the signals since the last call."""
         made, self._made = tuple(self._made), []
         return made
 
@@ -64,11 +64,11 @@ class Signaller:
         if change.length_mm is None:
             return None
         run = exactly(change.length_mm)
-        found = Interval(run, run).widened(self._config.sections.length_error_mm + by_index(run, self._config))
-        return Bounds.outward(Interval(max(found.low, 0), found.high))
+        found = ExactBounds(run, run).widened(self._config.sections.length_error_mm + by_index(run, self._config))
+        return Bounds.outward(ExactBounds(max(found.low, 0), found.high))
 
     def _near(self, effect: Effect, se: Bounds) -> str | None:
-        """Return the only possible section within the search distance, if times of flight are right; else None."""
+        """Return the only configured section with this effect within the search distance of Se; None: none, or several."""
         search = self._config.sections.search_mm
         near = [
             one.id

@@ -1,4 +1,4 @@
-"""One end of a train, cycle by cycle, as inputs of the fibre machine's step (models/fibre/)."""
+"""Converts one end of a train to the inputs of the fibre machine's step (models/fibre/)."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ StepValues = dict[str, int]
 
 
 def step_inputs(now: End | None, before: End | None, point_path_mm: Mapping[str, int]) -> StepValues:
-    """Return inputs by name; what is not known is absent. `before`: the same end of the same track a cycle ago.
+    """Return inputs by name; unknown ones are absent. `before` is the same end of the same track one cycle earlier.
 
-    amplitude_cdb         over normal
-    run_mm                along the track since the cycle before: what is common to both, index and map, nearly cancels
+    amplitude_cdb         amplitude over its normal level
+    run_mm                run along the track since the previous cycle: errors of index and map nearly cancel
     flight_position_mm    middle of the bounds along the track
-    reflecting_point_mm   place of the one reflecting point that coincides; two at once are none
+    reflecting_point_mm   place of the only coincident reflecting point; absent if there are two
     """
     if now is None:
         return {}

@@ -1,4 +1,4 @@
-"""Time of flight: how far along the fibre a pattern arose that came T after its pulse (FWG-6).
+"""Time of flight: the distance along the fibre of a pattern that arrives T after its pulse (FWG-6).
 
     Ls = T V / 2        V = c0 / n
 
@@ -12,37 +12,37 @@ from fractions import Fraction
 
 from safeloc.errors import InputError
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION
-from safeloc.sensing.rounding import Exact, Interval
+from safeloc.sensing.rounding import Exact, ExactBounds
 
-PS_PER_S = 10**12
+_PS_PER_S = 10**12
 
 
 def speed_mm_s(index_ppm: int) -> Fraction:
-    """Return the speed of light in a fibre whose index of refraction is given in millionths."""
+    """Return the speed of light in a fibre, by its index of refraction in millionths."""
     if index_ppm <= MILLION:
         raise InputError(f"an index of refraction of {index_ppm} ppm is not above that of vacuum (1000000 ppm).")
     return Fraction(LIGHT_MM_S * MILLION, index_ppm)
 
 
 def distance_mm(time_ps: Exact, index_ppm: int) -> Fraction:
-    """Return the length of fibre to the place that a pattern came from, `time_ps` after its pulse was sent."""
+    """Return the length of fibre to the origin of a pattern that arrives `time_ps` after its pulse was sent."""
     if time_ps < 0:
         raise InputError(f"a pattern cannot come {-time_ps} ps before its pulse.")
-    return Fraction(time_ps) * speed_mm_s(index_ppm) / (2 * PS_PER_S)
+    return Fraction(time_ps) * speed_mm_s(index_ppm) / (2 * _PS_PER_S)
 
 
 def time_ps(distance: Exact, index_ppm: int) -> Fraction:
     """Return the delay between a pulse and its pattern from `distance` mm of fibre away."""
-    return Fraction(distance) * 2 * PS_PER_S / speed_mm_s(index_ppm)
+    return Fraction(distance) * 2 * _PS_PER_S / speed_mm_s(index_ppm)
 
 
-def bounds_mm(time: Interval, index_ppm: int, index_error_ppm: int) -> Interval:
-    """Return bounds of the distance (Se) when the time lies in `time` (ps) and the index is off by at most so many ppm of it."""
+def bounds_mm(time: ExactBounds, index_ppm: int, index_error_ppm: int) -> ExactBounds:
+    """Return bounds of the distance (Se) from those of the time (ps) and the greatest error of the index in ppm of it."""
     error = Fraction(index_error_ppm, MILLION)
     near, far = distance_mm(max(time.low, 0), index_ppm), distance_mm(max(time.high, 0), index_ppm)
-    return Interval(near / (1 + error), far / (1 - error))
+    return ExactBounds(near / (1 + error), far / (1 - error))
 
 
 def most_pulses_hz(fibre_mm: int, index_ppm: int) -> Fraction:
-    """Only one pulse may be in the fibre: V / 2L."""
+    """Return the greatest rate with only one pulse in the fibre at a time: V / 2L."""
     return speed_mm_s(index_ppm) / (2 * fibre_mm)

@@ -1,8 +1,8 @@
-"""Trains followed from window to window: by overlap, in their order along the fibre, never by what is nearest.
+"""Tracks trains from window to window by overlap and order along the fibre, never by nearest distance.
 
-Between two windows a train moves less than the space that parts two runs, so a run overlaps what it continues and
-nothing else. Trains that join or part give new tracks that name what they came from: which of the trains is which is not
-guessed here. A course is fitted over a few seconds, one speed for both ends.
+Between two windows a train moves less than the gap between two runs, so a run overlaps only the track that it continues. Trains
+that join or part give new tracks with the old ones as origin; this module does not guess which train is which. A course is
+fitted over a few seconds, with one speed for both ends.
 """
 
 from __future__ import annotations
@@ -13,22 +13,21 @@ from dataclasses import dataclass, field
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.language.units import MS_PER_S
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.runs import Run
 
-LEAST_POINTS = 8
-HALF = 2
-TRIM = 2.5
-USUAL_SHARE = 0.8
-Numbers = NDArray[np.float64]
+_LEAST_POINTS = 8
+_HALF = 2
+_TRIM = 2.5
+_USUAL_SHARE = 0.8
 
 
 @dataclass(frozen=True)
 class Seen:
-    """A run at a time, ms."""
+    """A run with its time, ms."""
 
     time_ms: float
     run: Run
@@ -36,11 +35,11 @@ class Seen:
 
 @dataclass(frozen=True)
 class Fit:
-    """A straight course at the last window: places of both ends' axles in mm of fibre, speed, and how well it fits.
+    """A straight course at the last window: places of the outermost axles in mm of fibre, speed, and quality of the fit.
 
     off_low_mm, off_high_mm   greatest distance of a single window's end from the course
-    usual_off_mm              distance that four in five windows keep, at either end
-    apart_mm_s                how much faster one end goes than the other, as measured
+    usual_off_mm              distance that four in five windows do not exceed, at either end
+    apart_mm_s                measured difference of the speeds of both ends
     """
 
     low_mm: float
@@ -54,7 +53,7 @@ class Fit:
 
 @dataclass(eq=False)
 class Track:
-    """One train, or what may become one. `origin`: tracks that joined to, or parted into, this one."""
+    """A train, or a candidate for one. `origin`: tracks that joined to, or parted into, this one."""
 
     number: int
     origin: tuple[int, ...]
@@ -67,7 +66,7 @@ class Track:
     def add(self, time_ms: float, run: Run) -> None:
         """Continue the track with this run."""
         if not self.seen:
-            self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / HALF
+            self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / _HALF
         self.seen.append(Seen(time_ms, run))
         while len(self.seen) > self.keep:
             self.seen.popleft()
@@ -78,8 +77,8 @@ class Track:
         return self.seen[-1].run
 
     def fit(self) -> Fit | None:
-        """Return the course over what is kept; None before there is enough."""
-        if len(self.seen) < LEAST_POINTS:
+        """Return the course over the stored windows; None if there are too few."""
+        if len(self.seen) < _LEAST_POINTS:
             return None
         time = np.array([one.time_ms - self.seen[-1].time_ms for one in self.seen]) / MS_PER_S
         low, low_speed, off_low = _line(time, [one.run.low_mm for one in self.seen])
@@ -91,8 +90,8 @@ class Track:
         return Fit(low, high, speed, worst_low, worst_high, usual, 0.0 if cut else abs(high_speed - low_speed))
 
     def judge(self, fit: Fit, config: FibreConfig) -> None:
-        """It is a train once it lasted, moved, and went steadily all the while; no train any more if it cannot be one."""
-        detection, middle = config.detection, (fit.low_mm + fit.high_mm) / HALF
+        """Confirm the track as a train once it has lasted and moved steadily; revoke this if it cannot be a train."""
+        detection, middle = config.detection, (fit.low_mm + fit.high_mm) / _HALF
         if _impossible(fit, config):
             self.confirmed = False
         if _impossible(fit, config) or (not self.confirmed and _unsteady(fit, config)):
@@ -103,61 +102,61 @@ class Track:
 
 
 def _impossible(fit: Fit, config: FibreConfig) -> bool:
-    """Faster or longer than trains are."""
+    """Return whether the track is faster or longer than any train."""
     too_fast = abs(fit.speed_mm_s) > config.detection.most_speed_mm_s
     return too_fast or fit.high_mm - fit.low_mm > config.detection.most_length_mm
 
 
 def _unsteady(fit: Fit, config: FibreConfig) -> bool:
-    """Ends that jump, or go their own ways, or too short: not yet a train."""
+    """Return whether the ends jump, have different speeds or are too close: not yet a train."""
     detection = config.detection
     jumps = fit.usual_off_mm > detection.scatter_mm
     return jumps or fit.apart_mm_s > detection.apart_mm_s or fit.high_mm - fit.low_mm < detection.least_length_mm
 
 
-def _line(seconds: Numbers, places: Sequence[float]) -> tuple[float, float, Numbers]:
-    """Place at second 0 and speed, from windows not far off a first line; and the distance of all."""
+def _line(seconds: Floats, places: Sequence[float]) -> tuple[float, float, Floats]:
+    """Fit place at second 0 and speed, without outliers from a first fit; return them with the distances of all windows."""
     place = np.array(places)
     at_zero, speed = _least_squares(seconds, place)
     off = np.abs(place - at_zero - speed * seconds)
-    near = off <= TRIM * np.median(off)
+    near = off <= _TRIM * np.median(off)
     at_zero, speed = _least_squares(seconds[near], place[near])
     return at_zero, speed, np.abs(place - at_zero - speed * seconds)
 
 
-def _usual(off: Numbers) -> float:
-    return float(np.sort(off)[int(USUAL_SHARE * len(off))])
+def _usual(off: Floats) -> float:
+    return float(np.sort(off)[int(_USUAL_SHARE * len(off))])
 
 
-def _least_squares(seconds: Numbers, place: Numbers) -> tuple[float, float]:
+def _least_squares(seconds: Floats, place: Floats) -> tuple[float, float]:
     spread = seconds - seconds.mean()
     speed = float(spread @ place / (spread @ spread))
     return float(place.mean() - speed * seconds.mean()), speed
 
 
 def _one_speed(low: float, high: float, run: Run) -> float:
-    """Both ends go at one speed; an end that is not on the fibre says nothing."""
+    """Return the common speed of both ends, ignoring an end beyond the fibre."""
     if run.cut_low:
         return high
-    return low if run.cut_high else (low + high) / HALF
+    return low if run.cut_high else (low + high) / _HALF
 
 
 class Follower:
-    """All tracks of a fibre; `tracks` are those with a run in the last window, in order along the fibre."""
+    """The tracks of a fibre; `tracks` are those with a run in the last window, in order along the fibre."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._numbers = count(1)
         self._fastest_mm_s = config.detection.most_speed_mm_s
         self._hold_ms = config.detection.hold_ms
         self._channel_mm = config.interrogator.channel_mm
-        self._keep = max(LEAST_POINTS, round(config.detection.fit_ms / config.window_ms))
+        self._keep = max(_LEAST_POINTS, round(config.detection.fit_ms / config.window_ms))
         self.tracks: list[Track] = []
         self._unseen: list[Track] = []
 
     def follow(self, time_ms: float, found: Sequence[Run]) -> list[Track]:
-        """Continue with one window's runs; tracks that ended are returned.
+        """Continue the tracks with one window's runs; return the tracks that ended.
 
-        A track without a run is unseen, and may go on for a short time where it can have got to meanwhile.
+        A track without a run may continue within a short time, at places that it can have reached meanwhile.
         """
         known = [*self.tracks, *self._unseen]
         heirs = {track.number: [run for run in found if self._continues(track, run, time_ms)] for track in known}
@@ -171,7 +170,7 @@ class Follower:
         return [track for track in gone if track not in self._unseen]
 
     def _heir(self, run: Run, parents: list[Track], heirs: dict[int, list[Run]]) -> Track:
-        """The track that goes on with a run: the only train there, if this is its only run; else a new one."""
+        """Return the track of a run: that of the only train there, if this is its only run; else a new one."""
         seen = [track for track in parents if track in self.tracks] or parents
         trains = [track for track in seen if track.confirmed] or seen
         if len(trains) == 1 and heirs[trains[0].number] == [run]:
@@ -182,7 +181,7 @@ class Follower:
         return track.confirmed and time_ms - track.seen[-1].time_ms <= self._hold_ms
 
     def drop(self) -> list[Track]:
-        """Forget all tracks; they are returned."""
+        """Forget all tracks and return them."""
         dropped, self.tracks, self._unseen = [*self.tracks, *self._unseen], [], []
         return dropped
 

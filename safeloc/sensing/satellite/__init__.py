@@ -1,1 +1,1 @@
-"""Satellite front end: broadcast orbits, predicted and measured values, clock removal, position along the track."""
+"""Satellite front end: orbits from ephemerides, predicted and measured values, clock removal, position along the track."""

@@ -1,9 +1,9 @@
-"""Epochs from the public Android GnssLogger text layout: `Raw` rows of GPS, QZSS and Galileo on 1575.42 MHz.
+"""Reads epochs from the text layout of Android GnssLogger: `Raw` rows of GPS, QZSS and Galileo on 1575.42 MHz.
 
-Columns are found by the `# Raw` header. Rows of another band (CarrierFrequencyHz) and other constellations are passed over.
+The `# Raw` header names the columns. Rows of another band (CarrierFrequencyHz) and other constellations are skipped.
 
 Pseudorange = (receiver time - ReceivedSvTimeNanos) * c, in whole nanoseconds modulo the week (google/
-gps-measurement-tools). The rate column is in m/s and positive when the distance grows.
+gps-measurement-tools). The rate column is in m/s, positive if the distance grows.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from safeloc.sensing.satellite.log_lines import decimal, log_lines, whole
 _NANOS = 1_000_000_000
 _TIME_OF_WEEK, _CODE_LOCK, _GALILEO_CODE_LOCK = 8, 1, 1024
 _SYSTEMS = {"1": ("G", 0, _CODE_LOCK), "4": ("J", 192, _CODE_LOCK), "6": ("E", 0, _GALILEO_CODE_LOCK)}
-"""ConstellationType -> letter, what Svid begins after, the bit of State that says code lock."""
+"""ConstellationType -> letter, offset of Svid, bit of State for code lock."""
 _BAND_HZ = 1e6
-NO_NUMBER = "not ASCII"
-Row = dict[str, str]
+_NO_NUMBER = "not ASCII"
+_Row = dict[str, str]
 
 
 def read_android(path: Path) -> list[Epoch]:
@@ -46,15 +46,15 @@ def _epochs(lines: list[str], path: Path) -> list[Epoch]:
         raise StreamError(f"{path.name}: {error}; mend or drop the row.") from error
 
 
-def _row(names: list[str], number: int, line: str, path: Path) -> Row:
-    """A row by the names of its columns. Numbers have ASCII digits; a text column of another script is not read."""
-    cells = [cell if cell.isascii() else NO_NUMBER for cell in line.split(",")]
+def _row(names: list[str], number: int, line: str, path: Path) -> _Row:
+    """Return a row by the names of its columns. Numbers need ASCII digits; text columns of another script are not read."""
+    cells = [cell if cell.isascii() else _NO_NUMBER for cell in line.split(",")]
     if len(cells) > len(names):
         raise StreamError(f"{path.name}:{number}: {len(cells)} cells under {len(names)} columns; mend or drop the row.")
     return dict(zip(names, cells, strict=False))
 
 
-def _epoch(rows: list[Row], path: Path) -> Epoch:
+def _epoch(rows: list[_Row], path: Path) -> Epoch:
     found: dict[str, Measured] = {}
     for row in rows:
         name = _tracked(row)
@@ -65,8 +65,8 @@ def _epoch(rows: list[Row], path: Path) -> Epoch:
     return Epoch(_receiver_nanos(rows[0]) / _NANOS, found)
 
 
-def _tracked(row: Row) -> str | None:
-    """The satellite of a row that can be used; None for others."""
+def _tracked(row: _Row) -> str | None:
+    """Return the satellite of a usable row; None for others."""
     letter, before, lock = _SYSTEMS.get(row["ConstellationType"], ("", 0, 0))
     state = whole(row["State"])
     if not (letter and state & lock and state & _TIME_OF_WEEK and _is_l1(row.get("CarrierFrequencyHz", ""))):
@@ -75,15 +75,15 @@ def _tracked(row: Row) -> str | None:
 
 
 def _is_l1(frequency_hz: str) -> bool:
-    """Receivers of one band leave the frequency out."""
+    """Return whether the row is of L1; receivers of one band omit the frequency."""
     return not frequency_hz.strip() or abs(decimal(frequency_hz) - L1_HZ) < _BAND_HZ
 
 
-def _receiver_nanos(row: Row) -> int:
+def _receiver_nanos(row: _Row) -> int:
     return whole(row["TimeNanos"]) - whole(row["FullBiasNanos"])
 
 
-def _pseudorange_m(row: Row) -> float:
+def _pseudorange_m(row: _Row) -> float:
     week = WEEK_S * _NANOS
     travelled = (_receiver_nanos(row) - whole(row["ReceivedSvTimeNanos"]) + week // 2) % week - week // 2
     return (travelled + decimal(row["TimeOffsetNanos"]) - decimal(row["BiasNanos"])) / _NANOS * LIGHT_M_PER_S

@@ -19,7 +19,7 @@ class Klobuchar:
     beta: Four
 
     def delay_m(self, place: Place, elevation_rad: float, azimuth_rad: float, time_s: float) -> float:
-        """Return the delay on L1 in metres. The model takes away about half of the real delay (IS-GPS-200)."""
+        """Return the delay on L1 in metres. The model removes about half of the real delay (IS-GPS-200)."""
         height = elevation_rad / math.pi
         angle = 0.0137 / (height + 0.11) - 0.022
         latitude = max(-0.416, min(0.416, place.latitude_rad / math.pi + angle * math.cos(azimuth_rad)))
@@ -37,7 +37,7 @@ def _cubic(coefficients: Four, x: float) -> float:
 
 
 def troposphere_m(height_m: float, elevation_rad: float) -> float:
-    """2.47 m at the zenith, over sin(elevation) + 0.0121, falling by 13.3 % a kilometre.
+    """Return 2.47 m over sin(elevation) + 0.0121, falling by 13.3 % with each kilometre of height.
 
     Model of Spilker (Global Positioning System: Theory and Applications I, 1996, chapter 13); 1 m at 10 degrees.
     """

@@ -1,6 +1,6 @@
-"""Receiver channels of the selection machine: which satellite stands on which, and what a cycle says of it.
+"""Assigns satellites to the channels of the selection machine, and makes the inputs of each cycle.
 
-A satellite keeps its channel while it is in view (its warm-up counts there); a new one takes the lowest free channel.
+A satellite keeps its channel while it is in view, since its warm-up counts there; a new one takes the lowest free channel.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
+from safeloc.language.units import MM_PER_M
 from safeloc.runtime.border import Fault, Reason
 from safeloc.sensing.rounding import exactly
 from safeloc.sensing.satellite.residuals import Residuals
 from safeloc.sensing.satellite.windows import Window
 
-CONSTELLATIONS = "GRECJIS"
+_CONSTELLATIONS = "GRECJIS"
 """In RINEX order: GPS, GLONASS, Galileo, BeiDou, QZSS, NavIC, SBAS; each has a hundred identities."""
-FARTHEST_MM, FASTEST_MM_S, WIDEST = 10**9, 10**8, 10**15
-MM = 1_000
+FARTHEST_MM, _FASTEST_MM_S, _WIDEST = 10**9, 10**8, 10**15
 ChannelValues = dict[str, int | bool]
 
 
@@ -26,27 +26,29 @@ def identity(satellite: str) -> int:
     """Return a whole number for a satellite named as in RINEX: G05 is 5, E05 is 205. InputError for another name."""
     number = satellite[1:]
     if (
-        satellite[:1] not in tuple(CONSTELLATIONS)
+        satellite[:1] not in tuple(_CONSTELLATIONS)
         or not (number.isascii() and number.isdecimal())
         or not 0 < int(number) < 100
     ):
-        raise InputError(f"{satellite!r} is no satellite; name it by constellation ({CONSTELLATIONS}) and number, G05.")
-    return CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
+        raise InputError(
+            f"{satellite!r} is no satellite; name it by constellation ({_CONSTELLATIONS}) and number, G05."
+        )
+    return _CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
 
 
 def satellite_name(number: int) -> str:
     """Return the name of an identity: 205 is E05. InputError for a number that is no identity."""
     constellation, own = divmod(number, 100)
-    if number < 1 or own == 0 or constellation >= len(CONSTELLATIONS):
+    if number < 1 or own == 0 or constellation >= len(_CONSTELLATIONS):
         raise InputError(f"{number} is no identity of a satellite.")
-    return f"{CONSTELLATIONS[constellation]}{own:02d}"
+    return f"{_CONSTELLATIONS[constellation]}{own:02d}"
 
 
 @dataclass(frozen=True)
 class Heard:
-    """A cycle's inputs of the selection, by the names of its variables; the channel of every satellite; faults.
+    """The selection's inputs in a cycle by the names of its variables, the channel of every satellite, and faults.
 
-    off_mm, speed_off_mm_s   what the inputs say, per look (portion of track) and satellite
+    off_mm, speed_off_mm_s   differences from the prediction, for each look (portion of track) and satellite
     """
 
     inputs: ChannelValues
@@ -57,11 +59,11 @@ class Heard:
 
 
 class Channels:
-    """The channels with their windows: one step of `hear` a cycle. InputError for less than one channel."""
+    """The channels with their windows. Call `hear` once in every cycle. InputError for fewer than one channel."""
 
     def __init__(self, count: int, window_epochs: int) -> None:
         if count < 1:
-            raise InputError(f"{count} channels hear nothing; a receiver has at least one.")
+            raise InputError(f"{count} channels receive nothing; give at least one.")
         self._held: list[str | None] = [None] * count
         self._window_epochs = window_epochs
         self._windows: dict[str, tuple[Window, Window]] = {}
@@ -69,26 +71,26 @@ class Channels:
     def hear(self, visible: Set[str], valid: Set[str], looks: Sequence[Residuals]) -> Heard:
         """Return the channel inputs for the visible satellites (LSV).
 
-        valid   those with a valid ephemeris
-        looks   residuals on every possible portion of track; none without a prediction. Of several the greatest difference
-                counts: a satellite stays only if it fits on each.
+        valid   satellites with a valid ephemeris
+        looks   residuals on every possible portion of track; empty without a prediction. The greatest difference of all
+                counts, so a satellite has to fit on each portion.
         """
-        unheard = self._seat(visible)
-        faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in unheard]
+        without_channel = self._assign(visible)
+        faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in without_channel]
         codes = [_whole(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
-        rates = [_whole(look.rate_m_per_s, FASTEST_MM_S, faults) for look in looks]
+        rates = [_whole(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
         inputs: ChannelValues = {}
         channels: dict[str, int] = {}
         for number, name in enumerate(self._held, 1):
             inputs[f"channel_{number}_ephemeris_valid"] = name in valid
             if name is not None:
                 channels[name] = number
-                inputs |= self._told(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
+                inputs |= self._inputs(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
         faults += [Fault(name, Reason.STALE, "no valid ephemeris") for name in sorted(visible - valid)]
         return Heard(inputs, channels, codes, rates, tuple(dict.fromkeys(faults)))
 
-    def _seat(self, visible: Set[str]) -> list[str]:
-        """Gives every visible satellite its channel; those that found none."""
+    def _assign(self, visible: Set[str]) -> list[str]:
+        """Give every visible satellite a channel; return those for which none is free."""
         self._held = [name if name in visible else None for name in self._held]
         self._windows = {name: both for name, both in self._windows.items() if name in visible}
         waiting = sorted(visible - set(self._held))
@@ -97,7 +99,7 @@ class Channels:
                 self._held[number] = waiting.pop(0)
         return waiting
 
-    def _told(self, channel: str, name: str, off: int | None, speed_off: int | None) -> ChannelValues:
+    def _inputs(self, channel: str, name: str, off: int | None, speed_off: int | None) -> ChannelValues:
         both = self._windows.setdefault(name, (Window(self._window_epochs), Window(self._window_epochs)))
         values = {
             "satellite": identity(name),
@@ -110,26 +112,28 @@ class Channels:
 
 
 def _whole(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[str, int]:
-    """In whole mm or mm/s, away from zero: no difference is told smaller than it is. What cannot be told is a fault."""
+    """Return differences in whole mm or mm/s, rounded away from zero. One that is not finite or too great is a fault."""
     found: dict[str, int] = {}
     for name, value in values.items():
         if not math.isfinite(value):
             faults.append(Fault(name, Reason.NOT_FINITE, repr(value)))
-        elif exactly(abs(value)) * MM > most:
-            faults.append(Fault(name, Reason.OUT_OF_RANGE, f"{value} differs from the prediction by more than is told"))
+        elif exactly(abs(value)) * MM_PER_M > most:
+            faults.append(
+                Fault(name, Reason.OUT_OF_RANGE, f"{value} differs from the prediction by more than the input's range")
+            )
         else:
-            exact = exactly(value) * MM
+            exact = exactly(value) * MM_PER_M
             found[name] = math.ceil(exact) if value > 0 else math.floor(exact)
     return found
 
 
 def _worst(looks: Sequence[Mapping[str, int]], name: str) -> int | None:
-    """The greatest difference of all looks; None where one of them has none."""
+    """Return the greatest difference of all looks; None if one of them has none."""
     if not looks or any(name not in look for look in looks):
         return None
     return max((look[name] for look in looks), key=abs)
 
 
 def _narrow(covariance: int | None) -> int | None:
-    """No covariance where it is wider than is told: such a satellite is not usable either way."""
-    return None if covariance is None or covariance > WIDEST else covariance
+    """Return None for a covariance beyond the input's range: such a satellite is not usable either way."""
+    return None if covariance is None or covariance > _WIDEST else covariance

@@ -1,4 +1,4 @@
-"""A broadcast ephemeris (GPS, QZSS, Galileo) and the window in which it may be used (SAT-D1, [0030]: expired is not usable)."""
+"""A broadcast ephemeris (GPS, QZSS, Galileo) and its window of validity (SAT-D1; [0030]: expired is not usable)."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from dataclasses import dataclass, fields
 from safeloc.errors import InputError
 
 FIT_HOURS = 4.0
-"""Curve fit interval when the message leaves it open (IS-GPS-200, 20.3.4.4)."""
+"""The curve fit interval if the message does not give it (IS-GPS-200, 20.3.4.4)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ephemeris:
     """Clock and orbit of one satellite, named as in IS-GPS-200 tables 20-I and 20-II; SI units and radians.
 
-    Times are GPS seconds. InputError for a figure that is not finite or an orbit that is no ellipse.
+    Times are GPS seconds. InputError for a figure that is not finite, and for an orbit that is not an ellipse.
     """
 
     satellite: str
@@ -55,14 +55,14 @@ class Ephemeris:
             raise InputError(f"ephemeris of {self.satellite}: not an ellipse with a fit interval; drop the record.")
 
     def valid_at(self, time_s: float) -> bool:
-        """Healthy, and within half the fit interval of the orbit's reference time. False for NaN."""
+        """Return whether the satellite is healthy and the time within half the fit interval of the reference time; False for NaN."""
         return self.healthy and abs(time_s - self.orbit_time_s) <= self.fit_hours * 1800
 
 
 def usable(ephemerides: Iterable[Ephemeris], satellite: str, time_s: float) -> Ephemeris | None:
-    """Return the valid ephemeris of a satellite nearest in time; None when every one has expired: no prediction then.
+    """Return the valid ephemeris of a satellite nearest in time; None, and so no prediction, if all have expired.
 
-    An ephemeris sent after the time asked for is taken too: recordings are distributed that way.
+    It may have been sent after this time, since recordings are distributed with such ephemerides.
     """
     valid = [one for one in ephemerides if one.satellite == satellite and one.valid_at(time_s)]
     return min(valid, key=lambda one: abs(time_s - one.orbit_time_s), default=None)

@@ -12,7 +12,7 @@ from safeloc.runtime.border import Fault, Reason
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Pseudorange (m) and range rate (m/s, positive when the distance grows); None where the receiver gave none."""
+    """Pseudorange (m) and range rate (m/s, positive if the distance grows); None if not measured."""
 
     pseudorange_m: float | None
     rate_m_per_s: float | None
@@ -20,18 +20,18 @@ class Measured:
     def __post_init__(self) -> None:
         for value in (self.pseudorange_m, self.rate_m_per_s):
             if value is not None and not math.isfinite(value):
-                raise InputError(f"a measured value is {value}; give None where nothing was measured.")
+                raise InputError(f"a measured value is {value}; give None if nothing was measured.")
 
     def whole(self) -> bool:
-        """Both values are there."""
+        """Return whether both values were measured."""
         return self.pseudorange_m is not None and self.rate_m_per_s is not None
 
     def code(self) -> float:
-        """Return the pseudorange in m. InputError where the receiver gave none."""
+        """Return the pseudorange in m. InputError if it was not measured."""
         return _given(self.pseudorange_m, "pseudorange")
 
     def rate(self) -> float:
-        """Return the range rate in m/s. InputError where the receiver gave none."""
+        """Return the range rate in m/s. InputError if it was not measured."""
         return _given(self.rate_m_per_s, "range rate")
 
 
@@ -43,7 +43,7 @@ def _given(value: float | None, what: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Epoch:
-    """Receiver time (GPS seconds, with the receiver's clock error) and what was measured per satellite."""
+    """The receiver's time (GPS seconds, with its clock error) and its measurements by satellite."""
 
     time_s: float
     satellites: dict[str, Measured]
@@ -51,7 +51,7 @@ class Epoch:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One satellite as a receiver delivers it: anything may stand in it, also what is no number."""
+    """One satellite as a receiver delivers it, unchecked: values of any type."""
 
     satellite: str
     pseudorange_m: object
@@ -59,9 +59,9 @@ class Row:
 
 
 def received(time_s: object, rows: Iterable[Row]) -> tuple[Epoch | None, tuple[Fault, ...]]:
-    """Return an epoch at the border: what is faulty in it is left out and named. None without a time that is a number.
+    """Return the epoch without faulty values, and the faults; no epoch if the time is not a number.
 
-    A satellite that is told twice has no values; a value that is not finite or no number is not measured.
+    A satellite that is delivered twice has no values; a value that is not a finite number counts as not measured.
     """
     number = _number(time_s)
     if number is None:
@@ -71,7 +71,7 @@ def received(time_s: object, rows: Iterable[Row]) -> tuple[Epoch | None, tuple[F
     for row in rows:
         name = row.satellite
         if name in found:
-            faults.append(Fault(name, Reason.DUPLICATE, "told twice in one epoch"))
+            faults.append(Fault(name, Reason.DUPLICATE, "delivered twice in one epoch"))
             found[name] = Measured(None, None)
         else:
             values = [_admitted(name, value, faults) for value in (row.pseudorange_m, row.rate_m_per_s)]
@@ -80,7 +80,7 @@ def received(time_s: object, rows: Iterable[Row]) -> tuple[Epoch | None, tuple[F
 
 
 def _number(value: object) -> float | None:
-    """None for what is no finite number."""
+    """Return the value as a float; None if it is not a finite number."""
     if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
         return float(value)
     return None
@@ -95,7 +95,7 @@ def _admitted(name: str, value: object, faults: list[Fault]) -> float | None:
 
 
 def in_order(epochs: Iterable[Epoch]) -> Iterator[Epoch]:
-    """Return the same epochs. InputError at the first one that is not later than the one before."""
+    """Yield the same epochs. InputError at the first that is not later than the previous one."""
     last = -math.inf
     for epoch in epochs:
         if not epoch.time_s > last:

@@ -1,7 +1,7 @@
-"""The course of a line in space: what the prediction is laid along (SAT-1; [0040], [0042]).
+"""Computes the course of a line in space, along which satellites are predicted (SAT-1; [0040], [0042]).
 
-From the plan of the edges and their gradients to Earth-fixed points, with the lengths that the map states. Needs the extra
-`geo` (pyproj).
+The courses of the edges and their gradients give Earth-fixed points, with the lengths of the map. Needs the extra `geo`
+(pyproj).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 from safeloc.errors import InputError
+from safeloc.language.units import MM_PER_M
 from safeloc.railway.map.elements import Geometry, Gradient, TrackEdge
 from safeloc.railway.map.imports.building import missing
 from safeloc.railway.map.routes import Route
@@ -20,16 +21,15 @@ from safeloc.railway.map.topology import Run
 from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.track_prediction import Portion
 
-DEGREES, DEGREES_AND_HEIGHT, EARTH_FIXED = "EPSG:4326", "EPSG:4979", "EPSG:4978"
-MM = 1_000
+_DEGREES, _DEGREES_AND_HEIGHT, _EARTH_FIXED = "EPSG:4326", "EPSG:4979", "EPSG:4978"
 
 
 class LineTrack:
-    """The possible ways of a vehicle: one route, or several that begin alike while a switch ahead is undecided.
+    """The possible ways of a vehicle: one route, or several with a common beginning while the way over a switch is unknown.
 
-    Distances are metres along the routes. `start_height_m` is the height above the ellipsoid where they begin; from there
-    on gradients say how it changes, and where the map has none the track is level. InputError for routes that do not
-    begin alike, and for an edge without geometry.
+    Distances are metres along the routes. `start_height_m` is the height above the ellipsoid at their beginning; from there on
+    it follows the gradients, and the track is level where the map has none. InputError for routes without a common beginning,
+    and for an edge without geometry.
     """
 
     def __init__(self, routes: Sequence[Route], start_height_m: float) -> None:
@@ -42,10 +42,10 @@ class LineTrack:
         self._start_height_m = start_height_m
 
     def portions(self, low_m: float, high_m: float) -> list[Portion]:
-        """Return the courses that a vehicle between the two distances may be on: as many as there are ways that differ there."""
+        """Return the courses on which a vehicle between the two distances may be, one for each different way there."""
         found: dict[tuple[Run, ...], Portion] = {}
         for route, portion in zip(self.routes, self._portions, strict=True):
-            found.setdefault(tuple(_runs_between(route, low_m * MM, high_m * MM)), portion)
+            found.setdefault(tuple(_runs_between(route, low_m * MM_PER_M, high_m * MM_PER_M)), portion)
         return list(found.values())
 
     @cached_property
@@ -64,7 +64,7 @@ def _runs_between(route: Route, low_mm: float, high_mm: float) -> Iterator[Run]:
 
 
 class _Course:
-    """From edges to points in space."""
+    """Converts edges to points in space."""
 
     def __init__(self, pyproj: Any, gradients: Sequence[Gradient]) -> None:
         self._pyproj = pyproj
@@ -72,10 +72,10 @@ class _Course:
         for one in gradients:
             self._gradients.setdefault(one.edge, []).append(one)
         self._geod = pyproj.Geod(ellps="WGS84")
-        self._space = pyproj.Transformer.from_crs(DEGREES_AND_HEIGHT, EARTH_FIXED, always_xy=True)
+        self._space = pyproj.Transformer.from_crs(_DEGREES_AND_HEIGHT, _EARTH_FIXED, always_xy=True)
 
     def portion(self, route: Route, height_m: float) -> Portion:
-        """The whole of a route; what lies on its first edge before its beginning belongs to it."""
+        """Return the portion of a whole route, including the part of its first edge before its beginning."""
         points: list[Vector] = []
         lengths: list[float] = []
         first = route.topology.edges[route.runs[0].edge]
@@ -87,16 +87,16 @@ class _Course:
                 if number == 0 and points:
                     continue
                 points.append(point)
-            lengths += [(b - a) / MM for (a, _), (b, _) in pairwise(steps)]
+            lengths += [(b - a) / MM_PER_M for (a, _), (b, _) in pairwise(steps)]
             height += self._climb_m(route, run, route.topology.length_mm(run))
         if not all(map(math.isfinite, (value for point in points for value in point))):
             raise InputError(
                 f"route {route.name}: a point of edge {first.id!r} or beyond is no place; mend the geometry."
             )
-        return Portion(-route.start_mm / MM, tuple(points), tuple(lengths))
+        return Portion(-route.start_mm / MM_PER_M, tuple(points), tuple(lengths))
 
     def _steps(self, edge: TrackEdge, run: Run) -> list[tuple[float, tuple[float, float]]]:
-        """Distance (mm) run on the edge and degrees of every point, in the order of the run."""
+        """Return for every point the distance (mm) run on the edge, and its degrees, in the order of the run."""
         degrees = self._degrees(edge)
         if run.direction == "decreasing":
             degrees = degrees[::-1]
@@ -114,15 +114,15 @@ class _Course:
         length = route.topology.length_mm(run)
         low, high = sorted((_position(run, length, 0), _position(run, length, to_mm)))
         rises = (_rise_mm(one, low, high) for one in self._gradients.get(run.edge, ()))
-        return (1 if run.direction == "increasing" else -1) * sum(rises) / MM
+        return (1 if run.direction == "increasing" else -1) * sum(rises) / MM_PER_M
 
     def _degrees(self, edge: TrackEdge) -> tuple[tuple[float, float], ...]:
         if not isinstance(edge.geometry, Geometry):
             raise InputError(f"edge {edge.id!r} has no geometry; satellites cannot be predicted along it.")
-        if edge.geometry.crs == DEGREES:
+        if edge.geometry.crs == _DEGREES:
             return edge.geometry.points
         try:
-            transformer = self._pyproj.Transformer.from_crs(edge.geometry.crs, DEGREES, always_xy=True)
+            transformer = self._pyproj.Transformer.from_crs(edge.geometry.crs, _DEGREES, always_xy=True)
         except self._pyproj.exceptions.CRSError as error:
             raise InputError(f"edge {edge.id!r}: {edge.geometry.crs!r} is no coordinate system: {error}.") from error
         return tuple(transformer.transform(*point) for point in edge.geometry.points)

@@ -1,4 +1,4 @@
-"""The lines of a receiver's log, in bounds, and the numbers in their cells."""
+"""Reads the lines of a receiver's log, up to a limit, and the numbers in their cells."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ MOST_LINES = 10_000_000
 
 
 def log_lines(path: Path, encoding: str = "ascii") -> list[str]:
-    """Return all lines. What is not of the encoding shows as a sign that no number has; InputError for a log that is too
-    large."""
+    """Return all lines. Bytes outside the encoding become a character that no number has. InputError for too large a log."""
     data = read_bytes(path, LARGEST_LOG)
     refuse_beyond(path, data.count(b"\n") + data.count(b"\r"), MOST_LINES, "lines")
     return data.decode(encoding, errors="replace").splitlines()

@@ -1,7 +1,7 @@
-"""GPS, QZSS and Galileo ephemerides from RINEX navigation files, versions 2 and 3.
+"""Reads GPS, QZSS and Galileo ephemerides from RINEX navigation files, versions 2 and 3.
 
-RINEX 3.04, tables A6 to A8 and A12; RINEX 2.11, table A4. Other constellations are passed over: their orbits are told in
-other terms (GLONASS, SBAS) or need another frame (BeiDou).
+RINEX 3.04, tables A6 to A8 and A12; RINEX 2.11, table A4. Other constellations are skipped: their orbits have other parameters
+(GLONASS, SBAS) or need another frame (BeiDou).
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ _F_NAV_BIT = 0b10
 
 @dataclass(frozen=True)
 class Navigation:
-    """The ephemerides of a file, and its broadcast ionosphere where it has one."""
+    """The ephemerides of a file, and its broadcast ionosphere; None if it has none."""
 
     ephemerides: tuple[Ephemeris, ...]
     ionosphere: Klobuchar | None
 
     def valid(self, satellite: str, time_s: float) -> Ephemeris | None:
-        """Return the valid ephemeris nearest in time; None when every one has expired: no prediction then (SAT-D1)."""
+        """Return the valid ephemeris nearest in time; None, and so no prediction, if all have expired (SAT-D1)."""
         return usable(self._of.get(satellite, ()), satellite, time_s)
 
     @cached_property
@@ -127,7 +127,7 @@ def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
 
 
 def _european_delay_s(five: list[float], six: list[float]) -> float:
-    """Broadcast group delay that belongs to the message's clock: E5a/E1 for F/NAV, E5b/E1 for I/NAV (RINEX 3.04, table A8)."""
+    """Return the broadcast group delay for the clock of the message: E5a/E1 for F/NAV, E5b/E1 for I/NAV (RINEX 3.04, table A8)."""
     return six[2] if int(five[1]) & _F_NAV_BIT else six[3]
 
 

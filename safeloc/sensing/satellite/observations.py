@@ -1,6 +1,6 @@
-"""Pseudorange and Doppler on 1575.42 MHz from RINEX 3 observation files (RINEX 3.04, tables A2 and A3).
+"""Reads pseudorange and Doppler on 1575.42 MHz from RINEX 3 observation files (RINEX 3.04, tables A2 and A3).
 
-GPS and QZSS L1 C/A, Galileo E1 (pilot, or data and pilot together). Other constellations and bands are passed over.
+GPS and QZSS L1 C/A, Galileo E1 (pilot, or data and pilot together). Other constellations and bands are skipped.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from safeloc.sensing.satellite.log_lines import decimal, log_lines, whole
 from safeloc.sensing.satellite.predicted import rate_of_doppler
 from safeloc.sensing.satellite.times import gps_seconds
 
-Columns = dict[str, tuple[int, int]]
+_Columns = dict[str, tuple[int, int]]
 _SIGNALS = {"G": ("1C",), "J": ("1C",), "E": ("1C", "1X", "1B")}
 
 
@@ -41,7 +41,7 @@ def _refuse_others(lines: list[str], path: Path) -> None:
         raise StreamError(f"{path.name}:1: not a RINEX 3 observation file; convert it.")
 
 
-def _columns(header: list[str], path: Path) -> Columns:
+def _columns(header: list[str], path: Path) -> _Columns:
     names: dict[str, list[str]] = {}
     system = ""
     for line in header:
@@ -55,12 +55,12 @@ def _columns(header: list[str], path: Path) -> Columns:
 
 
 def _pair(system: str, names: list[str]) -> tuple[int, int] | None:
-    """Columns of the first signal of which pseudorange and Doppler were recorded."""
+    """Return the columns of the first signal with both pseudorange and Doppler; None without one."""
     signal = next((one for one in _SIGNALS[system] if f"C{one}" in names and f"D{one}" in names), None)
     return None if signal is None else (names.index(f"C{signal}"), names.index(f"D{signal}"))
 
 
-def _epochs(lines: list[str], at: int, columns: Columns, path: Path) -> Iterator[Epoch]:
+def _epochs(lines: list[str], at: int, columns: _Columns, path: Path) -> Iterator[Epoch]:
     while at < len(lines):
         head, count = _head(lines, at, path)
         body = lines[at + 1 : at + 1 + count]
@@ -73,7 +73,7 @@ def _epochs(lines: list[str], at: int, columns: Columns, path: Path) -> Iterator
 
 def _head(lines: list[str], at: int, path: Path) -> tuple[str, int]:
     count = lines[at][32:35].strip()
-    if lines[at].startswith(">") and count.isdecimal():  # below zero it would lead back, and never to an end
+    if lines[at].startswith(">") and count.isdecimal():  # a negative count would lead back, without end
         return lines[at], int(count)
     raise StreamError(f"{path.name}:{at + 1}: no epoch starts here; mend the file.")
 
@@ -86,7 +86,7 @@ def _time(head: str, where: str) -> float:
         raise StreamError(f"{where}: {head[1:29]!r} is no time ({error}); mend or drop the epoch.") from error
 
 
-def _satellites(body: list[str], first: int, columns: Columns, path: Path) -> dict[str, Measured]:
+def _satellites(body: list[str], first: int, columns: _Columns, path: Path) -> dict[str, Measured]:
     found: dict[str, Measured] = {}
     for number, line in enumerate(body, first):
         if line[:1] not in columns:

@@ -1,6 +1,6 @@
-"""Position, velocity and clock of a satellite from its broadcast ephemeris (IS-GPS-200, 20.3.3.3.3 and 20.3.3.4.3).
+"""Computes position, velocity and clock of a satellite from its ephemeris (IS-GPS-200, 20.3.3.3.3 and 20.3.3.4.3).
 
-QZSS and Galileo say the same of theirs, with Galileo's own gravity constant (IS-QZSS-PNT, 5.5; Galileo OS SIS ICD, 5.1.1).
+QZSS and Galileo use the same model, with Galileo's own gravity constant (IS-QZSS-PNT, 5.5; Galileo OS SIS ICD, 5.1.1).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class SatelliteState:
 def satellite_state(ephemeris: Ephemeris, time_s: float) -> SatelliteState:
     """Return the state at a GPS time. The velocity is a central difference over 1 s, true to 0.01 mm/s.
 
-    The clock has relativity and the L1 group delay in it. InputError outside the window of validity (SAT-D1).
+    The clock includes relativity and the L1 group delay. InputError outside the window of validity (SAT-D1).
     """
     if not ephemeris.valid_at(time_s):
         raise InputError(f"{ephemeris.satellite}: the ephemeris is not valid at {time_s} s; use a valid one or none.")
@@ -66,7 +66,7 @@ def _position(e: Ephemeris, time_s: float) -> Vector:
 
 
 def _eccentric_anomaly(e: Ephemeris, since_s: float) -> float:
-    """Kepler's equation by Newton's method; ten steps are far more than an eccentricity below 0.1 needs."""
+    """Solve Kepler's equation by Newton's method; ten steps are far more than an eccentricity below 0.1 needs."""
     mean = e.m0 + (_root_of_gravity(e) / e.sqrt_a**3 + e.delta_n) * since_s
     anomaly = mean
     for _ in range(10):

@@ -1,4 +1,4 @@
-"""A place on the WGS 84 ellipsoid, its Earth-fixed coordinates, and where a satellite stands in its sky."""
+"""A place on the WGS 84 ellipsoid, its Earth-fixed coordinates, and directions of satellites seen from it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Geodetic latitude and longitude (rad) and height above the ellipsoid (m). InputError when not finite."""
+    """Geodetic latitude and longitude (rad) and height above the ellipsoid (m). InputError if not finite."""
 
     latitude_rad: float
     longitude_rad: float
@@ -25,12 +25,12 @@ class Place:
 
     @classmethod
     def degrees(cls, latitude: float, longitude: float, height_m: float) -> Place:
-        """From degrees."""
+        """Return a place from degrees."""
         return cls(math.radians(latitude), math.radians(longitude), height_m)
 
     @classmethod
     def of_earth_fixed(cls, point_m: Vector) -> Place:
-        """From Earth-fixed coordinates, to a micrometre near the surface. InputError far from it (6200 to 6500 km from the centre)."""
+        """Return a place from Earth-fixed coordinates, to a micrometre; InputError unless 6200 to 6500 km from the centre."""
         x, y, z = point_m
         if not 6.2e6 < math.hypot(x, y, z) < 6.5e6:
             raise InputError(f"{point_m} is not near the Earth's surface; give Earth-fixed metres.")
@@ -44,7 +44,7 @@ class Place:
         return cls(latitude, math.atan2(y, x), height)
 
     def earth_fixed_m(self) -> Vector:
-        """Earth-centred, Earth-fixed coordinates."""
+        """Return Earth-centred, Earth-fixed coordinates."""
         squared = EARTH_FLATTENING * (2 - EARTH_FLATTENING)
         normal = EARTH_RADIUS_M / math.sqrt(1 - squared * math.sin(self.latitude_rad) ** 2)
         level = (normal + self.height_m) * math.cos(self.latitude_rad)

@@ -1,6 +1,6 @@
-"""Predicted pseudorange and range rate of a satellite seen from an estimated state (SAT-1, SAT-2; [0060], [0061]).
+"""Predicts pseudorange and range rate of a satellite from an estimated state (SAT-1, SAT-2; [0060], [0061]).
 
-Range rate is positive when the distance grows; Doppler is positive when it shrinks: rate = -wavelength * Doppler.
+Range rate is positive if the distance grows, Doppler if it shrinks: rate = -wavelength * Doppler.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Predicted:
 
 
 def rate_of_doppler(doppler_hz: float, wavelength_m: float = L1_WAVELENGTH_M) -> float:
-    """Return the range rate in m/s of a Doppler as RINEX gives it: positive when the satellite approaches."""
+    """Return the range rate in m/s for a Doppler as in RINEX, positive if the satellite approaches."""
     return -wavelength_m * doppler_hz
 
 
@@ -36,8 +36,8 @@ def predicted(
 ) -> Predicted:
     """Predict the satellite's signal at this GPS time of reception (true time, without the clock's bias).
 
-    One microsecond of clock error left in the time costs below 1 mm. InputError for an ephemeris that has expired,
-    and a velocity that is not finite. Below the horizon no delay of the air is counted: mask low satellites.
+    A clock error of 1 us left in the time costs less than 1 mm. InputError for an expired ephemeris, and for a velocity that
+    is not finite. Below the horizon the delay of the atmosphere is omitted: mask low satellites.
     """
     if not all(map(math.isfinite, velocity_m_per_s)):
         raise InputError("the estimated velocity is not finite; declare no prediction instead.")
@@ -60,7 +60,7 @@ def _air_m(
 
 
 def _seen(ephemeris: Ephemeris, received_s: float, at: Vector) -> tuple[SatelliteState, float]:
-    """The satellite when it transmitted, in the Earth-fixed frame of reception, and its distance."""
+    """Return the satellite at transmission, in the Earth-fixed frame of reception, and its distance."""
     travel_s = 0.075
     for _ in range(2):
         travel_s = math.dist(_turned(_sent(ephemeris, received_s - travel_s), travel_s), at) / LIGHT_M_PER_S

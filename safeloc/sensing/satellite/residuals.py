@@ -1,4 +1,4 @@
-"""Measured minus predicted of one epoch, after the receiver's clock is taken off: the inputs of the selection."""
+"""Computes measured minus predicted values of one epoch without the receiver's clock, for the selection."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place, Vector
 from safeloc.sensing.satellite.predicted import Predicted, predicted
 
-MASK_RAD = math.radians(10)
-"""Below this elevation the simple troposphere is wrong by metres: no prediction is made there."""
-LINEAR_S = 0.01
-"""A clock this wrong is undone by the rate alone: accelerations of 1 m/s2 leave 0.05 mm."""
+_MASK_RAD = math.radians(10)
+"""No prediction below this elevation, since the simple troposphere has errors of metres there."""
+_LINEAR_S = 0.01
+"""A clock error up to this is corrected by the rate alone; accelerations of 1 m/s2 leave 0.05 mm."""
 
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Per satellite, in m and m/s. Without values: `expired` (no valid ephemeris), and `low` (below the mask).
+    """Residuals by satellite, in m and m/s. Without values: `expired` (no valid ephemeris) and `low` (below the mask).
 
-    clock_s  what the receiver's time is ahead of true time, as it was found
+    clock_s  estimate of how far the receiver's time is ahead of true time
     """
 
     pseudorange_m: Mapping[str, float]
@@ -36,35 +36,35 @@ class Residuals:
 
 
 def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation) -> Residuals:
-    """Return residuals against the estimated state E*(t) alone (SAT-1), the state being that at the receiver's time.
+    """Return residuals from the estimated state E*(t) at the receiver's time (SAT-1).
 
-    The clock of each constellation is found by itself. What was not measured of a satellite has no residual.
+    The clock of each constellation is estimated separately. A value that was not measured has no residual.
     """
     found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
     valid = {name: one for name, one in found.items() if one is not None}
-    heard = _Heard(epoch, valid, place, velocity_m_per_s, navigation)
-    every, clock_s = heard.expected(0.0), 0.0
-    codes = heard.codes(_above_mask(every), clock_s)
+    satellites = _Satellites(epoch, valid, place, velocity_m_per_s, navigation)
+    every, clock_s = satellites.expected(0.0), 0.0
+    codes = satellites.codes(_above_mask(every), clock_s)
     if codes:
         clock_s = common_part(of_constellation(codes, _largest(codes))) / LIGHT_M_PER_S
-        if abs(clock_s) > LINEAR_S:
-            every = heard.expected(clock_s)
-            codes = heard.codes(_above_mask(every), 0.0)
+        if abs(clock_s) > _LINEAR_S:
+            every = satellites.expected(clock_s)
+            codes = satellites.codes(_above_mask(every), 0.0)
         else:
-            codes = heard.codes(_above_mask(every), clock_s)
+            codes = satellites.codes(_above_mask(every), clock_s)
     seen = _above_mask(every)
     expired, low = frozenset(epoch.satellites) - valid.keys(), every.keys() - seen.keys()
-    rates = without_clock(heard.rates(seen))
+    rates = without_clock(satellites.rates(seen))
     return Residuals(without_clock(codes), rates, seen, expired, frozenset(low), clock_s)
 
 
 def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
-    return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
+    return {name: one for name, one in every.items() if one.elevation_rad >= _MASK_RAD}
 
 
 @dataclass(frozen=True, slots=True)
-class _Heard:
-    """One epoch's satellites with valid ephemerides, and the state they are predicted for."""
+class _Satellites:
+    """One epoch's satellites with valid ephemerides, and the state for which they are predicted."""
 
     epoch: Epoch
     valid: Mapping[str, Ephemeris]
@@ -73,7 +73,7 @@ class _Heard:
     navigation: Navigation
 
     def expected(self, clock_s: float) -> dict[str, Predicted]:
-        """Predictions with this much clock taken off the receiver's time; the vehicle moves on in it."""
+        """Return the predictions for the receiver's time minus this clock error, with the vehicle moved accordingly."""
         place = self.place if clock_s == 0 else self._moved(-clock_s)
         at, air = self.epoch.time_s - clock_s, self.navigation.ionosphere
         return {name: predicted(one, at, place, self.velocity_m_per_s, air) for name, one in self.valid.items()}
@@ -84,7 +84,7 @@ class _Heard:
         return Place.of_earth_fixed((x + seconds * u, y + seconds * v, z + seconds * w))
 
     def codes(self, seen: Mapping[str, Predicted], clock_s: float) -> dict[str, float]:
-        """Measured minus predicted pseudorange, where there is one, with so much clock undone by the rate."""
+        """Return measured minus predicted pseudoranges, corrected for this clock error by the rate."""
         measured = self.epoch.satellites
         given = ((name, one, measured[name].pseudorange_m) for name, one in seen.items())
         return {
@@ -92,12 +92,12 @@ class _Heard:
         }
 
     def rates(self, seen: Mapping[str, Predicted]) -> dict[str, float]:
-        """Measured minus predicted range rate, where there is one."""
+        """Return measured minus predicted range rates."""
         measured = self.epoch.satellites
         given = ((name, one, measured[name].rate_m_per_s) for name, one in seen.items())
         return {name: rate - one.rate_m_per_s for name, one, rate in given if rate is not None}
 
 
 def _largest(values: Mapping[str, float]) -> str:
-    """The constellation with the most satellites, the first by name of several."""
+    """Return the constellation with the most satellites; the first by name if there are several."""
     return max(constellations(values), key=lambda system: len(of_constellation(values, system)))

@@ -1,9 +1,9 @@
-"""A cycle's solution along the track, from usable satellites alone, as an interval that holds the truth (SAT-5).
+"""Solves for place and speed along the track from usable satellites alone, with guaranteed bounds (SAT-5).
 
-The errors of each used satellite's differences are bounded. To a bound comes what linearising costs: the vehicle may be
-anywhere within the prediction's margin, the track bends there, and the sight turns a little. While every bound holds, the
-place and the speed lie in the interval: sum |a_i| * bound_i on either side, to the last digit. Where bounds leave out what
-all satellites have alike, `dilution` tells how often that counts.
+The errors of each used satellite's differences are bounded. The cost of linearising is added to a bound: the vehicle may be
+anywhere within the prediction's margin, the track bends there, and the line of sight turns a little. While every bound holds,
+the true place and speed lie within sum |a_i| * bound_i on either side, exactly. For an error common to all satellites that the
+bounds do not include, `dilution` gives its greatest effect.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ from fractions import Fraction
 from typing import Literal
 
 from safeloc.errors import InputError
-from safeloc.sensing.rounding import Interval, exactly, hull
+from safeloc.language.units import MM_PER_M
+from safeloc.sensing.rounding import ExactBounds, exactly, hull
 from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.predicted import Predicted
 from safeloc.sensing.satellite.track_fit import Sight, TrackFit, fit, slope_ppm
 from safeloc.sensing.satellite.track_prediction import OnTrack, Portion
 
-ROUNDING = 2
-"""mm or mm/s: a difference is told up to 1 more than it is, slopes in millionths cost half of that up to 1 km away, floats less."""
-SLOPE, SLOPES_FREE_M = Fraction(1, 2_000_000), 1_000
-"""Half a millionth of the correction, of which 1 km is in the rounding."""
+_ROUNDING = 2
+"""mm or mm/s. Rounding of a difference adds up to 1, slopes in millionths half of that up to 1 km away, floats less."""
+_SLOPE, _SLOPES_FREE_M = Fraction(1, 2_000_000), 1_000
+"""Half a millionth of the correction; the part for 1 km is included in the rounding."""
 NEAREST_M, FASTEST_M_PER_S = 19_000_000, 5_000
-"""No navigation satellite is nearer, or faster against the Earth."""
+"""No navigation satellite is nearer, or faster relative to the Earth."""
 Weighting = Literal["equal", "elevation"]
-MM = 1_000
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """E*(t) with its margins in m and m/s: where to linearise, and how far off that may be."""
+    """The estimate E*(t) at which to linearise, with its margins in m and m/s."""
 
     margin_m: float
     speed_m_per_s: float
@@ -59,18 +59,18 @@ class Bounds:
 
 
 def _slopes(correction: Fraction) -> Fraction:
-    """What slopes in whole millionths cost beyond what is in the rounding."""
-    return max(Fraction(0), correction - SLOPES_FREE_M) * SLOPE
+    """Return the error from slopes in whole millionths beyond that included in the rounding."""
+    return max(Fraction(0), correction - _SLOPES_FREE_M) * _SLOPE
 
 
 def _more(bound: int | None, metres: Fraction) -> int | None:
-    """A bound in mm (or mm/s) and that much more, rounded up."""
-    return None if bound is None else bound + math.ceil(metres * MM) + ROUNDING
+    """Return a bound in mm (or mm/s) increased by this much and the rounding, rounded up."""
+    return None if bound is None else bound + math.ceil(metres * MM_PER_M) + _ROUNDING
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """The used satellites seen from the prediction on one portion: mm and mm/s off it, and where they stand."""
+    """The used satellites seen from the prediction on one portion: differences in mm and mm/s, and predictions."""
 
     place: OnTrack
     bounds: Bounds
@@ -81,30 +81,30 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Solved:
-    """Fits of place and speed on one portion, with their bounds; None where one is not solved."""
+    """Fits of place and speed on one portion, with their bounds; None if not solved."""
 
     bounds: Bounds
     place: TrackFit | None
     speed: TrackFit | None
 
-    def off_mm(self) -> Interval | None:
+    def off_mm(self) -> ExactBounds | None:
         """Return the vehicle's distance along the track beyond the prediction."""
         return _interval(self.place, self.bounds.range_mm)
 
-    def speed_off_mm_s(self) -> Interval | None:
+    def speed_off_mm_s(self) -> ExactBounds | None:
         """Return the vehicle's speed above the prediction."""
         return _interval(self.speed, self.bounds.speed_mm_s)
 
 
-def _interval(found: TrackFit | None, bound: int | None) -> Interval | None:
+def _interval(found: TrackFit | None, bound: int | None) -> ExactBounds | None:
     if found is None or bound is None:
         return None
-    return Interval(found.along, found.along).widened(found.protection_level(bound))
+    return ExactBounds(found.along, found.along).widened(found.protection_level(bound))
 
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """Of one cycle, over all portions: the hull holds the truth, since the vehicle is on one of them."""
+    """The solution of one cycle over all portions. The hull contains the true place, since the vehicle is on one of them."""
 
     solved: tuple[Solved, ...]
     used: frozenset[str]
@@ -115,23 +115,23 @@ class Solution:
         return max(one.unknowns for both in self.solved for one in (both.place, both.speed) if one is not None)
 
     def dilution(self) -> Fraction:
-        """Return how far an error of 1 in each used range moves the place at most, on any portion; 0 if none was solved."""
+        """Return the greatest shift of the place by errors of 1 in each used range, on any portion; 0 if none was solved."""
         return max((one.place.dilution for one in self.solved if one.place is not None), default=Fraction(0))
 
     def speed_dilution(self) -> Fraction:
-        """Return the same of the speed and the range rates."""
+        """Return the greatest shift of the speed by errors of 1 in each used range rate; 0 if none was solved."""
         return max((one.speed.dilution for one in self.solved if one.speed is not None), default=Fraction(0))
 
-    def off_mm(self) -> Interval | None:
+    def off_mm(self) -> ExactBounds | None:
         """Return the vehicle's distance beyond the prediction; None if it was not solved on every portion."""
         return _hull([one.off_mm() for one in self.solved])
 
-    def speed_off_mm_s(self) -> Interval | None:
+    def speed_off_mm_s(self) -> ExactBounds | None:
         """Return the vehicle's speed above the prediction; None if it was not solved on every portion."""
         return _hull([one.speed_off_mm_s() for one in self.solved])
 
 
-def _hull(found: Sequence[Interval | None]) -> Interval | None:
+def _hull(found: Sequence[ExactBounds | None]) -> ExactBounds | None:
     whole = [one for one in found if one is not None]
     return hull(whole) if whole and len(whole) == len(found) else None
 
@@ -139,9 +139,9 @@ def _hull(found: Sequence[Interval | None]) -> Interval | None:
 def solve(
     looks: Sequence[Look], used: frozenset[str], *, free: bool = False, weighting: Weighting = "equal"
 ) -> Solution:
-    """Fits on every look. `free`: the directions across the track are unknown too.
+    """Solve on every look. With `free` the directions across the track are unknown too.
 
-    InputError where none can be had: too few satellites, or all alike to the track.
+    InputError without a solution: too few satellites, or a geometry in which place and clock cannot be separated.
     """
     return Solution(tuple(_solved(look, used, free, weighting) for look in looks), used)
 
@@ -163,7 +163,7 @@ def _sight(look: Look, name: str, difference: int, free: bool, weighting: Weight
 
 
 def _sides(along: Vector) -> tuple[Vector, Vector]:
-    """Two unit vectors across the track, at right angles to each other."""
+    """Return two unit vectors across the track, at right angles to each other."""
     least = min(range(3), key=lambda axis: abs(along[axis]))
     axis: Vector = (float(least == 0), float(least == 1), float(least == 2))
     first = _unit(_cross(along, axis))

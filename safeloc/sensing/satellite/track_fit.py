@@ -1,10 +1,10 @@
-"""Position (or speed) along the track and the clock term from the used satellites only (SAT-5; [0070]), exactly.
+"""Fits position (or speed) along the track and clocks to the used satellites only, exactly (SAT-5; [0070]).
 
 Model per satellite: difference = slope * s + clock + error, with the slope the change of pseudorange per metre along
-the track (minus the line of sight's share along the track). Two unknowns: two satellites solve, three detect a fault,
-four exclude one. Free of the track the two directions across it are unknown as well: four, five, six. Every further
-constellation has a clock of its own: one more. The same fit serves speed and clock drift with range rates. All figures
-are rational: bounds hold exactly, not up to rounding.
+the track (minus the line of sight's share along the track). With two unknowns, two satellites solve, three
+detect a fault and four exclude one. Free of the track, the two directions across it are unknown too: four, five, six. Every
+further constellation adds a clock, and so needs one more. The same fit gives speed and clock drift from range rates. All figures
+are rational, so bounds hold exactly.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from fractions import Fraction
 from operator import mul
 
 from safeloc.errors import InputError
+from safeloc.language.units import PPM_PER_ONE
 
-SOLVE, DETECT, EXCLUDE = 2, 3, 4
-PPM = 10**6
+_SOLVE, _DETECT, _EXCLUDE = 2, 3, 4
 
 
 class NoSolution(InputError):
-    """Nothing can be solved. `why`: FEW_LEFT (fewer satellites than unknowns) or ALIKE (all stand alike to the track)."""
+    """There is no solution. `why`: FEW_LEFT (fewer satellites than unknowns) or ALIKE (place and clock cannot be separated)."""
 
     def __init__(self, why: str, message: str) -> None:
         super().__init__(message)
@@ -34,7 +34,7 @@ class Sight:
     """One used satellite: measured minus predicted (mm or mm/s), slope in millionths, and its weight (1/variance).
 
     across_ppm  slopes across the track, for a solution free of it
-    clock       whose clock its signals keep: one unknown for each that occurs
+    clock       constellation whose clock its signals use; each clock is one unknown
     """
 
     difference: int
@@ -46,9 +46,9 @@ class Sight:
 
 @dataclass(frozen=True, slots=True)
 class TrackFit:
-    """Correction along the track and of the clocks, the share a_i of every satellite's error in it, chi-square.
+    """The correction along the track and of the clocks, the share a_i of every satellite's error in it, and chi-square.
 
-    clocks in the order of their names
+    Clocks are in the order of their names.
     """
 
     along: Fraction
@@ -64,11 +64,11 @@ class TrackFit:
 
     @property
     def dilution(self) -> Fraction:
-        """Sum |a_i|: how far errors of 1 in each satellite move the correction at most. At least 1, as no slope is steeper."""
+        """Sum |a_i|, the greatest shift of the correction by errors of 1 in each satellite. It is at least 1, as no slope exceeds 1."""
         return _sum(abs(share) for share in self.shares.values())
 
     def protection_level(self, bound: int | Mapping[str, int]) -> int:
-        """sum |a_i| * bound_i, rounded up: no larger error is possible while each satellite's is within its bound."""
+        """Return sum |a_i| * bound_i, rounded up: the greatest error while each satellite's error is within its bound."""
         bounds = dict.fromkeys(self.shares, bound) if isinstance(bound, int) else bound
         wrong = [name for name in self.shares if bounds.get(name, -1) < 0]
         if wrong:
@@ -79,12 +79,12 @@ class TrackFit:
 def fit(sights: Mapping[str, Sight]) -> TrackFit:
     """Return the weighted least squares over the named satellites.
 
-    NoSolution below two satellites or the number of unknowns, or when all slopes are alike; InputError for a weight that
-    is not positive.
+    NoSolution with fewer than two satellites or than unknowns, and if place and clock cannot be separated, as with equal
+    slopes; InputError for a weight that is not positive.
     """
-    if len(sights) < SOLVE:
+    if len(sights) < _SOLVE:
         raise NoSolution(
-            "FEW_LEFT", f"{len(sights)} usable satellites; {SOLVE} are needed to solve along the track: no fix."
+            "FEW_LEFT", f"{len(sights)} usable satellites; {_SOLVE} are needed to solve along the track: no fix."
         )
     if any(one.weight <= 0 for one in sights.values()):
         raise InputError("a weight must be positive; leave the satellite out instead.")
@@ -97,13 +97,13 @@ def fit(sights: Mapping[str, Sight]) -> TrackFit:
     normal, sums = _normal(list(rows.values()), weights, [one.difference for one in sights.values()])
     (first, over), (found, under) = _solved(normal, [1, *[0] * (size - 1)]), _solved(normal, sums)
     weighed = zip(rows.items(), weights, strict=True)
-    shares = {name: Fraction(weight * _dot(row, first) * PPM, over) for (name, row), weight in weighed}
-    # columns are millionths, a clock's as well: what belongs to them is in millions
+    shares = {name: Fraction(weight * _dot(row, first) * PPM_PER_ONE, over) for (name, row), weight in weighed}
+    # columns are in millionths, also those of clocks, so their unknowns are in millions
     terms = zip(clocks, found[size - len(clocks) :], strict=True)
     residuals = (one.weight * (one.difference * under - _dot(rows[name], found)) ** 2 for name, one in sights.items())
     return TrackFit(
-        Fraction(found[0] * PPM, under),
-        {clock: Fraction(term * PPM, under) for clock, term in terms},
+        Fraction(found[0] * PPM_PER_ONE, under),
+        {clock: Fraction(term * PPM_PER_ONE, under) for clock, term in terms},
         shares,
         sum(residuals, Fraction(0)) / under**2,
         len(sights) - size,
@@ -111,11 +111,11 @@ def fit(sights: Mapping[str, Sight]) -> TrackFit:
 
 
 def _row(one: Sight, clocks: Sequence[str]) -> list[int]:
-    return [one.slope_ppm, *one.across_ppm, *(PPM if clock == one.clock else 0 for clock in clocks)]
+    return [one.slope_ppm, *one.across_ppm, *(PPM_PER_ONE if clock == one.clock else 0 for clock in clocks)]
 
 
 def _whole(weights: Sequence[Fraction]) -> list[int]:
-    """The same weights by a common factor, as whole numbers."""
+    """Return the weights times a common factor, as whole numbers."""
     factor = math.lcm(*(weight.denominator for weight in weights))
     return [weight.numerator * (factor // weight.denominator) for weight in weights]
 
@@ -123,7 +123,7 @@ def _whole(weights: Sequence[Fraction]) -> list[int]:
 def _normal(
     rows: Sequence[list[int]], weights: Sequence[int], values: Sequence[int]
 ) -> tuple[list[list[int]], list[int]]:
-    """The normal equations: rows' weighted products, and their weighted sums with the values."""
+    """Return the normal equations: weighted products of the rows, and their weighted sums with the values."""
     size = range(len(rows[0]))
     every = list(zip(rows, weights, values, strict=True))
     products = [[sum(weight * row[i] * row[j] for row, weight, _ in every) for j in size] for i in size]
@@ -131,9 +131,9 @@ def _normal(
 
 
 def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list[int], int]:
-    """The exact solution of whole-numbered equations, over one divisor (Bareiss: no fractions on the way).
+    """Return the exact solution of equations in whole numbers, over one divisor (by Bareiss, without fractions).
 
-    NoSolution where there is none.
+    NoSolution if there is none.
     """
     rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
     size, last = len(rows), 1
@@ -141,7 +141,7 @@ def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list
         pivot = next((n for n in range(at, size) if rows[n][at]), None)
         if pivot is None:
             raise NoSolution(
-                "ALIKE", "all satellites stand alike to the track: place and clock cannot be told apart, no fix."
+                "ALIKE", "all satellites stand alike to the track: place and clock cannot be separated, no fix."
             )
         rows[at], rows[pivot] = rows[pivot], rows[at]
         head = rows[at]
@@ -156,7 +156,7 @@ def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list
 def slope_ppm(direction: tuple[float, float, float], track: tuple[float, float, float]) -> int:
     """Return the slope of a satellite from unit vectors to it and along the track, to the nearest millionth.
 
-    Rounding costs half a micrometre a metre of correction. InputError when a figure is not finite.
+    Rounding costs half a micrometre for each metre of correction. InputError for a figure that is not finite.
     """
     share = sum(a * b for a, b in zip(direction, track, strict=True))
     if not math.isfinite(share):

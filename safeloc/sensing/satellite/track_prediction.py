@@ -1,4 +1,4 @@
-"""E*(t) from E(t-1) and the portion of the map run in between, and nothing else (SAT-1; [0042], [0058], [0059])."""
+"""Computes E*(t) from E(t-1) and the portion of the map run since, and nothing else (SAT-1; [0042], [0058], [0059])."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from itertools import accumulate, pairwise
 from safeloc.errors import InputError
 from safeloc.sensing.satellite.places import Vector
 
-FLOAT = 1e-13
-"""Terms of up to 6 / length that may cancel are off by fewer than a hundred last digits of a float."""
+_FLOAT = 1e-13
+"""Relative error bound of terms up to 6 / length that may cancel: fewer than a hundred last digits of a float."""
 
 
 @dataclass(frozen=True)
 class Portion:
     """A mapped portion: a smooth course through Earth-fixed points (m), from `start_m` on along the map.
 
-    lengths_m  what the map says of the way between neighbouring points; empty: the straight distances between them
+    lengths_m  the map's length between neighbouring points; empty: their straight distances
     Between two points the course is a cubic whose direction at each point is that of the parabola through the point and
-    its neighbours: exact where the track is straight, true to the fourth power of their distance in a curve.
-    InputError for fewer than two points, two equal ones in a row, or lengths that do not fit them.
+    its neighbours: exact on straight track, with an error of the fourth power of their distance in a curve.
+    InputError for fewer than two points, two equal points in a row, or another number of lengths.
     """
 
     start_m: float
@@ -49,12 +49,12 @@ class Portion:
         return self.distances_m[-1]
 
     def at(self, distance_m: float) -> tuple[Vector, Vector]:
-        """Return point, and how it moves with each metre of the map. InputError beyond the ends: nothing is extrapolated."""
+        """Return the point, and its change with each metre of the map. InputError beyond the ends: nothing is extrapolated."""
         piece = self._piece(distance_m)
         return piece.at((distance_m - piece.from_m) / piece.length_m)
 
     def bend_per_m(self, low_m: float, high_m: float) -> float:
-        """No curvature between the two distances is greater (1/m). InputError beyond the ends."""
+        """Return an upper bound of the curvature between two distances (1/m). InputError beyond the ends."""
         if not low_m <= high_m:
             raise InputError(f"from {low_m} m to {high_m} m there is no stretch; give the lower distance first.")
         first, last = self._index(low_m), self._index(high_m)
@@ -87,7 +87,7 @@ class _Piece:
     end_along: Vector
 
     def at(self, share: float) -> tuple[Vector, Vector]:
-        """Point and derivative by distance, at this share of the piece."""
+        """Return point and derivative by distance, at this share of the piece."""
         t, left, h = share, 1 - share, self.length_m
         a, b = (1 + 2 * t) * left * left, t * t * (3 - 2 * t)
         c, d = h * t * left * left, -h * t * t * left
@@ -99,16 +99,16 @@ class _Piece:
 
     @property
     def bend_per_m(self) -> float:
-        """The second derivative is linear along the piece, and so greatest at one of its ends; what floats lose is added."""
+        """An upper bound of the curvature: the second derivative is linear, so greatest at an end; float errors are added."""
         h = self.length_m
         ends = tuple(zip(self.start, self.end, self.start_along, self.end_along, strict=True))
         first = (6 * (q - p) / h**2 - (4 * u + 2 * v) / h for p, q, u, v in ends)
         last = (6 * (p - q) / h**2 + (2 * u + 4 * v) / h for p, q, u, v in ends)
-        return max(math.hypot(*first), math.hypot(*last)) * (1 + FLOAT) + FLOAT / h
+        return max(math.hypot(*first), math.hypot(*last)) * (1 + _FLOAT) + _FLOAT / h
 
 
 def _directions(distances: Sequence[float], points: Sequence[Vector]) -> list[Vector]:
-    """At every point the derivative of the parabola through it and its neighbours."""
+    """Return at every point the derivative of the parabola through it and its neighbours."""
     lengths = [b - a for a, b in pairwise(distances)]
     slopes = [_scaled(b, a, 1 / length) for (a, b), length in zip(pairwise(points), lengths, strict=True)]
     if len(slopes) == 1:
@@ -139,7 +139,7 @@ class TrackState:
     acceleration_m_per_s2: float
 
     def after(self, seconds: float) -> TrackState:
-        """Return the same at constant acceleration. InputError unless time goes forward."""
+        """Return the state after this time at constant acceleration. InputError unless time goes forward."""
         if not 0 < seconds < math.inf:
             raise InputError(f"{seconds} s is no time forward; drop the epoch.")
         gained = self.acceleration_m_per_s2 * seconds
@@ -149,7 +149,7 @@ class TrackState:
 
 @dataclass(frozen=True, slots=True)
 class OnTrack:
-    """A state laid on a portion: the point, how it moves with each metre (`along`) and each second (`velocity`)."""
+    """A state on a portion: the point, and its change with each metre (`along`) and each second (`velocity`)."""
 
     point_m: Vector
     along: Vector
@@ -157,9 +157,9 @@ class OnTrack:
 
 
 def on_portion(state: TrackState, portions: Sequence[Portion]) -> list[OnTrack]:
-    """Return the state on every portion still possible: one, or two past an undecided switch, to predict on each.
+    """Return the state on every possible portion: one, or two beyond a switch while the way is unknown.
 
-    InputError when no portion is given or the state is off one of them: no prediction then.
+    InputError, and so no prediction, without a portion or if the state lies beyond one of them.
     """
     if not portions:
         raise InputError("no portion of track is known for this state; declare no prediction.")

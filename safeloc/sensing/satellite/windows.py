@@ -1,7 +1,7 @@
-"""Variability of a satellite's difference over its last epochs: the covariance figure of the criterion (SAT-3, SAT-4).
+"""Computes the covariance figure of the criterion (SAT-3, SAT-4) from a satellite's differences over its last epochs.
 
-The prediction has no noise of its own, so the figure is the variance of measured minus predicted. Before the window is
-full there is none, and a satellite without one may not be used.
+The prediction has no noise, so the figure is the variance of measured minus predicted. There is none before the window is
+full, and a satellite without it is not used.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Window:
 
     def add(self, difference: int | None) -> int | None:
         """Add a value; return the variance with it, rounded up, or None until the window is full. None (not measured)
-        empties it."""
+        empties the window."""
         if difference is None:
             self._values.clear()
             return None

@@ -1,1 +1,1 @@
-"""Backscatter from truth: trains, roads and wind shake a cable, light comes back from it; seeds are explicit."""
+"""Simulation of backscatter from a cable that trains, roads and wind shake, with explicit seeds."""

@@ -1,4 +1,4 @@
-"""Test emitters beside the track: a tone switched on and off by the bits of a pattern (FVA-8)."""
+"""Simulates test emitters beside the track: a tone switched on and off by the bits of a pattern (FVA-8)."""
 
 from __future__ import annotations
 
@@ -6,18 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.simulation.fibre.cable import Cable
-
-Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Sounding:
-    """A pattern sent once, from `begin_s` on, at a place of the fibre; `strain` in 1e-9 right there."""
+    """A pattern sent once, from `begin_s` on, at a place of the fibre, with `strain` in 1e-9 there."""
 
     bits: str
     fibre_m: float
@@ -27,13 +25,13 @@ class Sounding:
 
     def __post_init__(self) -> None:
         if not self.bits or set(self.bits) - {"0", "1"}:
-            raise InputError(f"a pattern is made of 0 and 1, not {self.bits!r}.")
+            raise InputError(f"a pattern consists of 0 and 1, not {self.bits!r}.")
 
 
 def emitted(
-    config: FibreConfig, soundings: Sequence[Sounding], seconds: Numbers, cable: Cable
-) -> Iterator[tuple[slice, Numbers]]:
-    """Return pieces (cells, strain [frames, those cells]) of all that sounds at these times."""
+    config: FibreConfig, soundings: Sequence[Sounding], seconds: Floats, cable: Cable
+) -> Iterator[tuple[slice, Floats]]:
+    """Yield pieces (cells, strain [frames, cells]) of all patterns that are on at these times."""
     bit_s = config.emission.bit_windows * config.window_ms / 1_000
     for one in soundings:
         bit = np.floor((seconds - one.begin_s) / bit_s).astype(np.int64)

@@ -1,7 +1,7 @@
-"""Vibration of the ground: axles of trains and cars as moving sources of noise, and the weight of the axles.
+"""Simulates vibration of the ground: axles and cars as moving sources of noise, and bending by the weight of axles.
 
-Strain is in 1e-9. A source at distance d shakes the ground with 1 / (1 + (d / near)^2) of its noise: near to it as it
-is, farther with the square of the distance. An axle's weight bends the track: pressed below it, lifted beside it.
+Strain is in 1e-9. At distance d a source acts with 1 / (1 + (d / near)^2) of its noise: fully when near, falling with the square
+of the distance when far. An axle's weight bends the track: down below it, up beside it.
 """
 
 from __future__ import annotations
@@ -10,13 +10,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.sensing.array_types import Floats
 from safeloc.simulation.fibre.trains import Train
 
-Numbers = NDArray[np.float64]
-REFERENCE_M_S = 30.0
+_REFERENCE_M_S = 30.0
 
 
 class GroundFigures(Config):
@@ -33,7 +32,7 @@ class GroundFigures(Config):
 
 @dataclass(frozen=True)
 class Car:
-    """Traffic on a road beside the line: at second 0, its constant speed, and rms strain in 1e-9 right beside it."""
+    """A car on a road beside the line: place at second 0, constant speed, and rms strain in 1e-9 beside it."""
 
     start_m: float
     speed_m_s: float
@@ -41,7 +40,7 @@ class Car:
 
 
 class Noise:
-    """Noise of unit rms below a corner frequency, block after block without a seam; [frames, sources]."""
+    """Noise of unit rms below a corner frequency, continuous across blocks; [frames, sources]."""
 
     def __init__(self, sources: int, corner_hz: float, frame_hz: float, rng: np.random.Generator) -> None:
         width = max(1, round(frame_hz / corner_hz))
@@ -50,8 +49,8 @@ class Noise:
         self._rng = rng
         self._tail = rng.standard_normal((width - 1, sources))
 
-    def next(self, frames: int) -> Numbers:
-        """Return the next frames."""
+    def next(self, frames: int) -> Floats:
+        """Return the noise of the next frames."""
         fresh = self._rng.standard_normal((frames, self._tail.shape[1]))
         white = np.concatenate([self._tail, fresh])
         self._tail = white[len(white) - len(self._tail) :]
@@ -62,7 +61,7 @@ class Noise:
 
 
 class Sources:
-    """All moving sources of one run."""
+    """All moving sources of noise of one run."""
 
     def __init__(
         self,
@@ -77,8 +76,8 @@ class Sources:
         self._uneven = [one.loudness() * rng.uniform(0.7, 1.4, len(one.axles_m())) for one in trains]
         self._road = Noise(len(self._cars), figures.road_corner_hz, frame_hz, rng)
 
-    def strain(self, seconds: Numbers, cells_m: Numbers) -> Iterator[tuple[slice, Numbers]]:
-        """Return pieces (cells, strain [frames, those cells]) to be added up; `cells_m` does not fall."""
+    def strain(self, seconds: Floats, cells_m: Floats) -> Iterator[tuple[slice, Floats]]:
+        """Yield pieces (cells, strain [frames, cells]) to be added up; `cells_m` must not decrease."""
         for train, rolling, uneven in zip(self._trains, self._rolling, self._uneven, strict=True):
             noise = rolling.next(len(seconds)) * uneven * self._level(train, seconds)[:, None]
             places = train.axle_places_m(seconds)
@@ -89,11 +88,11 @@ class Sources:
             place = car.start_m + car.speed_m_s * seconds
             yield from self._spread(place, road[:, number] * car.strain, cells_m, self._figures.road_near_mm / 1_000)
 
-    def _level(self, train: Train, seconds: Numbers) -> Numbers:
-        moving = np.abs(train.course.speed_m_s(seconds)) / REFERENCE_M_S
+    def _level(self, train: Train, seconds: Floats) -> Floats:
+        moving = np.abs(train.course.speed_m_s(seconds)) / _REFERENCE_M_S
         return np.asarray(train.strain * np.maximum(moving, train.standing))
 
-    def _axle(self, place: Numbers, noise: Numbers, cells_m: Numbers) -> Iterator[tuple[slice, Numbers]]:
+    def _axle(self, place: Floats, noise: Floats, cells_m: Floats) -> Iterator[tuple[slice, Floats]]:
         yield from self._spread(place, noise, cells_m, self._figures.near_mm / 1_000)
         width = self._figures.bend_mm / 1_000
         near = _near(place, cells_m, 4 * width)
@@ -101,15 +100,13 @@ class Sources:
             square = ((cells_m[near][None, :] - place[:, None]) / width) ** 2
             yield near, self._figures.bend * (1 - square) * np.exp(-square / 2)
 
-    def _spread(
-        self, place: Numbers, noise: Numbers, cells_m: Numbers, near_m: float
-    ) -> Iterator[tuple[slice, Numbers]]:
+    def _spread(self, place: Floats, noise: Floats, cells_m: Floats, near_m: float) -> Iterator[tuple[slice, Floats]]:
         near = _near(place, cells_m, self._figures.cut * near_m)
         if near.stop > near.start:
             away = (cells_m[near][None, :] - place[:, None]) / near_m
             yield near, noise[:, None] / (1 + away * away)
 
 
-def _near(place: Numbers, cells_m: Numbers, reach_m: float) -> slice:
+def _near(place: Floats, cells_m: Floats, reach_m: float) -> slice:
     first, last = np.searchsorted(cells_m, [place.min() - reach_m, place.max() + reach_m])
     return slice(int(first), int(last))

@@ -1,10 +1,10 @@
-"""Light: from strain along the cable to what the interrogator measures.
+"""Simulates the light: from strain along the cable to the interrogator's measurement.
 
-A pulse lights several cells at once; what comes back from them adds up with its phases, so some places are dark
-(fading). Strain moves the phase of all that lies beyond it. The change of phase between two places a gauge apart, from
-one frame to the next, is the measurement; it wraps where the strain changes too fast. Light comes back weaker from
-farther away, the receiver adds noise, the laser's frequency a part that is common to all channels. An unabsorbed end
-sends the pulse back: its scatter looks like fibre beyond the end, and folds into the next pulse's time.
+A pulse lights several cells at once. Their backscatter adds up with its phases, so some places are dark (fading). Strain shifts
+the phase of everything beyond it. The measurement is the change of phase between two places a gauge apart, from one frame to
+the next; it wraps if the strain changes too fast. Light from farther away is weaker, the receiver adds noise, and the laser's
+frequency noise is common to all channels. An end without absorber reflects the pulse: this scatter looks like fibre beyond the
+end, and folds into the time of the next pulse.
 """
 
 from __future__ import annotations
@@ -16,15 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.language.units import NM_PER_M
+from safeloc.sensing.array_types import Floats, Singles
 from safeloc.sensing.fibre.figures import Interrogator
 from safeloc.sensing.fibre.time_of_flight import speed_mm_s
 from safeloc.sensing.figures import MILLION
 from safeloc.simulation.fibre.cable import Cable
 
-Numbers = NDArray[np.float64]
 Complex = NDArray[np.complex64]
-Single = NDArray[np.float32]
-NM_PER_M = 1e9
 
 
 class OpticsFigures(Config):
@@ -42,7 +41,7 @@ class OpticsFigures(Config):
 
 @dataclass(frozen=True)
 class Drift:
-    """Errors unknown to the interrogator, constant during a block: of the index in ppm, of the trigger in ps."""
+    """Errors that the interrogator does not know, constant during a block: index in ppm, trigger in ps."""
 
     index_ppm: float = 0.0
     trigger_ps: float = 0.0
@@ -50,14 +49,14 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class Backscatter:
-    """One block: phase rate [frames, channels] in rad a frame, and intensity [light channels] over that of the near end."""
+    """One block: phase rate [frames, channels] in rad a frame, and intensity [light channels] relative to the near end."""
 
-    phase_rate: Single
-    intensity: Single
+    phase_rate: Singles
+    intensity: Singles
 
 
 class Receiver:
-    """Turns strain into frames, block after block."""
+    """Converts strain to frames, block by block."""
 
     def __init__(
         self, interrogator: Interrogator, cable: Cable, rng: np.random.Generator, figures: OpticsFigures | None = None
@@ -70,13 +69,13 @@ class Receiver:
 
     @property
     def rad_per_strain(self) -> float:
-        """Phase there and back for a strain of 1e-9 over one cell of plain fibre."""
+        """The phase, there and back, for a strain of 1e-9 over one cell of plain fibre."""
         figures = self._figures
         turns = 2 * self._interrogator.index_ppm / MILLION * self._cable.cell_m / (figures.wave_nm / NM_PER_M)
         return float(2 * np.pi * turns * figures.photoelastic_percent / 100 / NM_PER_M)
 
-    def receive(self, strain: Numbers, drift: Drift | None = None) -> Backscatter:
-        """Return the block's frames from strain [frames, cells] in 1e-9, as felt by the fibre's material."""
+    def receive(self, strain: Floats, drift: Drift | None = None) -> Backscatter:
+        """Return the frames of a block, from the strain of the fibre, [frames, cells] in 1e-9."""
         field, inter = self._fields(strain, drift or Drift()), self._interrogator
         near = field[:, : inter.channels]
         far = field[:, inter.gauge_channels : inter.gauge_channels + inter.channels] * np.conj(near)
@@ -87,10 +86,10 @@ class Receiver:
         intensity = (np.abs(field) ** 2).mean(axis=0)
         return Backscatter(self._disturbed(rate), intensity.astype(np.float32))
 
-    def _fields(self, strain: Numbers, drift: Drift) -> Complex:
-        """Complex scatter [frames, light channels] at the channels' times."""
+    def _fields(self, strain: Floats, drift: Drift) -> Complex:
+        """Return the complex backscatter [frames, light channels] at the channels' times."""
         sensitive = (self.rad_per_strain * self._cable.material).astype(np.float32)
-        phase: Single = np.cumsum(strain.astype(np.float32) * sensitive, axis=1, dtype=np.float32)
+        phase: Singles = np.cumsum(strain.astype(np.float32) * sensitive, axis=1, dtype=np.float32)
         seconds = (self._frames + np.arange(len(strain))) / self._interrogator.frame_hz
         phase += (seconds[:, None] * self._thermal).astype(np.float32)
         cells = np.empty(phase.shape, dtype=np.complex64)
@@ -103,7 +102,7 @@ class Receiver:
         return self._received(field, starts)
 
     def _starts(self, drift: Drift) -> NDArray[np.int64]:
-        """First lit cell of each channel: where the light of the channel's time really comes from."""
+        """Return the first lit cell of each channel, from the true origin of the light at the channel's time."""
         inter = self._interrogator
         trigger_mm = float(speed_mm_s(inter.index_ppm)) * drift.trigger_ps * 1e-12 / 2
         places = (np.arange(inter.light_channels) * float(inter.channel_mm) - trigger_mm) / (
@@ -112,7 +111,7 @@ class Receiver:
         return np.floor(places / 1_000 / self._cable.cell_m).astype(np.int64)
 
     def _lit(self, cells: Complex, starts: NDArray[np.int64]) -> Complex:
-        """Sum the cells lit by a pulse: a few cells from each start on; none outside the fibre."""
+        """Return the sum of the cells that a pulse lights: a few cells from each start on, within the fibre."""
         lit = max(1, round(self._interrogator.pulse_mm / 1_000 / self._cable.cell_m))
         field = np.zeros((len(cells), len(starts)), dtype=np.complex64)
         for number in range(lit):
@@ -122,14 +121,14 @@ class Receiver:
         return field / np.float32(math.sqrt(lit))
 
     def _folded(self, cells: Complex, starts: NDArray[np.int64]) -> Complex:
-        """Scatter on the way back from the end, one pulse later: from `2L - z` as far as from the next pulse's z."""
+        """Return scatter on the way back from the end, one pulse later: at `2L - z` it arrives with that of the next pulse at z."""
         inter = self._interrogator
         period_mm = float(speed_mm_s(inter.index_ppm)) / (2 * inter.pulse_hz)
         period = round(period_mm / 1_000 / self._cable.cell_m)
         return self._lit(cells, 2 * cells.shape[1] - 1 - period - starts)
 
     def _received(self, field: Complex, starts: NDArray[np.int64]) -> Complex:
-        """Loss on the way, and the receiver's noise, less by the pulses of a frame."""
+        """Add loss on the way, and the receiver's noise averaged over the pulses of a frame."""
         figures, shape = self._figures, field.shape
         loss_cdb = 2 * figures.loss_cdb_km * np.maximum(starts, 0) * self._cable.cell_m / 1_000
         noise = 10 ** (-figures.snr_cdb / 2_000) / math.sqrt(2 * self._interrogator.pulses_per_frame)
@@ -138,8 +137,8 @@ class Receiver:
         made.imag += noise * self._rng.standard_normal(shape, dtype=np.float32)
         return made
 
-    def _disturbed(self, rate: Single) -> Single:
-        """Wind with the coupling of each channel, the laser in all channels alike."""
+    def _disturbed(self, rate: Singles) -> Singles:
+        """Add ambient noise with the coupling of each channel, and laser noise common to all channels."""
         figures, frames = self._figures, len(rate)
         starts = self._starts(Drift())[: rate.shape[1]]
         feels = (self._cable.coupling * self._cable.material)[np.clip(starts, 0, len(self._cable.coupling) - 1)]

@@ -1,4 +1,4 @@
-"""A run: trains and cars over a cable, block by block, with faults; the truth is kept beside every block."""
+"""Simulates a run of trains and cars beside a cable, block by block, with faults and the true places of the trains."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.blocks import FibreBlock
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.simulation.faults import Fault, Kinds, plain
@@ -17,7 +17,6 @@ from safeloc.simulation.fibre.ground import Car, GroundFigures, Sources
 from safeloc.simulation.fibre.optics import Drift, OpticsFigures, Receiver
 from safeloc.simulation.fibre.trains import Train
 
-Numbers = NDArray[np.float64]
 KINDS = Kinds(
     "a fibre",
     plain(
@@ -25,13 +24,13 @@ KINDS = Kinds(
         "shaken",
     ),
 )  # fmt: skip
-"""Of the only fibre, in blocks."""
-NO_DRIFT = Drift()
+"""Faults of the only fibre (no place), in blocks."""
+_NO_DRIFT = Drift()
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """The simulated environment. `drift` gives the interrogator's drift at a second."""
+    """The simulated environment. `drift`: second -> drift of the interrogator."""
 
     config: FibreConfig
     cable: Cable
@@ -40,12 +39,12 @@ class World:
     soundings: tuple[Sounding, ...] = ()
     ground: GroundFigures = GroundFigures()
     optics: OpticsFigures = OpticsFigures()
-    drift: Callable[[float], Drift] = lambda _: NO_DRIFT
+    drift: Callable[[float], Drift] = lambda _: _NO_DRIFT
 
 
 @dataclass(frozen=True)
 class TrainTruth:
-    """One train at the end of a block: track it stands on in m, smaller place first, and speed in m/s."""
+    """A train at the end of a block: its true ends on the track in m, smaller place first, and speed in m/s."""
 
     low_m: float
     high_m: float
@@ -54,7 +53,7 @@ class TrainTruth:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """One block: what was delivered when (None: nothing), and the truth at its last frame."""
+    """One block: delivered block (None: nothing), time of delivery, and the true trains at its last frame."""
 
     second: float
     block: FibreBlock | None
@@ -65,7 +64,7 @@ class Shot:
 def shots(
     world: World, blocks: int, rng: np.random.Generator, *, faults: Sequence[Fault] = (), first_s: float = 0.0
 ) -> Iterator[Shot]:
-    """So many blocks from `first_s` on. InputError for a fault that would test nothing."""
+    """Yield `blocks` blocks from `first_s` on. InputError for a fault that would test nothing."""
     KINDS.require(faults, places=[""], length=blocks)
     inter, frames = world.config.interrogator, world.config.band.block_frames
     sources = Sources(world.trains, world.cars, world.ground, inter.frame_hz, rng)
@@ -82,8 +81,8 @@ def shots(
         before = block
 
 
-def _felt(world: World, sources: Sources, seconds: Numbers, shaken: bool, rng: np.random.Generator) -> Numbers:
-    """Strain in the fibre, [frames, cells], 1e-9."""
+def _felt(world: World, sources: Sources, seconds: Floats, shaken: bool, rng: np.random.Generator) -> Floats:
+    """Return the strain in the fibre, [frames, cells] in 1e-9."""
     cable = world.cable
     strain = np.zeros((len(seconds), len(cable.track_m)))
     for cells, piece in sources.strain(seconds, cable.track_m):

@@ -1,7 +1,7 @@
-"""Constellations of satellites with orbits and clocks, as their broadcast ephemerides tell them.
+"""Simulates constellations of satellites, as broadcast ephemerides with orbits and clocks.
 
-Walker constellations: planes at even distances around the equator, satellites at even distances in a plane. All follow
-the orbit model of GPS; names begin with the letter of the constellation, as in RINEX.
+These are Walker constellations: planes evenly spaced around the equator, satellites evenly spaced in a plane. All follow the
+orbit model of GPS; names begin with the letter of the constellation, as in RINEX.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.times import gps_seconds
 
-START_S = gps_seconds(2024, 6, 24, 8, 0, 0)
+_START_S = gps_seconds(2024, 6, 24, 8, 0, 0)
 """Reference time of orbits and clocks: a Monday, in the middle of a simulated run's window."""
-IONOSPHERE = Klobuchar((1.8626e-08, 2.2352e-08, -1.1921e-07, -5.9605e-08), (1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5))
-"""Coefficients that were broadcast on that day."""
+_IONOSPHERE = Klobuchar((1.8626e-08, 2.2352e-08, -1.1921e-07, -5.9605e-08), (1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5))
+"""The coefficients broadcast on that day."""
 
 
 @dataclass(frozen=True)
@@ -38,16 +38,16 @@ class Walker:
 GPS = Walker("G", 6, 5, 26_559_800.0, 55.0, 2)
 GALILEO = Walker("E", 3, 8, 29_600_318.0, 56.0, 1)
 BEIDOU = Walker("C", 3, 8, 27_906_100.0, 55.0, 1)
-GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
+_GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
 """Shapes of the published constellations: GPS in six planes, Galileo, BeiDou's medium orbits and GLONASS 24/3/1."""
 
 
-def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = START_S) -> Navigation:
+def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = _START_S) -> Navigation:
     """Return ephemerides around `start_s`, and the ionosphere.
 
-    How a constellation stands about the Earth is drawn; clocks, eccentricities and harmonics are of the usual size.
+    The rotation of a constellation around the Earth is random; clocks, eccentricities and harmonics have usual magnitudes.
     """
-    return Navigation(tuple(one for walker in walkers for one in _satellites(walker, rng, start_s)), IONOSPHERE)
+    return Navigation(tuple(one for walker in walkers for one in _satellites(walker, rng, start_s)), _IONOSPHERE)
 
 
 def _satellites(walker: Walker, rng: np.random.Generator, start_s: float) -> Iterator[Ephemeris]:

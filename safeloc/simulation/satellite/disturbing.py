@@ -1,8 +1,8 @@
-"""Disturbances put on recorded epochs, with the truth of which satellite was disturbed when, and by how much.
+"""Puts faults into recorded epochs, and returns the errors added to each satellite.
 
-Step, ramp and wave are errors of the pseudorange with the rate that belongs to them; `code_only` leaves the rate as it was
-(an echo bends the code, and the carrier's rate hardly). A false place drags pseudoranges and rates along the satellite's
-own slope; silence takes measurements away. Nothing else of a recording is changed.
+Step, ramp and wave are errors of the pseudorange and of the rate that belongs to it; `code_only` leaves the rate unchanged (an
+echo shifts the code, but hardly the rate of the carrier). A false place shifts pseudoranges and rates by the slope of each
+satellite; silence removes measurements. Nothing else of a recording is changed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from safeloc.sensing.satellite.epochs import Epoch, Measured
 from safeloc.simulation.faults import Fault, Figure, Kinds
 
 Slopes = Callable[[float], Mapping[str, float]]
-"""From an epoch's time: the slope of each satellite, the change of its pseudorange per metre along the track."""
+"""Time of an epoch -> slope of each satellite: the change of its pseudorange per metre along the track."""
 
 
 _ALWAYS = {"size_m": 0.0, "code_only": False}
@@ -31,11 +31,11 @@ KINDS = Kinds(
         "silence": {"period_s": 10.0, "silent_s": 3.0},
     },
 )
-"""Of one satellite or several (of all if none is named), in ms of the recording, with an end.
+"""Faults of one satellite or several (of all if none is named), in ms of the recording; an end is required.
 
-size_m       height of a step or wave; what a ramp or a false place has reached at its end
-code_only    the rate stays as it was
-period_s     of a wave, or of a cycle of silence; silent for the last `silent_s` of every cycle
+size_m       height of a step or wave; final size of a ramp or false place
+code_only    the rate stays unchanged
+period_s     period of a wave, or of silence, which lasts for the last `silent_s` of every period
 """
 
 
@@ -61,7 +61,7 @@ def _figure(fault: Fault, name: str) -> float:
 
 
 def _error(fault: Fault, time_s: float, slope: float) -> tuple[float, float]:
-    """What the fault adds: m, m/s."""
+    """Return the errors that the fault adds, m and m/s."""
     assert fault.end is not None
     begin_s, size_m = fault.begin / MS_PER_S, _figure(fault, "size_m")
     since, length = time_s - begin_s, fault.end / MS_PER_S - begin_s
@@ -79,7 +79,7 @@ def _error(fault: Fault, time_s: float, slope: float) -> tuple[float, float]:
 
 
 def _silences(fault: Fault, time_s: float) -> bool:
-    """Whether the fault takes the measurement away."""
+    """Return whether the fault removes the measurement."""
     if fault.kind != "silence":
         return False
     period = _figure(fault, "period_s")
@@ -88,7 +88,7 @@ def _silences(fault: Fault, time_s: float) -> bool:
 
 @dataclass(frozen=True)
 class Disturbed:
-    """The epochs, and of each epoch what was added to the pseudorange (m) and rate (m/s) of every satellite struck."""
+    """The epochs, and for each the errors added to pseudorange (m) and rate (m/s) of every disturbed satellite."""
 
     epochs: tuple[Epoch, ...]
     error_m: tuple[Mapping[str, float], ...]
@@ -96,8 +96,11 @@ class Disturbed:
 
 
 def disturb(epochs: Sequence[Epoch], disturbances: Sequence[Fault], slopes: Slopes | None = None) -> Disturbed:
-    """Times count from the first epoch. InputError for a false place without slopes: it needs the track; and for what no
-    recording can have."""
+    """Put the faults into the epochs; times count from the first epoch.
+
+    slopes  needed for a false place
+    InputError for a false place without slopes, and for a fault that no recording can have.
+    """
     _require(disturbances)
     if slopes is None and any(one.kind == "false place" for one in disturbances):
         raise InputError("a false place lies along the track: give the slopes of the satellites.")
@@ -126,7 +129,7 @@ def _epoch(
 
 
 def _shifted(measured: Measured, code_m: float, rate_m_per_s: float) -> Measured:
-    """None stays None."""
+    """Return the values with the errors; None stays None."""
     return Measured(
         None if measured.pseudorange_m is None else measured.pseudorange_m + code_m,
         None if measured.rate_m_per_s is None else measured.rate_m_per_s + rate_m_per_s,

@@ -1,8 +1,7 @@
-"""Distances that signals really travel, for all satellites and epochs at once.
+"""Computes the true distances that signals travel, for all satellites and epochs at once.
 
-Computed where nothing rotates: satellites and receiver in a frame at rest, the time of transmission from the distance to
-where the receiver is at reception. The front end counts Earth's rotation as a correction instead: the two are
-independent, and agree within a millimetre (tested).
+The computation uses an inertial frame; the time of transmission follows from the distance to the receiver at reception. The
+front end corrects for the rotation of the Earth instead. Both methods are independent, and agree within a millimetre (tested).
 """
 
 from __future__ import annotations
@@ -11,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.figures import (
     EARTH_GRAVITY_M3_PER_S2,
@@ -22,8 +21,7 @@ from safeloc.sensing.satellite.figures import (
     WEEK_S,
 )
 
-Floats = NDArray[np.float64]
-FIELDS = (
+_FIELDS = (
     "af0_s", "af1", "af2_per_s", "crs_m", "delta_n", "m0", "cuc", "eccentricity", "cus", "sqrt_a", "cic", "omega0",
     "cis", "i0", "crc_m", "omega", "omega_dot", "idot", "group_delay_s",
 )  # fmt: skip
@@ -32,7 +30,7 @@ _APART_S = 0.05
 
 @dataclass(frozen=True)
 class Orbits:
-    """All satellites as arrays [satellite]; times count from `start_s`, which is the reference time of all of them."""
+    """The orbits of all satellites, arrays [satellite]. `start_s` is their common reference time, from which times count."""
 
     start_s: float
     names: tuple[str, ...]
@@ -40,9 +38,9 @@ class Orbits:
 
 
 def orbits(ephemerides: Sequence[Ephemeris]) -> Orbits:
-    """ValueError unless all refer to one time, orbit and clock alike."""
+    """Return the orbits of the ephemerides. ValueError unless orbits and clocks all have one reference time."""
     (start_s,) = {time for one in ephemerides for time in (one.orbit_time_s, one.clock_time_s)}
-    figures = {name: np.array([getattr(one, name) for one in ephemerides], dtype=np.float64) for name in FIELDS}
+    figures = {name: np.array([getattr(one, name) for one in ephemerides], dtype=np.float64) for name in _FIELDS}
     figures["root_of_gravity"] = np.sqrt([_gravity(one.satellite) for one in ephemerides])
     return Orbits(start_s, tuple(one.satellite for one in ephemerides), figures)
 
@@ -53,7 +51,7 @@ def _gravity(satellite: str) -> float:
 
 @dataclass(frozen=True)
 class Seen:
-    """Arrays [epoch, satellite]: way in m and its rate without the receiver's clock and without the air.
+    """Arrays [epoch, satellite]: distance travelled (m) and its rate, without receiver clock and atmosphere.
 
     direction  [epoch, satellite, 3] unit vectors from the receiver, Earth-fixed at reception
     """
@@ -64,7 +62,7 @@ class Seen:
 
 
 def seen(sky: Orbits, times_s: Floats, points_m: Floats, velocities_m_per_s: Floats) -> Seen:
-    """From true times (s from the orbits' start) [epoch], Earth-fixed points and velocities [epoch, 3]."""
+    """Return distances from true times [epoch] (s from the orbits' start), Earth-fixed points and velocities [epoch, 3]."""
     before, _ = _ways(sky, times_s - _APART_S, points_m - _APART_S * velocities_m_per_s)
     after, _ = _ways(sky, times_s + _APART_S, points_m + _APART_S * velocities_m_per_s)
     way, direction = _ways(sky, times_s, points_m)
@@ -85,7 +83,7 @@ def _ways(sky: Orbits, times_s: Floats, points_m: Floats) -> tuple[Floats, Float
 
 
 def _at_rest(sky: Orbits, since: Floats) -> tuple[Floats, Floats]:
-    """Positions in the frame that the Earth-fixed one is at the orbits' start, and clocks (IS-GPS-200, table 20-IV)."""
+    """Return clocks, and positions in the inertial frame that is Earth-fixed at the orbits' start (IS-GPS-200, table 20-IV)."""
     f = sky.figures
     eccentricity, axis = f["eccentricity"], f["sqrt_a"] ** 2
     mean = f["m0"] + (f["root_of_gravity"] / f["sqrt_a"] ** 3 + f["delta_n"]) * since
@@ -113,7 +111,7 @@ def _at_rest(sky: Orbits, since: Floats) -> tuple[Floats, Floats]:
 
 
 def _turned(vectors: Floats, angles: Floats) -> Floats:
-    """Turned about the Earth's axis, eastward for positive angles."""
+    """Return the vectors rotated about the Earth's axis, eastward for positive angles."""
     cos, sin = np.cos(angles), np.sin(angles)
     x, y, z = np.moveaxis(vectors, -1, 0)
     return np.stack((x * cos - y * sin, x * sin + y * cos, z), axis=-1)

@@ -1,4 +1,4 @@
-"""The receiver and the air: clock, noise, and what the broadcast models leave over. Healthy errors keep a stated bound."""
+"""Simulates receiver and atmosphere: clock, noise, and the residual errors of the broadcast models, within a stated bound."""
 
 from __future__ import annotations
 
@@ -6,22 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
+from safeloc.sensing.array_types import Floats
 from safeloc.sensing.satellite.atmosphere import troposphere_m
 from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
 
-Floats = NDArray[np.float64]
-
 
 class ReceiverConfig(Config):
     """Figures of a receiver with a single frequency.
 
-    Noise grows towards the horizon with 1 / sin of the elevation, down to 17 degrees. All healthy errors together are cut
-    at their bound: up to there a signal is healthy, and what the machine assumes of a healthy one begins there.
+    Noise grows towards the horizon with 1 / sin of the elevation, down to 17 degrees. The sum of all healthy errors is clipped at
+    its bound, which is the bound that the machine assumes of a healthy signal.
     """
 
     code_noise_mm: int = quantity(400, "mm at the zenith", 0, 100_000, "[D] geodetic receiver: 1.6 m over all errors")
@@ -40,14 +38,14 @@ class ReceiverConfig(Config):
 
 @dataclass(frozen=True)
 class Clock:
-    """Offset (s) and drift (s/s) of the receiver's clock at every epoch."""
+    """The offset (s) and drift (s/s) of the receiver's clock at every epoch."""
 
     offset_s: Floats
     drift: Floats
 
 
 def clock(config: ReceiverConfig, times_s: Floats, rng: np.random.Generator) -> Clock:
-    """Return a random walk of the drift; the offset is its exact sum."""
+    """Return a clock whose drift is a random walk; the offset is the exact sum of the drift."""
     gaps = np.diff(times_s, prepend=times_s[0])
     walk = np.cumsum(rng.normal(0, 1, len(times_s)) * config.clock_walk_ppb * 1e-9 * np.sqrt(gaps))
     drift = config.clock_drift_ppb * 1e-9 + walk
@@ -62,7 +60,7 @@ def system_times_m(config: ReceiverConfig, names: Sequence[str], rng: np.random.
 
 
 def air_m(navigation: Navigation, place: Place, elevation: Floats, azimuth: Floats, time_s: float) -> Floats:
-    """Return the delay by the models for each satellite of one epoch, those below the horizon 0."""
+    """Return the delay by the models for each satellite of one epoch, 0 below the horizon."""
     ions = navigation.ionosphere
     return np.array(
         [
@@ -83,7 +81,7 @@ class Healthy:
 
 
 def healthy(config: ReceiverConfig, times_s: Floats, elevation: Floats, rng: np.random.Generator) -> Healthy:
-    """Return noise, slow echoes, and what orbits and air leave over."""
+    """Return noise, slow echoes, and the residual errors of orbits and atmosphere."""
     low = 1 / np.maximum(np.sin(elevation), 0.3)
     satellites = elevation.shape[1]
     slow = _slow(times_s, satellites, 60.0, rng) * config.slow_code_mm * low
@@ -97,7 +95,7 @@ def healthy(config: ReceiverConfig, times_s: Floats, elevation: Floats, rng: np.
 
 
 def _slow(times_s: Floats, satellites: int, over_s: float, rng: np.random.Generator) -> Floats:
-    """Errors that are alike within `over_s`, standard deviation 1, cut at 3."""
+    """Return errors correlated over `over_s`, with standard deviation 1, clipped at 3."""
     made = [rng.normal(0, 1, (satellites,))]
     for gap in np.diff(times_s):
         kept = np.exp(-gap / over_s)
@@ -114,10 +112,10 @@ def _within(values: Floats, bound: float) -> Floats:
 
 
 def code_of(way_m: Floats, one: Clock) -> Floats:
-    """Return pseudoranges from ways: the receiver's clock is late by its offset."""
+    """Return pseudoranges from distances, by the offset of the receiver's clock."""
     return np.asarray(way_m + LIGHT_M_PER_S * one.offset_s[:, None])
 
 
 def rate_of(rate_m_per_s: Floats, one: Clock) -> Floats:
-    """Measured rates from true ones."""
+    """Return measured range rates from true ones, by the drift of the receiver's clock."""
     return np.asarray(rate_m_per_s + LIGHT_M_PER_S * one.drift[:, None])

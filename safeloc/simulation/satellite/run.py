@@ -1,4 +1,4 @@
-"""A simulated run: epochs as a receiver gives them, with the truth of train and signals beside every one."""
+"""Simulates the epochs of a receiver on a train, with the true motion and the true errors of the signals."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.language.units import MS_PER_S, NM_PER_M
+from safeloc.sensing.array_types import Flags, Floats
 from safeloc.sensing.satellite.epochs import Epoch, Measured
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
 from safeloc.sensing.satellite.track_prediction import Portion
+from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.satellite.ranges import Seen, orbits, seen
 from safeloc.simulation.satellite.receiver import (
@@ -28,65 +30,42 @@ from safeloc.simulation.satellite.receiver import (
 )
 from safeloc.simulation.satellite.scenery import Rays, Received, Scene, received
 
-Floats = NDArray[np.float64]
-NM_PER_M = 1e9
-LOWEST_RAD = math.radians(5)
-"""A receiver tracks nothing lower."""
+_LOWEST_RAD = math.radians(5)
+"""A receiver tracks no satellite below this elevation."""
 
 
-@dataclass(frozen=True)
-class Spoofer:
-    """False signals that tell of a place that runs away from the true one, from `from_s` on.
+KINDS = Kinds(
+    "a sky",
+    {
+        "false place": {"drift_m_per_s": 1.0, "gathering_m_per_s2": 0.05},
+        "silence": {"period_s": 10.0, "silent_s": 3.0},
+    },
+)
+"""Faults of one satellite or several (of all if none is named), in ms from the run's beginning.
 
-    drift_m_per_s     how fast it runs away in the end, along the track; gathering_m_per_s2: how fast it gathers speed
-    satellites        whose signals are false; empty: all of them
-    """
-
-    from_s: float
-    drift_m_per_s: float
-    gathering_m_per_s2: float = 0.05
-    satellites: frozenset[str] = frozenset()
-
-    def away(self, times_s: Floats) -> tuple[Floats, Floats]:
-        """Return the distance (m) and speed (m/s) of the false place from the true one."""
-        if not self.gathering_m_per_s2 > 0:
-            raise InputError("a false place gathers speed from 0: gathering_m_per_s2 must be above 0.")
-        since = np.maximum(times_s - self.from_s, 0)
-        gathers = abs(self.drift_m_per_s) / self.gathering_m_per_s2
-        way = self.gathering_m_per_s2 / 2 * np.minimum(since, gathers) ** 2
-        way = way + abs(self.drift_m_per_s) * np.maximum(since - gathers, 0)
-        sign = math.copysign(1, self.drift_m_per_s)
-        return sign * way, sign * self.gathering_m_per_s2 * np.minimum(since, gathers)
-
-
-@dataclass(frozen=True)
-class Outages:
-    """In every cycle of `every_s` nothing comes of these satellites (empty: all) for `for_s`, from the cycle's end back."""
-
-    every_s: float
-    for_s: float
-    satellites: frozenset[str] = frozenset()
+false place  spoofed signals fit a place that leaves the true one along the track, up to the speed `drift_m_per_s`
+silence      of every cycle of `period_s`, counted from `begin`, nothing is received in the last `silent_s`
+"""
 
 
 @dataclass(frozen=True)
 class World:
-    """A sky, a track with what stands beside it, a receiver, and what attacks it."""
+    """A sky, a track with the scenes beside it, a receiver, and the faults of the signals."""
 
     navigation: Navigation
     track: Portion
     scenes: tuple[Scene, ...] = ()
     receiver: ReceiverConfig = field(default_factory=ReceiverConfig)
-    spoofers: tuple[Spoofer, ...] = ()
-    outages: tuple[Outages, ...] = ()
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True)
 class Truth:
     """One epoch: true GPS time (s), place (m) and speed (m/s) along the track.
 
-    error_m, error_m_per_s  of every measured satellite what detours, echoes and spoofers add
-    healthy_m, healthy_m_per_s  of every measured satellite the errors that a healthy signal has
-    reflected               those that come by a detour only
+    error_m, error_m_per_s  errors of every measured satellite from detours, echoes and false places
+    healthy_m, healthy_m_per_s  errors of every measured satellite that healthy signals have too
+    reflected               satellites received by a detour only
     """
 
     time_s: float
@@ -101,7 +80,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class SimulatedRun:
-    """Measurements of the receiver and the true values, epoch by epoch."""
+    """The receiver's measurements and the true values, epoch by epoch."""
 
     epochs: tuple[Epoch, ...]
     truth: tuple[Truth, ...]
@@ -109,7 +88,9 @@ class SimulatedRun:
 
 
 def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
-    """Simulate the motion's epochs from the orbits' start on. InputError where the motion leaves the track or the orbits end."""
+    """Simulate the motion's epochs from the orbits' start on. InputError beyond the ends of track or orbits, and for a
+    fault that would test nothing."""
+    KINDS.require(world.faults, length=len(motion.position_nm) * motion.period_ms)
     rng = np.random.default_rng(seed)
     sky = orbits(world.navigation.ephemerides)
     times = np.arange(1, len(motion.position_nm) + 1) * motion.period_ms / 1_000
@@ -125,11 +106,11 @@ def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
     error, error_rate = got.error_m + false_m, got.error_m_per_s + false_rate
     codes = code_of(true.way_m + systems_m + sights.air_m + usual.code_m + error, one)
     rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
-    heard = got.heard & (sights.elevation > LOWEST_RAD) & ~_silent(world.outages, times, sky.names)
-    told = _Told(sky.names, heard, codes, rates, error, error_rate, usual, got)
-    epochs = tuple(told.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
+    heard = got.heard & (sights.elevation > _LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
+    records = _Records(sky.names, heard, codes, rates, error, error_rate, usual, got)
+    epochs = tuple(records.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
     truth = tuple(
-        told.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
+        records.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
     )
     return SimulatedRun(epochs, truth, world.navigation)
 
@@ -145,7 +126,7 @@ class _Antenna:
         self.places = [Place.of_earth_fixed((float(x), float(y), float(z))) for x, y, z in self.points]
 
     def heading(self) -> Floats:
-        """Azimuth of the track, as a column."""
+        """Return the azimuth of the track, as a column."""
         pairs = zip(self.places, self.along, strict=True)
         return np.array(
             [[place.elevation_azimuth_rad((float(x), float(y), float(z)))[1]] for place, (x, y, z) in pairs]
@@ -173,34 +154,60 @@ def _sights(world: World, start_s: float, antenna: _Antenna, true: Seen, times: 
 
 
 def _spoofed(world: World, antenna: _Antenna, true: Seen, times: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
-    """Return the errors from false places, to first order: distance along the track times the slope of the line of
-    sight."""
+    """Return the errors from false places, to first order: distance along the track times slope of the line of sight."""
     error, rate = np.zeros(true.way_m.shape), np.zeros(true.way_m.shape)
     slope = -np.einsum("esk,ek->es", true.direction, antenna.along)
-    for one in world.spoofers:
-        struck = np.array([not one.satellites or name in one.satellites for name in names])
-        away, speed = one.away(times)
-        error += np.where(struck, slope * away[:, None], 0.0)
-        rate += np.where(struck, slope * speed[:, None], 0.0)
+    for fault in world.faults:
+        if fault.kind == "false place":
+            struck = _struck(fault, times, names)
+            away, speed = _away(fault, times)
+            error += np.where(struck, slope * away[:, None], 0.0)
+            rate += np.where(struck, slope * speed[:, None], 0.0)
     return error, rate
 
 
-def _silent(outages: Sequence[Outages], times: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
+def _away(fault: Fault, times: Floats) -> tuple[Floats, Floats]:
+    """Return the distance (m) and speed (m/s) of a false place from the true one."""
+    drift, gathering = _figure(fault, "drift_m_per_s"), _figure(fault, "gathering_m_per_s2")
+    if not gathering > 0:
+        raise InputError("a false place gathers speed from 0: gathering_m_per_s2 must be above 0.")
+    since = np.maximum(times - fault.begin / MS_PER_S, 0)
+    gathers = abs(drift) / gathering
+    way = gathering / 2 * np.minimum(since, gathers) ** 2
+    way = way + abs(drift) * np.maximum(since - gathers, 0)
+    sign = math.copysign(1, drift)
+    return sign * way, sign * gathering * np.minimum(since, gathers)
+
+
+def _figure(fault: Fault, name: str) -> float:
+    return float(KINDS.figure(fault, name))
+
+
+def _struck(fault: Fault, times: Floats, names: Sequence[str]) -> Flags:
+    """Return where the fault acts, [epoch, satellite]."""
+    end_s = math.inf if fault.end is None else fault.end / MS_PER_S
+    active = (fault.begin / MS_PER_S <= times) & (times < end_s)
+    return np.asarray(active[:, None] & np.array([fault.strikes(name) for name in names]), np.bool_)
+
+
+def _silent(faults: Sequence[Fault], times: Floats, names: Sequence[str]) -> Flags:
     silent = np.zeros((len(times), len(names)), np.bool_)
-    for one in outages:
-        if not 0 < one.for_s < one.every_s:
-            raise InputError(f"an outage of {one.for_s} s in every {one.every_s} s leaves no cycle; make it shorter.")
-        struck = np.array([not one.satellites or name in one.satellites for name in names])
-        silent |= (times % one.every_s >= one.every_s - one.for_s)[:, None] & struck
+    for fault in faults:
+        if fault.kind == "silence":
+            period, length = _figure(fault, "period_s"), _figure(fault, "silent_s")
+            if not 0 < length < period:
+                raise InputError(f"{fault}: silent_s has to be a part of period_s.")
+            late = (times - fault.begin / MS_PER_S) % period >= period - length
+            silent |= late[:, None] & _struck(fault, times, names)
     return silent
 
 
 @dataclass(frozen=True)
-class _Told:
-    """Arrays [epoch, satellite] as records."""
+class _Records:
+    """Converts arrays [epoch, satellite] to records of each epoch."""
 
     names: Sequence[str]
-    heard: NDArray[np.bool_]
+    heard: Flags
     codes: Floats
     rates: Floats
     error: Floats
@@ -210,12 +217,12 @@ class _Told:
 
     def epoch(self, n: int, time_s: float) -> Epoch:
         """Return the receiver's measurements."""
-        heard = self._heard(n)
+        heard = self._received(n)
         return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in heard})
 
     def truth(self, n: int, time_s: float, place_m: float, speed_m_per_s: float) -> Truth:
-        """Return the true values for the same satellites."""
-        heard = self._heard(n)
+        """Return the true values of the same satellites."""
+        heard = self._received(n)
         return Truth(
             time_s,
             place_m,
@@ -227,5 +234,5 @@ class _Told:
             frozenset(name for j, name in heard if self.got.reflected[n, j]),
         )
 
-    def _heard(self, n: int) -> list[tuple[int, str]]:
+    def _received(self, n: int) -> list[tuple[int, str]]:
         return [(j, name) for j, name in enumerate(self.names) if self.heard[n, j]]

@@ -1,9 +1,9 @@
-"""Objects beside the track, and their effect on a satellite's signal.
+"""Simulates objects beside the track, and their effect on satellite signals.
 
-Walls stand parallel to the track. A direct signal is gone where it crosses a wall below its top. A signal that is gone may
-still come by the wall across the track: a detour of twice the wall's distance, times the sine under which it is met. A
-house that faces the train gives a detour that shrinks while the train runs towards it: there the rate is wrong too. Beside
-a direct signal an echo bends the code by a share of its detour, with the phase of the carrier.
+Walls stand parallel to the track. A wall blocks a direct signal that would cross it below its top. A blocked signal may still
+arrive by the wall across the track: a detour of twice the wall's distance, times the sine of the angle of incidence. A house
+that faces the train gives a detour that shrinks while the train approaches it, so the rate is wrong too. An echo beside a
+direct signal shifts the code by a share of its detour that depends on the phase of the carrier.
 """
 
 from __future__ import annotations
@@ -15,27 +15,25 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.sensing.array_types import Flags, Floats
 from safeloc.sensing.satellite.figures import L1_WAVELENGTH_M
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 SceneKind = Literal["open sky", "urban canyon", "cutting", "tunnel", "station roof"]
-BLOCK_M = 30.0
-"""Houses are this long: each has a height of its own."""
+_BLOCK_M = 30.0
+"""The length of a house; each has its own height."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A stretch of the line, in m along it.
+    """The surroundings of a stretch of line, in m along it.
 
     wall_m       distance from the track's axis to the wall on each side
-    height_m     its height over the antenna; houses of a canyon differ by `uneven` of it
-    gap_percent  houses that are missing
-    reflecting   share of the amplitude that a wall gives back; earth gives nothing back
-    facing_percent  houses with a front that faces the train
+    height_m     height of the wall above the antenna; the share `uneven` of it varies between houses of a canyon
+    gap_percent  share of missing houses
+    reflecting   share of the amplitude that a wall reflects; earth reflects nothing
+    facing_percent  share of houses with a front that faces the train
     """
 
     kind: SceneKind
@@ -56,28 +54,29 @@ class Scene:
 
 
 def canyon(from_m: float, to_m: float) -> Scene:
-    """Return a street of five storeys, tracks in the middle. [M] figures of an inner city."""
+    """Return a street with five-storey houses and the tracks in the middle. [M] figures of an inner city."""
     return Scene("urban canyon", from_m, to_m, 11.0, 15.0, 0.4, 12, 0.5, 25)
 
 
 def cutting(from_m: float, to_m: float) -> Scene:
-    """Earth at both sides, 8 m high. [M]"""
+    """Return a cutting with earth on both sides, 8 m high. [M]"""
     return Scene("cutting", from_m, to_m, 7.0, 8.0)
 
 
 def tunnel(from_m: float, to_m: float) -> Scene:
-    """No sky."""
+    """Return a tunnel, without view of the sky."""
     return Scene("tunnel", from_m, to_m)
 
 
 def station_roof(from_m: float, to_m: float) -> Scene:
-    """Return a hall of steel: signals come in below the roof's edge only, 9 m aside and 6 m up. [M]"""
+    """Return a steel station hall: signals enter only below the edge of the roof, 9 m aside and 6 m up. [M]"""
     return Scene("station roof", from_m, to_m, 9.0, 6.0, 0.0, 0, 0.6, 0)
 
 
 @dataclass(frozen=True)
 class Rays:
-    """Arrays [epoch, satellite]: elevation, azimuth right of the track's direction (rad); [epoch]: place (m), speed (m/s)."""
+    """The directions of satellites: elevation, and azimuth to the right of the track (rad), arrays [epoch, satellite]; place (m)
+    and speed (m/s) of the antenna, arrays [epoch]."""
 
     elevation: Floats
     beside: Floats
@@ -87,11 +86,11 @@ class Rays:
 
 @dataclass(frozen=True)
 class Received:
-    """Arrays [epoch, satellite].
+    """The signals at the antenna, arrays [epoch, satellite].
 
-    heard       a signal comes, direct or not
-    reflected   it comes by a detour only
-    error_m, error_m_per_s  what detour or echo add to pseudorange and rate
+    heard       a signal arrives, direct or not
+    reflected   it arrives by a detour only
+    error_m, error_m_per_s  errors of pseudorange and rate from detour or echo
     """
 
     heard: Flags
@@ -105,23 +104,23 @@ def received(scenes: Sequence[Scene], rays: Rays, rng: np.random.Generator) -> R
     ordered = sorted(scenes, key=lambda scene: scene.from_m)
     for before, after in pairwise(ordered):
         if before.to_m > after.from_m:
-            raise InputError(f"{after.kind} at {after.from_m} m begins within the {before.kind}; part them.")
+            raise InputError(f"{after.kind} at {after.from_m} m begins within the {before.kind}; separate them.")
     shape = rays.elevation.shape
-    whole = Received(rays.elevation > 0, np.zeros(shape, np.bool_), np.zeros(shape), np.zeros(shape))
+    result = Received(rays.elevation > 0, np.zeros(shape, np.bool_), np.zeros(shape), np.zeros(shape))
     for scene in ordered:
         inside = (rays.place_m >= scene.from_m) & (rays.place_m < scene.to_m)
         if inside.any():
-            _put(whole, inside, _in_scene(scene, _part(rays, inside), rng))
-    return whole
+            _put(result, inside, _in_scene(scene, _part(rays, inside), rng))
+    return result
 
 
 def _part(rays: Rays, inside: Flags) -> Rays:
     return Rays(rays.elevation[inside], rays.beside[inside], rays.place_m[inside], rays.speed_m_per_s[inside])
 
 
-def _put(whole: Received, inside: Flags, part: Received) -> None:
+def _put(result: Received, inside: Flags, part: Received) -> None:
     for name in ("heard", "reflected", "error_m", "error_m_per_s"):
-        getattr(whole, name)[inside] = getattr(part, name)
+        getattr(result, name)[inside] = getattr(part, name)
 
 
 def _in_scene(scene: Scene, rays: Rays, rng: np.random.Generator) -> Received:
@@ -141,7 +140,7 @@ def _in_scene(scene: Scene, rays: Rays, rng: np.random.Generator) -> Received:
 
 
 def _by_the_other_wall(scene: Scene, crossing: Floats, near: Floats, far: Floats) -> Flags:
-    """It passes over the near wall on its way to the far one; in a hall every way ends on steel."""
+    """Return whether the signal passes over the near wall to the far one; in a hall it always meets steel."""
     if scene.kind == "station roof":
         return np.ones(crossing.shape, np.bool_)
     return np.asarray((3 * crossing > near) & (crossing < far))
@@ -165,21 +164,21 @@ class _Walls:
 
     def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
         self.scene = scene
-        self.blocks = math.ceil((scene.to_m - scene.from_m) / BLOCK_M)
+        self.blocks = math.ceil((scene.to_m - scene.from_m) / _BLOCK_M)
         heights = scene.height_m * (1 + scene.uneven * rng.uniform(-1, 1, (2, self.blocks)))
         self.heights = np.where(rng.integers(0, 100, (2, self.blocks)) < scene.gap_percent, 0.0, heights)
         self.facing = rng.integers(0, 100, self.blocks) < scene.facing_percent
 
     def height(self, rays: Rays, towards: int) -> Floats:
-        """Height of the wall on the satellite's side where its ray crosses (1), or of the one across the track (-1)."""
+        """Return the height of the wall on the satellite's side where its ray crosses (1), or of the wall across the track (-1)."""
         right = np.sin(rays.beside) * towards > 0
         run = self.scene.wall_m * np.cos(rays.beside) / np.maximum(np.abs(np.sin(rays.beside)), 0.05)
         within = rays.place_m[:, None] + run - self.scene.from_m
-        block = np.clip((within // BLOCK_M).astype(np.int64), 0, self.blocks - 1)
+        block = np.clip((within // _BLOCK_M).astype(np.int64), 0, self.blocks - 1)
         return np.asarray(self.heights[np.where(right, 1, 0), block])
 
     def front(self, rays: Rays) -> tuple[Floats, Flags]:
-        """Distance to the end of the block that the train is beside, where a house may face it."""
+        """Return the distance to the end of the block beside the train, and whether a house there faces the train."""
         within = rays.place_m - self.scene.from_m
-        block = np.clip((within // BLOCK_M).astype(np.int64), 0, self.blocks - 1)
-        return (block + 1) * BLOCK_M - within + BLOCK_M, self.facing[block]
+        block = np.clip((within // _BLOCK_M).astype(np.int64), 0, self.blocks - 1)
+        return (block + 1) * _BLOCK_M - within + _BLOCK_M, self.facing[block]

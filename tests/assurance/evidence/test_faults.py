@@ -124,7 +124,7 @@ def test_what_was_found_is_kept(tmp_path: Path) -> None:
     heard = Heard()
     again = _alone(Breaking(Limits(seconds=10), 1, heard, store, None), target())
     assert first == again
-    assert [("what the proofs of receivers rest on", len(cores())), ("breaking clauses of receivers", 5)] == heard.begun
+    assert [("proof cores of receivers", len(cores())), ("breaking clauses of receivers", 5)] == heard.begun
     assert planned(target()) == len(heard.results)
     assert [f"{one.end:11} {one.broken[0]}" for one in first] == heard.results[-len(first) :]
 

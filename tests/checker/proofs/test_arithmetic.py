@@ -17,7 +17,7 @@ NORM, REL = "ARITH_POLY_NORM", "ARITH_POLY_NORM_REL"
 
 
 def conclusion(rule: str, premises: list[Term], *args: Term, claim: Term = TRUE) -> Term:
-    """What the rule gives."""
+    """Return the conclusion of the rule."""
     return RULES[rule](Inference(tuple(premises), args, claim))
 
 
@@ -111,7 +111,7 @@ def test_bounds_of_whole_numbers_are_tightened() -> None:
 
 
 def test_one_of_three_comparisons_holds() -> None:
-    """What is neither below nor above is equal; the rest does not follow."""
+    """A number neither below nor above another is equal to it; other conclusions are refused."""
     assert follows("ARITH_TRICHOTOMY", ["(>= x y)", "(<= x y)"], [], "(= x y)")
     assert follows("ARITH_TRICHOTOMY", ["(>= x y)", "(not (= x y))"], [], "(> x y)")
     for premises in (["(>= x y)", "(<= y z)"], ["(>= x y)"], ["(>= x y)", "(>= y x)", "(< x z)"]):

@@ -84,7 +84,7 @@ def test_premises_are_used_and_needed() -> None:
 
 
 def test_too_many_cases_are_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What takes too long is not said to be valid."""
+    """A claim that takes too long to check is not called valid."""
     wide = formula("(or (and a b c) (and a b (not c)) (and a (not b)) (not a))")
     assert valid(wide)
     monkeypatch.setattr(cases, "MOST_TERMS", 10)

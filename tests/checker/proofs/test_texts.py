@@ -73,6 +73,6 @@ def test_each_check_is_a_goal() -> None:
     ],
 )
 def test_what_is_no_certificate_is_refused(text: str) -> None:
-    """Whatever the writer of certificates does not write is an error, not skipped."""
+    """Text that the writer of certificates does not produce is an error, and is not skipped."""
     with pytest.raises(InputError, match="certificate"):
         read_goals(f"{text}(check-sat)")

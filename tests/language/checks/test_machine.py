@@ -80,11 +80,17 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
         {"transitions": [Transition("late", A, B, P, rank=1), Transition("early", A, A, rank=0)]},
         "has rank 0 but follows 'late' of rank 1",
     ),
-    "reserved transition": ({"transitions": [Transition("(stay)", A, B, P)]}, "transition name '(stay)' is reserved."),
+    "reserved transition": (
+        {"transitions": [Transition("(stay)", A, B, P)]},
+        "transition name '(stay)' is reserved; choose another.",
+    ),
     "name of an observer": ({"inputs": [X, P, boolean("observer.x")]}, "this name is reserved; choose another."),
     "value before the step": ({"inputs": [X, P, before(N)]}, "is a value before the step; only properties may use it."),
-    "name for no proof text": ({"inputs": [X, P, boolean("a|b")]}, "a name is not empty, printable, and without @"),
-    "empty name": ({"inputs": [X, P, boolean("")]}, "a name is not empty, printable, and without @"),
+    "name for no proof text": (
+        {"inputs": [X, P, boolean("a|b")]},
+        "a name has printable characters, at least one, without @",
+    ),
+    "empty name": ({"inputs": [X, P, boolean("")]}, "a name has printable characters, at least one, without @"),
     "truth value from a number": (
         {"state": {N: 0, Q: False}, "transitions": [Transition("go", A, B, P, {Q: 1})]},
         "1 is not a truth value.",
@@ -103,15 +109,21 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     ),
     "truth value for a number": ({"state": {N: True}}, "True is not a number."),
     "fraction for a number": ({"state": {N: 0.5}}, "0.5 is not a number."),
-    "initial value from a term": ({"state": {N: N + 1}}, "(+ n 1) is a term; give a value, or ANY and `initially`."),
-    "initial truth from a term": ({"state": {N: 0, Q: TRUE}}, "true is a term; give a value, or ANY and `initially`."),
-    "guard from a value": ({"transitions": [Transition("go", A, B, True)]}, "True is no truth-valued term; a constant"),  # type: ignore[arg-type]
-    "guard from a number": ({"transitions": [Transition("go", A, B, X)]}, "x is no truth-valued term; a constant"),  # type: ignore[arg-type]
-    "clause from a value": ({"clauses": {"law": True}}, "clause 'law': True is no truth-valued term; a constant"),
-    "clause from a number": ({"clauses": {"c": N}}, "clause 'c': n is no truth-valued term; a constant"),
-    "lemma from a number": ({"lemmas": {"l": N}}, "lemma 'l': n is no truth-valued term; a constant"),
-    "output from a value": ({"outputs": {"o": 3}}, "output 'o': 3 is no term; make it of state variables."),
-    "ghost move from a value": ({"moves": {GHOST: 3}}, "move of ghost 'g': 3 is no term; a ghost that rests"),
+    "initial value from a term": (
+        {"state": {N: N + 1}},
+        "(+ n 1) is a term; give a value, or ANY with a condition in `initially`.",
+    ),
+    "initial truth from a term": (
+        {"state": {N: 0, Q: TRUE}},
+        "true is a term; give a value, or ANY with a condition in `initially`.",
+    ),
+    "guard from a value": ({"transitions": [Transition("go", A, B, True)]}, "True is no truth-valued term; write TRUE"),  # type: ignore[arg-type]
+    "guard from a number": ({"transitions": [Transition("go", A, B, X)]}, "x is no truth-valued term; write TRUE"),  # type: ignore[arg-type]
+    "clause from a value": ({"clauses": {"law": True}}, "clause 'law': True is no truth-valued term; write TRUE"),
+    "clause from a number": ({"clauses": {"c": N}}, "clause 'c': n is no truth-valued term; write TRUE"),
+    "lemma from a number": ({"lemmas": {"l": N}}, "lemma 'l': n is no truth-valued term; write TRUE"),
+    "output from a value": ({"outputs": {"o": 3}}, "output 'o': 3 is no term; build a term over state variables."),
+    "ghost move from a value": ({"moves": {GHOST: 3}}, "move of ghost 'g': 3 is no term; a ghost that keeps its value"),
     "choice in an output": ({"outputs": {"o": PUSH}}, "output 'o' reads 'push'; it may read only state"),
     "ghost in an update": (
         {"transitions": [Transition("go", A, B, P, {N: GHOST})]},
@@ -136,12 +148,15 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     "input that is no variable": ({"inputs": ["x"]}, "input 'x' is no variable; declare it with number"),
     "state that is no variable": ({"state": {"x": 0}}, "state 'x' is no variable; declare it with number"),
     "mode that is no mode": ({"modes": ("A",), "transitions": []}, "mode 'A': make modes with modes(...)."),
-    "source that is no mode": ({"transitions": [Transition("go", (A, "B"), B, P)]}, "'B' is no mode."),  # type: ignore[arg-type]
+    "source that is no mode": (
+        {"transitions": [Transition("go", (A, "B"), B, P)]},
+        "'B' is no mode; make modes with modes(...).",
+    ),  # type: ignore[arg-type]
     "row that is no transition": ({"transitions": ["go"]}, "transition 'go': make it with Transition(...)."),
     "divisor by hand": ({"outputs": {"o": FloorDiv(N, 0, MM)}}, "FloorDiv: divisor 0; build terms with the functions"),
     "range by hand": ({"inputs": [X, P, NumVar("e", MM, 3, 2)]}, "NumVar: range 3..2 of 'e'; it must be non-empty"),
-    "name of many lines": ({"name": "m\nn"}, "its name is 'm\\nn'; 1 to 120 printable characters"),
-    "long transition name": ({"transitions": [Transition("g" * 121, A, B, P)]}, "a name is 1 to 120 printable"),
+    "name of many lines": ({"name": "m\nn"}, "its name is 'm\\nn'; use 1 to 120 printable characters"),
+    "long transition name": ({"transitions": [Transition("g" * 121, A, B, P)]}, "a name has 1 to 120 printable"),
     "lemma reads input": ({"lemmas": {"l": X > 3}}, "lemma 'l' reads 'x'"),
 }
 
@@ -195,7 +210,7 @@ def test_what_rows_share_is_told_of_each() -> None:
 
 
 def test_what_an_environment_may_read_an_output_may_not() -> None:
-    """That a term is in order in one place says nothing of places where less may be read."""
+    """A term that is allowed in one place is still refused in places where fewer variables may be read."""
     shared = GHOST + N
     with pytest.raises(ModelError, match=r"output 'o' reads 'g'; it may read only state") as raised:
         declare(outputs={"o": shared}, moves={GHOST: shared}, lemmas={"l": shared > 3})

@@ -1,4 +1,4 @@
-"""What each rule keeps out: with the rule it is refused, without it a wrong verdict or a crash comes back.
+"""The harm that each rule prevents: with the rule the declaration is refused, without it a wrong verdict or a crash results.
 
 Some harm is kept out twice: where a machine is declared, with its place, and of every system that is handed to a prover,
 whoever made it. `also` names those further rules; without them as well the harm is there.
@@ -54,7 +54,7 @@ def plain(**changes: object) -> Machine:
 
 
 def proves(what: TransitionSystem, term: Bool) -> bool:
-    """Whether the term is called proved."""
+    """Return whether the prover calls the term proved."""
     return isinstance(prove_one(observe(what, always("claim", term)), LIMITS), Proved)
 
 
@@ -352,7 +352,7 @@ class Offence:
     also: tuple[str, ...] = ()
 
 
-WHOLE_TERMS, WHOLE_READS = "terms of the whole are well formed", "reads of the whole are known"
+WHOLE_TERMS, WHOLE_READS = "terms of the system are well formed", "reads of the system are known"
 OFFENCES: dict[str, Offence] = {
     "variables are variables": Offence(string_for_an_input, ("terms are well formed",)),
     "terms are terms": Offence(lemma_of_another_kind),
@@ -367,23 +367,23 @@ OFFENCES: dict[str, Offence] = {
     "ghosts move": Offence(ghost_that_rests_undeclared, ("every state variable moves",)),
     "the world is apart": Offence(truth_that_follows_the_machine),
     "machines have distinct names": Offence(
-        machine_twice, ("joined names are distinct", "names of the whole are distinct")
+        machine_twice, ("joined names are distinct", "names of the system are distinct")
     ),
     "wires are well formed": Offence(wire_by_hand, (WHOLE_TERMS,)),
     "shared variables have one role": Offence(
-        state_and_input_at_once, ("every variable has one role", "nothing on board is told ghosts")
+        state_and_input_at_once, ("every variable has one role", "no ghost is read on board")
     ),
     "wires fit": Offence(wire_of_another_kind),
-    "wires tell no ghosts": Offence(wire_from_a_ghost, ("nothing on board is told ghosts",)),
+    "wires read no ghosts": Offence(wire_from_a_ghost, ("no ghost is read on board",)),
     "wires read earlier machines": Offence(wire_from_nowhere, (WHOLE_READS,)),
     "joined names are distinct": Offence(lemmas_of_one_name),
     WHOLE_TERMS: Offence(terms_by_hand),
-    "facts of the whole are truth values": Offence(fact_of_another_kind),
-    "names of the whole are distinct": Offence(two_variables_of_one_name),
+    "facts of the system are truth values": Offence(fact_of_another_kind),
+    "names of the system are distinct": Offence(two_variables_of_one_name),
     "every variable has one role": Offence(role_by_hand),
     "every state variable moves": Offence(no_next_value),
     WHOLE_READS: Offence(move_reads_a_stranger),
-    "nothing on board is told ghosts": Offence(ghost_by_hand),
+    "no ghost is read on board": Offence(ghost_by_hand),
     "optional inputs are whole": Offence(half_an_optional),
     "a property's name can be written": Offence(bar_in_a_propertys_name),
     "a property's terms are well formed": Offence(claim_by_hand),
@@ -412,7 +412,7 @@ def remove(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
 
 
 def test_the_table_holds_every_rule_once() -> None:
-    """What is listed is what is applied, and no two rules share a name."""
+    """The list contains exactly the applied rules, and no two rules share a name."""
     applied = [rule for module, table in TABLES for rule in getattr(module, table)]
     assert list(RULES) == applied
     assert len({rule.name for rule in RULES}) == len(RULES)

@@ -1,4 +1,4 @@
-"""What solvers have proved is looked up by the whole text; what was not proved is never kept."""
+"""Proved queries are looked up by their whole text; others are never cached."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_what_is_kept_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.usefixtures("store")
 def test_one_solver_does_not_speak_for_the_other() -> None:
-    """What z3 has proved cvc5 still has to confirm."""
+    """A cached answer of z3 does not count as one of cvc5."""
     keep_proved("z3", to_smtlib(FALSE_ONE))
     assert not proved_before("cvc5", to_smtlib(FALSE_ONE))
 

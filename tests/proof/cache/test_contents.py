@@ -136,7 +136,7 @@ def test_a_recording_counts_by_name_and_content(tmp_path: Path) -> None:
 
 def test_what_cannot_be_told_is_refused() -> None:
     """Rather than left out."""
-    with pytest.raises(TypeError, match="cannot be told to a digest"):
+    with pytest.raises(TypeError, match="cannot enter a digest"):
         target_digest(target(said={"speed": object()}))
     with pytest.raises(TypeError, match="has no order"):
         target_digest(target(said={"speed": frozenset([1, 2])}))

@@ -101,7 +101,7 @@ def test_the_longest_unused_goes_first(tmp_path: Path) -> None:
 
 
 def test_clean_takes_away_what_is_kept_and_nothing_else(tmp_path: Path) -> None:
-    """Whatever else stands in the folder stays."""
+    """Other files in the folder stay."""
     (tmp_path / "mine.txt").write_text("mine")
     store = Store(tmp_path)
     store.clean()

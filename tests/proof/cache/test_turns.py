@@ -62,7 +62,7 @@ def test_where_nothing_can_be_written_nobody_waits(tmp_path: Path) -> None:
 
 
 def test_without_locks_everybody_asks(tmp_path: Path) -> None:
-    """What the system refuses to lock, here a closed file, is asked without a lock."""
+    """If the system refuses a lock, here on a closed file, the query is solved without one."""
     with turn(tmp_path, KEY) as mine:
         assert mine is not None
         os.close(mine._file)

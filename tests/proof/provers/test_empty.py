@@ -80,14 +80,14 @@ def test_an_assumption_that_ends_is_found() -> None:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"name": ""}, "a name is 1 to 120 printable characters"),
-        ({"name": "two\nlines"}, "a name is 1 to 120 printable characters"),
-        ({"name": "n" * 121}, "a name is 1 to 120 printable characters"),
+        ({"name": ""}, "a name has 1 to 120 printable characters"),
+        ({"name": "two\nlines"}, "a name has 1 to 120 printable characters"),
+        ({"name": "n" * 121}, "a name has 1 to 120 printable characters"),
         ({"kind": "allways"}, "kind 'allways' is none of always, within, reachable"),
         ({"term": True}, "its term is True, not a truth-valued term"),
         ({"further_assumption": 1}, "its further assumption is 1, not a truth-valued term"),
-        ({"steps": -3}, "steps is -3; it must be a whole number, 0 or more"),
-        ({"steps": 1.5}, r"steps is 1\.5; it must be"),
+        ({"steps": -3}, "steps is -3; give a whole number, 0 or more"),
+        ({"steps": 1.5}, r"steps is 1\.5; give a whole number"),
     ],
 )
 def test_misdeclared_properties_are_refused(wrong: dict[str, object], message: str) -> None:
@@ -101,7 +101,7 @@ def test_a_bare_truth_value_is_refused_by_name() -> None:
     """The messages for `always("p", True)` and `never("p", True)` say what to write instead."""
     for make in (always, never):
         with pytest.raises(
-            PropertyError, match="its term is True, not a truth-valued term; a constant is written TRUE"
+            PropertyError, match="its term is True, not a truth-valued term; write TRUE or FALSE for a constant"
         ):
             make("p", True)  # type: ignore[arg-type]
 

@@ -157,12 +157,12 @@ def test_what_cannot_be_owed_is_refused() -> None:
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
     with pytest.raises(
         ModelError,
-        match=r"^composition 'chain' \(.*:\d+\): 'follower' is named in `discharge` and is no machine of it\.$",
+        match=r"^composition 'chain' \(.*:\d+\): `discharge` names 'follower', which is no machine of it; it has \['source'\]\.$",
     ):
         compose("chain", [chain.source], {}, discharge=[chain.follower])
     with pytest.raises(
         ModelError,
-        match=r"^composition 'chain' \(.*:\d+\): 'follower' has no clause 'high'; it has \['assumption'\]\.$",
+        match=r"^composition 'chain' \(.*:\d+\): `discharge` names the clause 'high', which 'follower' does not have; it has \['assumption'\]\.$",
     ):
         compose("chain", [chain.source, chain.follower], wires, discharge=[Clause(chain.follower, "high")])
 

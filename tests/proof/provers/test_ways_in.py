@@ -247,11 +247,11 @@ def test_targets_of_one_name_are_told_apart() -> None:
 def test_names_that_meet_in_a_composition_are_refused() -> None:
     """d12, d18: two lemmas, or two variables, of one name in the composition are refused."""
     second = Machine("a: b", (T,), [OTHER], {Y: 0}, {}, [Transition("s", T, T, TRUE, {Y: OTHER})], lemmas={"l": Y <= 9})
-    with pytest.raises(ModelError, match="two machines give the lemma 'a: b: l'"):
+    with pytest.raises(ModelError, match="the lemma 'a: b: l' comes from two machines"):
         compose("w", [follower("a", lemmas={"b: l": X <= 1}), second], {})
     first = follower("a", state={number("b.c", ONE, 0, 3): 0}, transitions=[])
     third = Machine("a.b", (T,), [OTHER], {number("c", ONE, 0, 9): 0}, {}, [])
-    with pytest.raises(ModelError, match=r"two machines give the variable 'a\.b\.c'"):
+    with pytest.raises(ModelError, match=r"the variable 'a\.b\.c' comes from two machines"):
         compose("w", [first, third], {})
 
 
@@ -295,7 +295,7 @@ def test_first_values_are_judged_exactly_or_not_at_all() -> None:
     a, b = number("a", ONE, 0, INT64_MAX), number("b", ONE, 0, INT64_MAX)
     made = lower(Machine("m", (S,), [GO], {a: ANY, b: ANY}, {}, [], initially=a + b <= 100))
     assert word(owed(made)["overflow of first values"].result) == "violated"
-    with pytest.raises(InputError, match="1 terms may leave 64 bits"):
+    with pytest.raises(InputError, match="1 terms may exceed 64 bits"):
         simulate(made, {"go": np.array([[True]])}, start_state={"a": np.array([2**62]), "b": np.array([2**62])})
 
 
@@ -325,7 +325,7 @@ def test_certificates_are_named_by_their_content() -> None:
 def test_odd_words_are_refused_with_their_place() -> None:
     """d22: bars, newlines and past operators give a message with the place, never an internal error."""
     place = r"test_ways_in\.py:\d+"
-    with pytest.raises(PropertyError, match=rf"{place}: property 'x \| y': a name is without \| and"):
+    with pytest.raises(PropertyError, match=rf"{place}: property 'x \| y': a name must not contain \| and"):
         always("x | y", X >= 0)
     with pytest.raises(PropertyError, match=rf"{place}: property 'p': the further assumption uses a past operator"):
         observe(lower(follower()), always("p", X >= 0, further_assumption=previous(X > 0)))

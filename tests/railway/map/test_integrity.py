@@ -87,7 +87,7 @@ WRONG: dict[str, tuple[Callable[[], Line], str]] = {
     "a lonely node": (lambda: line(nodes=N, edges=(edge(),)), "node 'c': no edge ends there"),
     "three edges and no switch": (
         lambda: line(nodes=NODES, edges=THREE),
-        "node 'm': 3 edges meet and no switch or crossing says how",
+        "node 'm': 3 edges meet without a switch or crossing",
     ),
     "a buffer stop within the track": (
         lambda: line(nodes=(N[0], Node(id="b", kind="buffer_stop"), N[2]), edges=(edge(), edge("f", "b", "c"))),

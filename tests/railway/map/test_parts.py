@@ -245,5 +245,5 @@ def test_cuts_that_cannot_be() -> None:
     with pytest.raises(InputError, match=r"^the part with edge 'e1' is given 0 names; give it one\.$"):
         cut(whole(), {"e0": "west"}, ["n1"])
     fibre = whole().fibres[0].model_copy(update={"path": (stretch("e1"), stretch("e2"))})
-    with pytest.raises(InputError, match=r"^fibre 'f' runs over a seam; cut the line where no fibre goes on\.$"):
+    with pytest.raises(InputError, match=r"^fibre 'f' runs over a seam; cut the line where no fibre continues\.$"):
         cut(whole().model_copy(update={"fibres": (fibre,)}), NAMES, ["n1", "n2"])

@@ -302,8 +302,8 @@ ROW = "2022-02-25T09:32:54.400,4.5,50.9,SINGLE\n"
         (LOG + "2022-02-25T09:32:54.400,nan,50.9,SINGLE\n", ":2: column 'longitude': 'nan' is no finite number."),
         (LOG + "2022-02-25T09:32:54.400,4.5,north,SINGLE\n", ":2: column 'latitude': 'north' is no number."),
         (LOG + "2022-02-25T09:32:54.400,4.5\n", ":2: column 'latitude': None is no number."),
-        (LOG + ROW + ROW, ":3: its time is not after that of the fix before."),
-        (LOG + ROW + ROW.replace("54.400", "54.000"), ":3: its time is not after that of the fix before."),
+        (LOG + ROW + ROW, ":3: its time is not after that of the previous fix."),
+        (LOG + ROW + ROW.replace("54.400", "54.000"), ":3: its time is not after that of the previous fix."),
     ],
 )
 def test_what_is_no_log_is_refused(tmp_path: Path, text: str, message: str) -> None:

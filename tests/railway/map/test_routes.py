@@ -134,7 +134,7 @@ def test_illegal_routes_are_refused() -> None:
     topology = Topology(fork(stem_mm=5, left_mm=5, right_mm=5))
     with pytest.raises(InputError, match="from edge 'left' no vehicle can go to edge 'right', increasing"):
         Route(topology, forth("left", "right"), 0, 5)
-    with pytest.raises(InputError, match="edge 'left' cannot be run along in direction decreasing"):
+    with pytest.raises(InputError, match="edge 'left' cannot be travelled in direction decreasing"):
         Route(topology, back("left"), 0, 5)
     with pytest.raises(InputError, match="at least one edge"):
         Route(topology, (), 0, 5)

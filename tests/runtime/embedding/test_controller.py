@@ -360,7 +360,7 @@ def test_a_claim_about_the_world_is_not_begun_anew() -> None:
 
 def test_the_period_is_said_once() -> None:
     """By the configuration, or by the host for a machine that has none."""
-    with pytest.raises(InputError, match=r"^door does not say how long its cycle is; give period_ms\.$"):
+    with pytest.raises(InputError, match=r"^the configuration of door has no cycle length; give period_ms\.$"):
         Controller(own(door))
     with pytest.raises(InputError, match="configured for cycles of 100 ms, not 50 ms"):
         Controller(ODOMETRY, period_ms=50)

@@ -70,7 +70,9 @@ def test_a_controller_is_not_doubled(double: Callable[[Any], Any]) -> None:
     """Two that share what they remember would both be wrong: a TypeError, as hosts expect, that says what to do."""
     controller = Controller(ODOMETRY)
     for kind in (TypeError, InputError):
-        with pytest.raises(kind, match=r"^odometry: a controller is not (copied|pickled); make a new one of the same"):
+        with pytest.raises(
+            kind, match=r"^odometry: a controller cannot be (copied|pickled); make a new controller of the same"
+        ):
             double(controller)
     assert controller.step(distances(100)).cycle == 1
 

@@ -56,10 +56,33 @@ def test_the_snippets_of_the_page(number: int, capsys: pytest.CaptureFixture[str
     """docs/embedding.md's own examples, of a controller and of the localizer, print what their comments say."""
     text = (DOCS / "embedding.md").read_text(encoding="utf-8")
     codes = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    assert len(codes) == 2
+    assert len(codes) == 3
     exec(compile(codes[number], "embedding.md", "exec"), {})
     (said,) = re.findall(r"# (cycle 1 .*)\n", codes[number])
     assert capsys.readouterr().out.strip() == said
+
+
+def test_the_library_calls_of_the_page(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """docs/embedding.md's example of proof, replay and report from Python does what its comments say."""
+    text = (DOCS / "embedding.md").read_text(encoding="utf-8")
+    code = re.findall(r"```python\n(.*?)```", text, re.DOTALL)[2]
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "embedding.md", "exec"), {})
+    (said,) = re.findall(r"# (\d+ steps .*)\n", code)
+    assert capsys.readouterr().out.strip() == said
+    assert {"index.html", "report.json"} <= {path.name for path in (tmp_path / "safeloc-report").iterdir()}
+
+
+def test_the_functions_of_the_page_exist() -> None:
+    """Each function that the table of commands names stands in the file that it names."""
+    text = (DOCS / "embedding.md").read_text(encoding="utf-8")
+    table = text[text.index("| command | function |") :].split("\n\n")[0]
+    found = re.findall(r"`(\w+)\([^`]*\)`[^`|]* in `((?:safeloc|models)/\S+\.py)`", table)
+    assert len(found) >= 7
+    for name, file in found:
+        assert re.search(rf"^(def|class) {name}\b", (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE), name
 
 
 def test_the_first_command_of_the_page() -> None:
@@ -75,7 +98,7 @@ def test_the_first_command_of_the_page() -> None:
     for line in shown.splitlines():
         assert any(one.startswith(line.removesuffix("...").rstrip()) for one in printed), line
     modes = [one["mode"]["odometry"] for one in said if "mode" in one]
-    assert all("believed once lines of 2 cycles agree" in one["reason"] for one in said if "mode" not in one)
+    assert all("accepted as soon as lines of 2 cycles agree" in one["reason"] for one in said if "mode" not in one)
     assert (len(modes), len(said)) == (40, 48)
     assert set(modes) == {"DELOCALIZED", "FRONT"}
     assert modes[-1] == "DELOCALIZED"

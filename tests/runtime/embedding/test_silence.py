@@ -77,7 +77,7 @@ def test_a_silent_device_costs_its_source_only() -> None:
     assert report.anew == none.report.anew == ""
     (fault,) = report.rejections
     assert (fault.channel, fault.reason) == ("reflector", Reason.MISSING)
-    assert "nothing else of reflector is used" in fault.detail
+    assert "no other input of reflector is used" in fault.detail
     assert none.report.rejections == ()
 
 

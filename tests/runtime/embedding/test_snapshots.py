@@ -128,7 +128,9 @@ def resealed(body: dict[str, Any]) -> bytes:
 def test_newer_than_this_version() -> None:
     """Whatever else is in it, it is not read."""
     body = json.loads(driven(3).snapshot())
-    with pytest.raises(SnapshotError, match=r"^the snapshot has version 2, and this safeloc reads up to 1; use the "):
+    with pytest.raises(
+        SnapshotError, match=r"^the snapshot has version 2, but this safeloc reads versions up to 1; use the "
+    ):
         Controller(ODOMETRY).restore(resealed({**body, "version": 2}))
 
 
@@ -165,7 +167,7 @@ def test_a_state_that_is_none(spoil: Callable[[dict[str, Any]], object]) -> None
     """Also under a checksum that fits, a state is only what the machine's variables can hold."""
     body = json.loads(driven(2).snapshot())
     spoil(body["state"])
-    with pytest.raises(SnapshotError, match="begin anew without it"):
+    with pytest.raises(SnapshotError, match="start without the snapshot"):
         Controller(ODOMETRY).restore(resealed(body))
 
 

@@ -58,9 +58,9 @@ def test_one_of_another_build_is_refused(tmp_path: Path, made: Callable[[], byte
     """With both digests. The file stays as it is."""
     path, data = tmp_path / "a.json", made()
     message = (
-        f"{path}: {of}the state of another build of 'delocalized' (digest '{program().fingerprint}', of today 'another'). "
-        "That its numbers mean the same here is not shown, so it is not carried over: begin anew without it, or end the "
-        "run with the version that wrote it."
+        f"{path}: {of}the state of another build of 'delocalized' (digest '{program().fingerprint}', now 'another'). "
+        "Its numbers may mean something else here, so it cannot be converted: start without it, or end the run with the "
+        "version that wrote it."
     )
     with pytest.raises(SnapshotError, match=rf"^{re.escape(message)}$"):
         looked_at(path, data, "another")
@@ -71,7 +71,8 @@ def test_one_of_a_machine_that_does_not_ship_is_refused(tmp_path: Path) -> None:
     """Nobody here knows its build of today."""
     path = tmp_path / "a.json"
     with pytest.raises(
-        SnapshotError, match=rf"^{re.escape(str(path))}: the state of 'delocalized', which does not ship; only"
+        SnapshotError,
+        match=rf"^{re.escape(str(path))}: the state of 'delocalized', which is no shipped machine, so it cannot be checked here",
     ):
         looked_at(path, snapshot(), None)
 
@@ -79,9 +80,12 @@ def test_one_of_a_machine_that_does_not_ship_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (snapshot().replace(b'"done":1', b'"done":2'), "the snapshot is damaged (its checksum does not fit)"),
-        (sealed({"vehicles": {}}, KIND, VERSION + 1), "the snapshot has version 2, and this safeloc reads up to 1"),
-        (sealed({"program": "x"}), "holds no machine and configuration; begin anew without it."),
+        (snapshot().replace(b'"done":1', b'"done":2'), "the snapshot is damaged (wrong checksum)"),
+        (
+            sealed({"vehicles": {}}, KIND, VERSION + 1),
+            "the snapshot has version 2, but this safeloc reads versions up to 1",
+        ),
+        (sealed({"program": "x"}), "holds no machine and configuration; start without the snapshot."),
     ],
     ids=["damaged", "newer", "empty"],
 )
@@ -101,6 +105,6 @@ def test_a_configuration_that_is_none_of_today_is_told(tmp_path: Path) -> None:
         raise InputError("tolerance_mm: wrong")
 
     with pytest.raises(
-        SnapshotError, match=r": its configuration is none of today \(tolerance_mm: wrong\); begin anew"
+        SnapshotError, match=r": its configuration is not valid now \(tolerance_mm: wrong\); start without"
     ):
         migrate(path, ships=(), fingerprint=refused)

@@ -76,22 +76,25 @@ def test_a_stream_of_today_is_left_alone(tmp_path: Path, text: str) -> None:
     [
         ('{"a": 1}\n{"b"\n', ":2: not JSON"),
         ('{"over_mm": 1, "margin_above_mm": 1}\n', ":1: has both 'over_mm' and 'margin_above_mm', an old name"),
-        ('{"over_mm": 1, "lead": "over_mm"}\n', ":1: says ['over_mm'] as a value as well; rename the line by hand."),
+        ('{"over_mm": 1, "lead": "over_mm"}\n', ":1: has ['over_mm'] as a value as well; change the line by hand."),
         (
             '{"schema": "safeloc-stream/1", "machine": "crane", "kept": ["over_mm"]}\n',
-            ":1: a stream of 'crane', which does not ship; what its names are only its owner knows.",
+            ":1: a stream of 'crane', which is no shipped machine, so its names are unknown here.",
         ),
         (
             '{"position.fix_protection_mm": 5000}\n',
-            ":1: says 'position.fix_protection_mm', which is told as 'position.fix_dilution_permille' and "
-            "'position.fix_further_mm' now: the old figure does not tell them. Record the stream anew.",
+            ":1: has 'position.fix_protection_mm', which is now 'position.fix_dilution_permille' and "
+            "'position.fix_further_mm': these cannot be derived from the old figure. Record the stream again.",
         ),
-        ('{"schema": "safeloc-stream/9"}\n', ":1: schema is 'safeloc-stream/9'; this version carries"),
+        (
+            '{"schema": "safeloc-stream/9"}\n',
+            ":1: schema is 'safeloc-stream/9'; only 'safeloc-stream/1' can be converted.",
+        ),
         ('{"schema": "safeloc-stream/1", "first": 3}\n', ":1: `first` must be an object of initial values"),
         ('{"schema": "safeloc-stream/1", "kept": [3]}\n', ":1: `first` must be an object of initial values"),
         ('{"kind": "smoke", "time_ms": 1}\n', ":1: a line of kind 'smoke'; known are ['cycle', 'distance',"),
-        ('{"cycle": 3, "interval_mm": null}\n', ":1: a line that a process told; nothing reads it back"),
-        ('{"event": "refused", "line": 17}\n', ":1: a line that a process told; nothing reads it back"),
+        ('{"cycle": 3, "interval_mm": null}\n', ":1: a report of a process; nothing reads it"),
+        ('{"event": "refused", "line": 17}\n', ":1: a report of a process; nothing reads it"),
     ],
 )
 def test_what_is_not_understood_is_refused(tmp_path: Path, text: str, message: str) -> None:

@@ -15,7 +15,7 @@ from safeloc.language.system import lower
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.service import messages
 from safeloc.runtime.service.feeds import Arrived, Event, Feed, Over
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.lines import Line
 from safeloc.runtime.service.loop import Loop, Parts
@@ -87,7 +87,7 @@ def test_a_vehicle_that_fails_again_and_again_claims_nothing(monkeypatch: pytest
 def test_a_vehicle_without_another_machine_stops(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the first state claims something, nothing goes on by itself."""
     target = Target("door", (door,), lower(door), ())
-    told = Told(Fleet(Program(target), Ways(500, inputs=True)))
+    told = Told(Fleet(Program(target), FleetSettings(500, inputs=True)))
     whole = {"speed": 0, "released": False, "blocked": False}
     told.say(json.dumps({"vehicle": "a", "cycle": 1, **whole}))
 
@@ -114,7 +114,7 @@ def test_a_reader_that_fails_has_read_nothing(monkeypatch: pytest.MonkeyPatch) -
     with monkeypatch.context() as patch:
         patch.setattr(messages, "record_or_fault", raising)
         (refused,) = told.say(line(distances(400)[0], vehicle="a"))
-    assert refused["reason"].startswith("not read, for safeloc itself failed on it (KeyError: 'nobody planned this', ")
+    assert refused["reason"].startswith("not read: safeloc itself failed on it (KeyError: 'nobody planned this', ")
     answers = told.say(end(400, vehicle="a"), end(400, vehicle="b"))
     assert [doubted(one) for one in answers] == [True, False]
 
@@ -194,7 +194,9 @@ class Heard(Outlet):
 def ran(path: Path, feed: Feed, log: int) -> Heard:
     """A loop in this process."""
     heard = Heard()
-    Loop(Parts(selectors.SelectSelector(), feed, heard, Fleet(ODOMETRY, Ways(100)), Journal(log), Saver(path))).run()
+    Loop(
+        Parts(selectors.SelectSelector(), feed, heard, Fleet(ODOMETRY, FleetSettings(100)), Journal(log), Saver(path))
+    ).run()
     return heard
 
 
@@ -238,7 +240,7 @@ def test_a_vehicles_part_of_a_snapshot(name: str, wrong: Any) -> None:
     """Under a checksum that fits: a field that is missing or of a wrong kind is a SnapshotError, and never an exception
     later on."""
     spoilt = {**WHOLE, name: wrong} if wrong != "missing" else {k: v for k, v in WHOLE.items() if k != name}
-    fleet = Fleet(ODOMETRY, Ways(100))
+    fleet = Fleet(ODOMETRY, FleetSettings(100))
     fine = (name, wrong) in [("controller", None), ("stopped", "x"), ("pending", [])]
     fine = fine or (wrong == "missing" and name in ("recount", "rhythm"))
     if fine:

@@ -14,7 +14,7 @@ from safeloc.language.system import lower
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.controller import MOST_RECORDS
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import Line
 from safeloc.runtime.streams.steps import SCHEMA
 from safeloc.shipped import ENTRIES
@@ -31,7 +31,7 @@ class Told:
     """A fleet that is told lines, with its answers."""
 
     def __init__(self, fleet: Fleet | None = None, *, whole: bool = True) -> None:
-        self.fleet = fleet or Fleet(ODOMETRY, Ways(100))
+        self.fleet = fleet or Fleet(ODOMETRY, FleetSettings(100))
         self.whole, self.number = whole, 0
 
     def say(self, *texts: str, origin: str = HERE, only: str | None = None) -> list[Data]:
@@ -39,7 +39,7 @@ class Told:
         answers: list[Data] = []
         for text in texts:
             self.number += 1
-            answers += self.fleet.heed(origin, Line(self.number, text.strip().encode()), whole=self.whole, only=only)
+            answers += self.fleet.handle(origin, Line(self.number, text.strip().encode()), whole=self.whole, only=only)
         return answers
 
 
@@ -89,7 +89,7 @@ def test_vehicles_are_told_apart() -> None:
 def test_a_vehicle_has_its_own_configuration() -> None:
     """Only it: one that does not believe its first marker has no place where another one has."""
     careful = Program(ENTRIES["odometry"].make(OdometryConfig()))
-    told = Told(Fleet(ODOMETRY, Ways(100), {"careful": careful}))
+    told = Told(Fleet(ODOMETRY, FleetSettings(100), {"careful": careful}))
     places = {name: told.say(*numbered(3, name))[-1]["interval_mm"] for name in ("careful", "other")}
     assert places["careful"] is None
     assert places["other"] is not None
@@ -194,7 +194,7 @@ def test_a_clock_that_was_set_is_followed(begin_ms: int) -> None:
         answers += told.say(*map(line, distances(begin_ms + cycle * 100)), end(begin_ms + cycle * 100))
     anew = [answer for answer in answers if "anew" in answer]
     assert len(anew) == 1
-    assert anew[0]["anew"].startswith("its clock was set by ")
+    assert anew[0]["anew"].startswith("its clock was changed by ")
     last = reports(answers)[-1]
     assert (last["time_ms"], last["interval_mm"], last["mode"]) == (begin_ms + 1_500, None, {"odometry": "DELOCALIZED"})
 
@@ -204,7 +204,7 @@ def test_a_time_that_no_clock_shows() -> None:
     told = Told()
     told.say(*lines(3), end(300))
     (refused,) = told.say(line(distances(10**30)[0]))
-    assert refused["reason"] == f"its time is {10**30} ms, more than any clock shows"
+    assert refused["reason"] == f"its time is {10**30} ms, more than any clock can show"
     assert doubted(told.say(end(400))[0])
 
 
@@ -237,7 +237,7 @@ def test_half_a_line() -> None:
     made = numbered(4)
     told.say(*made[:18])
     half = made[18][:20].encode()
-    assert told.fleet.heed(HERE, Line(19, half, cut=True), whole=True)[0]["event"] == "refused"
+    assert told.fleet.handle(HERE, Line(19, half, cut=True), whole=True)[0]["event"] == "refused"
     told.fleet.gone(HERE, "it hung up")
     assert not any(doubted(answer) for answer in told.say(*made[18:]))
     told = Told()
@@ -273,7 +273,7 @@ def test_a_peer_that_left() -> None:
 
 def test_vehicles_are_bounded() -> None:
     """A sender that invents vehicles is refused."""
-    told = Told(Fleet(ODOMETRY, Ways(100, most_vehicles=2)))
+    told = Told(Fleet(ODOMETRY, FleetSettings(100, most_vehicles=2)))
     answers = [answer for name in "abc" for answer in told.say(*lines(1, vehicle=name))]
     assert {answer["reason"] for answer in answers} == {"2 vehicles already"}
     assert {answer["vehicle"] for answer in answers} == {"c"}
@@ -282,7 +282,7 @@ def test_vehicles_are_bounded() -> None:
 def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
     """It is told once, and later lines are refused; other vehicles go on."""
     target = Target("door", (door,), lower(door), ())
-    told = Told(Fleet(Program(target), Ways(500, inputs=True)))
+    told = Told(Fleet(Program(target), FleetSettings(500, inputs=True)))
     whole = {"speed": 0, "released": False, "blocked": False}
     said = [
         {"vehicle": "a", "cycle": 1, **whole},
@@ -299,7 +299,7 @@ def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
 
 def steps() -> Told:
     """Lines are inputs."""
-    return Told(Fleet(ODOMETRY, Ways(100, inputs=True)))
+    return Told(Fleet(ODOMETRY, FleetSettings(100, inputs=True)))
 
 
 def inputs(records: list[Any]) -> Data:
@@ -338,7 +338,7 @@ def test_what_cannot_be_read_may_have_been_any_number_of_steps(merged: int, how:
     told.say(*said[:5])
     assert told.fleet.vehicles["1"].place is not None
     flaw = "longer than 65536 bytes" if len(joined) > 65_536 else ""
-    (refused,) = told.fleet.heed(HERE, Line(6, b"" if flaw else joined.encode(), flaw), whole=True)
+    (refused,) = told.fleet.handle(HERE, Line(6, b"" if flaw else joined.encode(), flaw), whole=True)
     anew, report = told.say(said[5 + merged])
     assert refused["event"] == "refused"
     assert anew["anew"] == f"line 6: {refused['reason']}"
@@ -358,7 +358,7 @@ def test_a_step_that_came_before_is_refused() -> None:
     told = steps()
     answers = told.say(*(json.dumps({"cycle": n}) for n in (1, 2, 2, 1, 3)), json.dumps({}))
     assert [answer.get("reason", answer.get("cycle")) for answer in answers] == [
-        1, 2, "cycle 2 is over", "cycle 1 is over", 3, "no cycle number, though steps before had one",
+        1, 2, "cycle 2 is over", "cycle 1 is over", 3, "no cycle number, but earlier steps had one",
     ]  # fmt: skip
 
 
@@ -412,7 +412,7 @@ def test_what_is_left_out_behind_a_lost_step_is_not_known() -> None:
     answers = steps().say(*said[:5], '{"nonsense": 1}', *said[6:8], json.dumps(whole[7]), said[9])
     refused = [answer for answer in answers if answer.get("event") == "refused"]
     assert [answer["line"] for answer in refused] == [6, 7, 8]
-    assert "is left out as kept, and the step before does not say what it is" in refused[1]["reason"]
+    assert "is left out as kept, but the step before has no value of it" in refused[1]["reason"]
     told = reports(answers)
     assert [doubted(one) for one in told] == [False] * 4 + [True] * 3 + [False] * 2
 
@@ -433,7 +433,7 @@ def test_a_wrong_number_does_not_mute_a_vehicle(wrong: int, restarted: bool) -> 
     told.say(json.dumps({"number": wrong, "kind": "cycle", "time_ms": 250}))
     if restarted:
         kept = json.loads(json.dumps(told.fleet.freeze()()))
-        told.fleet = Fleet(ODOMETRY, Ways(100))
+        told.fleet = Fleet(ODOMETRY, FleetSettings(100))
         told.fleet.restore(kept)
     answers = told.say(*made[11:])
     refused = [one for one in answers if one.get("event") == "refused"]
@@ -480,7 +480,7 @@ def test_a_time_ahead_is_not_believed_of_one_line(ahead_ms: int) -> None:
     told = Told()
     told.say(*lines(3), end(300))
     (refused,) = told.say(line(distances(400 + ahead_ms)[0]))
-    assert refused["reason"] == f"{ahead_ms} ms ahead; believed once lines of 2 cycles agree"
+    assert refused["reason"] == f"{ahead_ms} ms ahead; accepted as soon as lines of 2 cycles agree"
     answers = told.say(*map(line, distances(400)), end(400), *map(line, distances(500)), end(500))
     assert [(one["cycle"], doubted(one)) for one in answers] == [(4, True), (5, False)]
     assert answers[-1]["interval_mm"] is not None
@@ -496,7 +496,7 @@ def test_a_silence_is_believed_when_lines_agree() -> None:
     told = Told()
     answers = told.say(*[end(at) for at in range(0, 60_000, 3_000)])
     assert [one["reason"] for one in answers if "reason" in one] == [
-        "2900 ms ahead; believed once lines of 2 cycles agree"
+        "2900 ms ahead; accepted as soon as lines of 2 cycles agree"
     ]
     assert reports(answers)[-1]["time_ms"] == 57_000
 
@@ -506,7 +506,7 @@ def test_a_late_line_does_not_vouch_for_one_that_is_ahead() -> None:
     told = Told()
     told.say(*lines(3), end(300), line(distances(100)[0]))
     (refused,) = told.say(line(distances(5_000)[0]))
-    assert refused["reason"] == "4600 ms ahead; believed once lines of 2 cycles agree"
+    assert refused["reason"] == "4600 ms ahead; accepted as soon as lines of 2 cycles agree"
 
 
 # ------------------------------------------------------------------ room
@@ -525,7 +525,7 @@ class Clock:
 def crowd(**ways: Any) -> tuple[Told, Clock]:
     """A fleet with little room."""
     clock = Clock()
-    return Told(Fleet(ODOMETRY, Ways(100, **ways), clock=clock), whole=False), clock
+    return Told(Fleet(ODOMETRY, FleetSettings(100, **ways), clock=clock), whole=False), clock
 
 
 def test_names_that_nobody_uses_any_more_make_room() -> None:
@@ -574,7 +574,7 @@ def test_what_claims_something_is_not_forgotten() -> None:
     """A machine whose first state says something about the world would say it again."""
     clock = Clock()
     target = Target("door", (door,), lower(door), ())
-    told = Told(Fleet(Program(target), Ways(500, inputs=True, most_vehicles=1), clock=clock))
+    told = Told(Fleet(Program(target), FleetSettings(500, inputs=True, most_vehicles=1), clock=clock))
     whole = {"speed": 0, "released": False, "blocked": False}
     told.say(json.dumps({"vehicle": "a", "cycle": 1, **whole}))
     clock.now = 1e6
@@ -651,10 +651,10 @@ FIELDS = st.fixed_dictionaries(
 @settings(max_examples=300)
 def test_no_line_breaks_the_process(said: list[str | bytes], by_steps: bool) -> None:
     """Whatever the bytes: an answer or none, never an exception, and a drive that follows is heard."""
-    told = Told(Fleet(ODOMETRY, Ways(100, inputs=by_steps)))
+    told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=by_steps)))
     for number, text in enumerate(said, 1):
         data = text if isinstance(text, bytes) else text.encode()
-        answers = told.fleet.heed(HERE, Line(number, data), whole=True)
+        answers = told.fleet.handle(HERE, Line(number, data), whole=True)
         assert json.loads(json.dumps(answers)) == answers
     json.dumps(told.fleet.freeze()())
     fresh = [json.dumps({"cycle": n, "vehicle": "z"}) for n in range(1, 4)] if by_steps else numbered(4, "z")
@@ -722,7 +722,7 @@ def test_a_certificate_speaks_for_its_own_vehicle_only(text: str, name: str) -> 
 def test_a_stream_without_a_name_is_of_vehicle_1() -> None:
     """Its header says so as its lines do, so only that vehicle's certificate may say it."""
     header = '{"schema": "' + SCHEMA + '", "kept": ["front_wheel_mm"]}'
-    told = Told(Fleet(ODOMETRY, Ways(100, inputs=True)), whole=False)
+    told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=True)), whole=False)
     (refused,) = told.say(header, origin="12", only="12")
     assert refused["reason"] == NOT_ITS_OWN.format("1")
     assert told.fleet.vehicles == {}

@@ -41,7 +41,7 @@ def test_in_pieces(sizes: list[int], lines: bytes) -> None:
     assert (made.vehicle, heard) == ("12", lines)
 
 
-NOT_GOOD = "no certificate was shown"
+NOT_GOOD = "the proxy got no valid certificate"
 
 
 @pytest.mark.parametrize(
@@ -50,8 +50,8 @@ NOT_GOOD = "no certificate was shown"
         (b'{"vehicle": "12"}\n', "no PROXY header of version 2"),
         (b"PROXY TCP4 127.0.0.1 127.0.0.1 1 2\r\n", "no PROXY header of version 2"),
         (SIGNATURE[:5] + b"x", "no PROXY header of version 2"),
-        (header(tls(b"12"), command=0x20), "speaks for itself"),
-        (header(tls(b"12"), command=0x11), "speaks for itself"),
+        (header(tls(b"12"), command=0x20), "connects for itself"),
+        (header(tls(b"12"), command=0x11), "connects for itself"),
         (header(tls(b"12"), family=0x41), "addresses of unknown kind 4"),
         (SIGNATURE + b"\x21\x11" + (LONGEST + 1).to_bytes(2, "big"), "4097 bytes; at most 4096"),
         (header(b""), "0 times a TLS part"),
@@ -66,9 +66,9 @@ NOT_GOOD = "no certificate was shown"
         (header(tls()), "0 times a common name"),
         (header(tls(b"12", b"13")), "2 times a common name"),
         (header(tls(b"")), "the certificate is of ''"),
-        (header(tls(b"12\n")), "which can be no vehicle's name"),
-        (header(tls(b"\xc3\xa4")), "which can be no vehicle's name"),
-        (header(tls(b"x" * 65)), "which can be no vehicle's name"),
+        (header(tls(b"12\n")), "which cannot be the name of a vehicle"),
+        (header(tls(b"\xc3\xa4")), "which cannot be the name of a vehicle"),
+        (header(tls(b"x" * 65)), "which cannot be the name of a vehicle"),
     ],
 )
 def test_who_is_not_introduced(told: bytes, why: str) -> None:

@@ -249,7 +249,7 @@ def test_two_processes_do_not_share_a_snapshot(tmp_path: Path) -> None:
         run.port()
         second = ran(tmp_path, *arguments)
         assert second.returncode == 2
-        assert b"another process keeps its snapshots there" in second.stderr
+        assert b"another process saves its snapshots there" in second.stderr
 
 
 def test_standard_input_that_goes_on_is_doubted_once(tmp_path: Path) -> None:

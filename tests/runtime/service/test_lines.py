@@ -13,7 +13,7 @@ from safeloc.runtime.border import Reason
 from safeloc.runtime.service.clock_lag import OUT_OF_STEP_CYCLES, Pace, Streak
 from safeloc.runtime.service.counting import Counted, LineCount
 from safeloc.runtime.service.lines import LONGEST_LINE, Line, LineCutter
-from safeloc.runtime.service.messages import Ended, Envelope, Header, Message, Reader, Refused, Said, Step
+from safeloc.runtime.service.messages import CycleEnd, Envelope, Header, Message, Reader, RecordLine, Refused, Step
 from safeloc.runtime.streams.records import DistanceRecord, Unusable
 from tests.runtime.embedding.driving import trusting
 
@@ -62,19 +62,19 @@ def said(text: str | bytes | dict[str, Any], **kind: bool) -> Message:
 def test_a_record() -> None:
     """With its vehicle and number, or of the only one."""
     record = DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=5)
-    assert said(WHEEL) == Said(Envelope("1"), record)
-    assert said({"vehicle": "a-7", "number": 3, **WHEEL}) == Said(Envelope("a-7", 3), record)
+    assert said(WHEEL) == RecordLine(Envelope("1"), record)
+    assert said({"vehicle": "a-7", "number": 3, **WHEEL}) == RecordLine(Envelope("a-7", 3), record)
 
 
 def test_a_measurement_that_is_none() -> None:
     """The device spoke: a fault of its channel."""
     text = json.dumps(WHEEL).replace("5}", "NaN}")
-    assert said(text) == Said(Envelope("1"), Unusable(100, "front_wheel", Reason.NOT_FINITE, "step_mm: nan"))
+    assert said(text) == RecordLine(Envelope("1"), Unusable(100, "front_wheel", Reason.NOT_FINITE, "step_mm: nan"))
 
 
 def test_the_end_of_a_cycle() -> None:
     """Of the vehicle that says so."""
-    assert said({"vehicle": "2", "kind": "cycle", "time_ms": 100}) == Ended(Envelope("2"), 100)
+    assert said({"vehicle": "2", "kind": "cycle", "time_ms": 100}) == CycleEnd(Envelope("2"), 100)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_the_end_of_a_cycle() -> None:
         ("[" * 100_000, "not JSON"),
         ('{"kind": "distance", "kind": "distance"}', "a name is given twice"),
         ({**WHEEL, "vehicle": "a b"}, "vehicle is 'a b'"),
-        ({**WHEEL, "vehicle": 7}, "vehicle is 7; give text"),
+        ({**WHEEL, "vehicle": 7}, "vehicle is 7; give up to"),
         ('{"vehicle": ' + "[" * 900 + "]" * 900 + "}", "vehicle is [[["),
         ({**WHEEL, "vehicle": "x" * 65}, "vehicle is"),
     ],
@@ -109,9 +109,9 @@ def test_lines_of_nobody_knows_whom(text: str | bytes | dict[str, Any], reason: 
         ({**WHEEL, "number": 0}, "number is 0; count from 1"),
         ({**WHEEL, "number": 1.0}, "number is 1.0; count from 1"),
         ({**WHEEL, "number": 10**30}, "number is"),
-        ({"kind": "cycle"}, "a cycle's end has a time_ms"),
-        ({"kind": "cycle", "time_ms": 1.5}, "a cycle's end has a time_ms"),
-        ({"kind": "cycle", "time_ms": 1, "more": 2}, "a cycle's end has a time_ms"),
+        ({"kind": "cycle"}, "a line of kind cycle has only time_ms"),
+        ({"kind": "cycle", "time_ms": 1.5}, "a line of kind cycle has only time_ms"),
+        ({"kind": "cycle", "time_ms": 1, "more": 2}, "a line of kind cycle has only time_ms"),
     ],
 )
 def test_lines_of_a_vehicle_that_say_nothing(fields: dict[str, Any], reason: str) -> None:
@@ -126,7 +126,7 @@ def test_where_lines_may_be_lost_they_are_counted() -> None:
     """A line without a number is refused."""
     message = said(WHEEL, numbered=True)
     assert isinstance(message, Refused)
-    assert message.reason.startswith("no number: what brings these lines may lose some")
+    assert message.reason.startswith("no number: lines may be lost on the way")
 
 
 def test_steps() -> None:
@@ -141,11 +141,14 @@ def test_steps() -> None:
     ("fields", "reason"),
     [
         ({"front_whel_mm": 5}, "odometry has no input 'front_whel_mm'"),
-        ({"vehicle": "a", "front_wheel_mm": 5}, "no cycle: with vehicles named"),
+        ({"vehicle": "a", "front_wheel_mm": 5}, "no cycle: a step with a vehicle needs its cycle number"),
         ({"cycle": 0}, "cycle is 0; count from 1"),
         ({"truth_mm": 1.5}, "truth_mm is 1.5; give whole mm"),
         ({"schema": "other/1"}, "schema is 'other/1'"),
-        ({"schema": "safeloc-stream/1", "machine": "balise"}, "a stream of machine 'balise'; here runs 'odometry'"),
+        (
+            {"schema": "safeloc-stream/1", "machine": "balise"},
+            "a stream of machine 'balise'; this process runs 'odometry'",
+        ),
         ({"schema": "safeloc-stream/1", "first": {"mode": 2}}, "the stream begins with {'mode': 2}"),
         ({"schema": "safeloc-stream/1", "first": 5}, "`first` must be an object"),
         ({"schema": "safeloc-stream/1", "kept": "front_wheel_mm"}, "`kept` must be a list of inputs"),
@@ -171,7 +174,7 @@ def test_counting() -> None:
         Counted(),
         Counted(),
         Counted("number 2 again"),
-        Counted(lost="the sender counts anew"),
+        Counted(lost="the sender's count restarted"),
         Counted(),
         Counted(lost="2 lines before 5"),
         Counted("number 3 after 5"),

@@ -85,7 +85,7 @@ def test_nothing_decided(tmp_path: Path) -> None:
     ("arguments", "told"),
     [
         (("--from", "tcp:99999"), "is no port"),
-        (("--from", "tcp:8.8.8.8:9000"), "8.8.8.8 is not on this machine"),
+        (("--from", "tcp:8.8.8.8:9000"), "8.8.8.8 is not on this computer"),
         (("--from", "udp:host:9000"), "is no address"),
         (("--from", "mail"), "choose stdin, file:PATH, tcp:PORT, udp:PORT or proxy:PORT"),
         (("--to", "back"), "choose stdout, file:PATH, or back where"),
@@ -98,7 +98,7 @@ def test_nothing_decided(tmp_path: Path) -> None:
         (("--from", "file:absent", "--until-end"), "absent: no such file"),
         (("--from", "file:run.jsonl.gz"), "run.jsonl.gz: a compressed file cannot be followed line by line; unpack it"),
         (("--to", "file:absent/there"), "cannot be written"),
-        (("--snapshot", "absent/there"), "snapshots cannot be kept there"),
+        (("--snapshot", "absent/there"), "snapshots cannot be written there"),
         (("--snapshot", "."), "a folder; name a file"),
         (("--from", "file:one", "--to", "file:./one"), "one: given for --from and for --to; give each its own file"),
         (("--from", "file:one", "--snapshot", "one", "--fresh"), "given for --from and for --snapshot"),

@@ -17,9 +17,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.runtime.service.by_steps import StepsVehicle
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import Line, LineCutter
-from safeloc.runtime.service.vehicle import Told
+from safeloc.runtime.service.vehicle import Output
 from tests.runtime.embedding.driving import STEP_MM, drive
 from tests.runtime.service.test_fleet import ODOMETRY, inputs
 
@@ -141,7 +141,7 @@ class Run:
         self.reports = self.places = 0
 
     def _fleet(self) -> Fleet:
-        return Fleet(ODOMETRY, Ways(100, inputs=self.by_steps))
+        return Fleet(ODOMETRY, FleetSettings(100, inputs=self.by_steps))
 
     def hear(self, line: Line) -> list[dict[str, Any]]:
         """One line, and what is told."""
@@ -152,7 +152,7 @@ class Run:
         if line.text.startswith(KILLED):
             self._go_on(_number(line.text[len(KILLED) :]))
             return []
-        told = self.fleet.heed(str(self.origin), line, whole=False)
+        told = self.fleet.handle(str(self.origin), line, whole=False)
         self.snapshots.append(json.dumps(self.fleet.freeze()()))
         return told
 
@@ -225,9 +225,9 @@ def test_a_place_of_steps_holds_the_truth(seed: int, faults: int) -> None:
 def test_the_oracle_sees_a_loss_that_is_charged_too_little(monkeypatch: pytest.MonkeyPatch) -> None:
     """With what cannot be read taken for one step, as it once was, places miss the truth."""
 
-    def as_one_step(self: StepsVehicle, why: str) -> list[Told]:
+    def as_one_step(self: StepsVehicle, why: str) -> list[Output]:
         self._missed(why)
-        return self._told()
+        return self._outputs()
 
     monkeypatch.setattr(StepsVehicle, "missed", as_one_step)
     assert sum(missed_truths(8, seed)[1] for seed in range(20)) > 0

@@ -124,7 +124,7 @@ def test_of_several_that_wait_the_newest_is_written(tmp_path: Path) -> None:
 def test_a_file_is_claimed_once(tmp_path: Path) -> None:
     """And again when the first one has let go."""
     path = tmp_path / "snapshot.json"
-    with claimed(path), pytest.raises(InputError, match="another process keeps its snapshots there"), claimed(path):
+    with claimed(path), pytest.raises(InputError, match="another process saves its snapshots there"), claimed(path):
         pass
     with claimed(path), claimed(None):
         pass
@@ -238,7 +238,7 @@ def test_a_huge_snapshot_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyP
     path.write_bytes(b"x" * 1_001)
     with pytest.raises(SnapshotError, match=r"snapshot\.json: over 1000 bytes"):
         read_saved(path)
-    with pytest.raises(OSError, match="1001 bytes, and no more than 1000"):
+    with pytest.raises(OSError, match="1001 bytes, but only 1000"):
         write_whole(path, b"y" * 1_001)
     assert path.read_bytes() == b"x" * 1_001
 

@@ -26,7 +26,7 @@ from typing import Any
 
 from safeloc.catalogue import load_target
 from safeloc.runtime.embedding import Program
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import LineCutter
 from tests.kept_lines import keep, kept_lines
 from tests.runtime.embedding.driving import trusting
@@ -225,10 +225,10 @@ def _judged(lines: Lines, truth: Sequence[int], breaks: str, where: str) -> Outc
 
 def _answers(lines: Lines) -> Iterator[dict[str, object]]:
     """Through the cutter of lines and a fleet, as a process has them."""
-    fleet, cutter = Fleet(program(), Ways(PERIOD_MS, inputs=True)), LineCutter()
+    fleet, cutter = Fleet(program(), FleetSettings(PERIOD_MS, inputs=True)), LineCutter()
     for text in lines:
         for line in cutter.feed(text.encode("utf-8", "surrogatepass") + b"\n"):
-            yield from fleet.heed("peer", line, whole=True)
+            yield from fleet.handle("peer", line, whole=True)
     yield from fleet.finish()
 
 

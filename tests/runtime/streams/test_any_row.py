@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from safeloc.errors import InputError, StreamError, UnforeseenError
 from safeloc.runtime.embedding import Controller
 from safeloc.runtime.outside import UNFORESEEN
-from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import Line
 from safeloc.runtime.streams.record_files import FIELDS, OWN, read_raw, read_records, record_or_fault
 from safeloc.runtime.streams.records import Unusable
@@ -95,9 +95,9 @@ def test_any_row_is_a_record_a_fault_or_refused(row: dict[str, Any]) -> None:
 @given(st.lists(rows(), max_size=6), st.booleans(), st.booleans())
 def test_any_lines_leave_a_fleet_running(said: list[dict[str, Any]], inputs: bool, numbered: bool) -> None:
     """Nothing raises, nothing is a defect, and a refusal names its line."""
-    fleet = Fleet(PROGRAM, Ways(100, inputs=inputs, numbered=numbered))
+    fleet = Fleet(PROGRAM, FleetSettings(100, inputs=inputs, numbered=numbered))
     for number, row in enumerate(said, 1):
-        for told in fleet.heed("peer", Line(number, text_of(row).encode()), whole=True):
+        for told in fleet.handle("peer", Line(number, text_of(row).encode()), whole=True):
             assert UNFORESEEN not in str(told.get("reason", ""))
             assert told.get("event") != "refused" or told["line"] == number
     fleet.finish()

@@ -88,7 +88,7 @@ def spoilt(folder: Path, change: Callable[[dict[str, Any]], object]) -> Path:
 def test_what_is_no_run(tmp_path: Path, change: Callable[[dict[str, Any]], object]) -> None:
     """Columns that do not fit together are refused with the file, never filled up."""
     path = spoilt(tmp_path, change)
-    with pytest.raises(StreamError, match=r"door\.json\.xz: does not keep to schema safeloc-runs/1: "):
+    with pytest.raises(StreamError, match=r"door\.json\.xz: does not fit schema safeloc-runs/1: "):
         read_runs(path).plain("door/property/a")
 
 
@@ -115,5 +115,5 @@ def test_a_result_without_a_run(tmp_path: Path) -> None:
 def test_a_file_of_runs_is_no_recording(tmp_path: Path) -> None:
     """Which of the runs is meant has to be said."""
     path, _ = kept(tmp_path, [])
-    with pytest.raises(StreamError, match="say which one with --run"):
+    with pytest.raises(StreamError, match="choose one with --run"):
         read_steps(path)

@@ -114,7 +114,7 @@ def test_a_leap_of_time_is_refused() -> None:
 
 def test_a_cycle_takes_time() -> None:
     """A period of nothing is refused."""
-    with pytest.raises(InputError, match=r"^period_ms is 0; a cycle takes at least 1 ms\.$"):
+    with pytest.raises(InputError, match=r"^period_ms is 0; give at least 1 ms\.$"):
         list(cycles([], 0))
 
 

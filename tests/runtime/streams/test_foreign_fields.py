@@ -11,7 +11,7 @@ import pytest
 from safeloc.errors import InputError, StreamError
 from safeloc.runtime.border import Reason
 from safeloc.runtime.service.lines import Line
-from safeloc.runtime.service.messages import Message, Reader, Refused, Said
+from safeloc.runtime.service.messages import Message, Reader, RecordLine, Refused
 from safeloc.runtime.streams.record_files import FIELDS, MEASURED, OWN, read_raw, read_records, record_or_fault
 from safeloc.runtime.streams.records import RECORD, Record, Unusable
 from tests.runtime.embedding.driving import shipped
@@ -66,7 +66,7 @@ def test_all_nulls_of_a_flat_record_are_harmless(kind: str, tmp_path: Path, read
     path.write_text(json.dumps(flat) + "\n", encoding="utf-8")
     assert (sound(kind),) == read_records(path) == read_raw(path)
     said = heard(reader, flat)
-    assert isinstance(said, Said)
+    assert isinstance(said, RecordLine)
     assert sound(kind) == said.record
 
 
@@ -153,5 +153,5 @@ def test_what_nobody_foresaw_is_told_as_our_own_fault(reader: Reader, monkeypatc
     told = heard(reader, {"vehicle": "7", **SOUND["distance"]})
     assert isinstance(told, Refused)
     assert told.vehicle == "7"
-    assert told.reason.startswith("not read, for safeloc itself failed on it (ZeroDivisionError: a defect, safeloc/")
+    assert told.reason.startswith("not read: safeloc itself failed on it (ZeroDivisionError: a defect, safeloc/")
     assert told.reason.endswith("Please report it with the input.")

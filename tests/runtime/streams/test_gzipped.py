@@ -146,7 +146,7 @@ def test_a_small_file_that_stands_for_much(tmp_path: Path, monkeypatch: pytest.M
     for line, told in (
         (
             b"{}" + b" " * 997 + b"\n",
-            ": more than 4000000 bytes when unpacked; that is too large to be read at once, split it.",
+            ": more than 4000000 bytes when unpacked; this is too large to be read at once, split it.",
         ),
         (b"[" * 1_000, ":1: a line of more than 1000000 bytes; break it up."),
     ):

@@ -144,7 +144,7 @@ def test_any_table_survives(tmp_path_factory: pytest.TempPathFactory, steps: lis
 @pytest.mark.parametrize(
     ("steps", "message"),
     [
-        ([{"a": 1}, {"a": True}], r"run\.parquet:2: a is not always of one type, as a column is; write \.jsonl\.$"),
+        ([{"a": 1}, {"a": True}], r"run\.parquet:2: a has values of different types; write \.jsonl\.$"),
         ([{}], r"run\.parquet: steps without any input make no table; write \.jsonl\.$"),
         ([{"a": 2**63}], r"run\.parquet: a number does not fit into 64 bits \(.*\); write \.jsonl\.$"),
     ],
@@ -160,7 +160,7 @@ def test_what_is_no_table_is_not_written(tmp_path: Path, steps: list[dict[str, C
     ("column", "message"),
     [
         ([1.0, math.nan], r"run\.parquet:1: a is 1\.0; steps hold whole numbers"),
-        ([math.nan], r"run\.parquet:1: a is nan, no measurement; leave the input out where there is none\.$"),
+        ([math.nan], r"run\.parquet:1: a is nan, no measurement; leave the input out if there is none\.$"),
         ([[1]], r"run\.parquet: column 'a' holds 'list<element: int64>'; a column holds whole numbers"),
     ],
 )
@@ -228,7 +228,7 @@ def test_any_short_stream_survives(tmp_path_factory: pytest.TempPathFactory, ste
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        (['{"schema": "safeloc-stream/1", "kept": ["a"]}', '{"b": 1}'], ":2: a is left out as kept, and the step before does not say"),
+        (['{"schema": "safeloc-stream/1", "kept": ["a"]}', '{"b": 1}'], ":2: a is left out as kept, but the step before has no value of it"),
         (['{"schema": "safeloc-stream/1", "kept": ["a"]}', '{"a": 1}', '{"a": null}', "{}"], ":4: a is left out as kept"),
         (['{"schema": "safeloc-stream/1", "kept": "a"}', '{"a": 1}'], ":1: `kept` must be a list of inputs"),
     ],

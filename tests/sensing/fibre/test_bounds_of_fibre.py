@@ -21,7 +21,7 @@ from safeloc.sensing.fibre.signals import Signaller
 from safeloc.sensing.fibre.time_of_flight import bounds_mm
 from safeloc.sensing.fibre.tracks import Fit
 from safeloc.sensing.figures import LIGHT_MM_S
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 from tests.sensing.enclosure import FEWER, Ball, around, assert_encloses, ends, exact, span
 
 LEAST_FLOAT = 5e-324
@@ -81,7 +81,7 @@ def test_times_of_flight_enclose(
     time_ps: Fraction, late_ps: Fraction, index: int, error_ppm: int, share: float
 ) -> None:
     """`bounds_mm`: T c / 2n for every time and every index within their errors, and exactly these ends."""
-    found = bounds_mm(Interval(time_ps, time_ps + late_ps), index, error_ppm)
+    found = bounds_mm(ExactBounds(time_ps, time_ps + late_ps), index, error_ppm)
     time, error = span(exact(time_ps), exact(time_ps + late_ps)), exact(Fraction(error_ppm, 1_000_000))
     real = exact(Fraction(index, 1_000_000))
     anywhere = time * LIGHT_MM_S / (2 * 10**12 * real)
@@ -209,7 +209,7 @@ def test_lengths_of_sections_enclose(config: FibreConfig, run: float, error: flo
 @example(Fraction(-LEAST_FLOAT), Fraction(LEAST_FLOAT))
 def test_whole_bounds_enclose(low: Fraction, width: Fraction) -> None:
     """`Bounds.outward`: the ends are inside, and less than one is added at either."""
-    found = Bounds.outward(Interval(low, low + width))
+    found = Bounds.outward(ExactBounds(low, low + width))
     assert_encloses(found.low, found.high, span(exact(low), exact(low + width)))
     assert found.high - found.low < width + 2
 
@@ -217,7 +217,7 @@ def test_whole_bounds_enclose(low: Fraction, width: Fraction) -> None:
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf], ids=str)
 def test_what_is_not_finite_has_no_bounds(wrong: float) -> None:
     """Places, speeds, scatter and lengths: refused, never told as a number."""
-    config, refused = FibreConfig(), rf"^a measured figure is {wrong}; leave out what is not finite"
+    config, refused = FibreConfig(), rf"^a measured figure is {wrong}; remove figures that are not finite"
     with pytest.raises(InputError, match=refused):
         end(wrong, 0.0, 1, config, MAPS[0], None)
     with pytest.raises(InputError, match=refused):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from safeloc.errors import InputError
 from safeloc.railway.map.elements import Fibre, FibrePoint, Stretch
 from safeloc.sensing.fibre.fibre_map import FibreMap, from_line, one_to_one, place_of
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 
 MAP = FibreMap(((0, 0), (1_000, 980), (1_050, 980), (3_000, 2_900)), error_mm=10)
 
@@ -25,7 +25,7 @@ def test_slack_is_spread_between_surveyed_points() -> None:
 def test_bounds_on_the_fibre_become_bounds_on_the_track(one: int, other: int, truth: int) -> None:
     """What lies between two places of the cable lies between their places on the track."""
     low, high = min(one, other), max(one, other)
-    found = MAP.on_track(Interval(low, high))
+    found = MAP.on_track(ExactBounds(low, high))
     if low <= truth <= high:
         assert found.low <= MAP.path_mm(truth) - 10
         assert MAP.path_mm(truth) + 10 <= found.high
@@ -70,4 +70,4 @@ def test_places_along_the_path_are_places_on_edges() -> None:
 
 def test_without_slack_all_is_one_to_one() -> None:
     """Exactly."""
-    assert Interval(5, 9) == one_to_one(100).on_track(Interval(5, 9))
+    assert ExactBounds(5, 9) == one_to_one(100).on_track(ExactBounds(5, 9))

@@ -60,14 +60,17 @@ def emitters(*bits: str) -> tuple[Emitter, ...]:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"band": Band(low_hz=40, high_hz=500)}, "does not lie below half of 1000 frames"),
+        ({"band": Band(low_hz=40, high_hz=500)}, "does not lie below half the frame rate of 1000 Hz"),
         ({"band": Band(window_frames=16, low_hz=40, high_hz=100)}, "resolve no tone"),
         (
             {"emission": Emission(emitters=emitters("10110100"), tone_hz=100)},
             "between the band and half the frame rate",
         ),
         ({"section_places": (SectionPlace(id="S", from_mm=9, to_mm=9, effect="raises"),)}, "from_mm < to_mm"),
-        ({"section_places": (SectionPlace(id="S", from_mm=9, to_mm=50_000_000, effect="raises"),)}, "does not lie"),
+        (
+            {"section_places": (SectionPlace(id="S", from_mm=9, to_mm=50_000_000, effect="raises"),)},
+            "has to lie on the fibre",
+        ),
         ({"point_places": (PointPlace(id="P", fibre_mm=5),)}, "may lie in between"),
         ({"point_places": (PointPlace(id="P", fibre_mm=50_000_000),)}, "P lies beyond the fibre's end"),
         (
@@ -87,7 +90,7 @@ def test_figures_fit_together(wrong: dict[str, Any], message: str) -> None:
     [
         (("11101000", "11101001"), "differ in fewer than 4 bits"),
         (("11101000", "111010001"), "same number of bits"),
-        (("01110100",), "begins with 1"),
+        (("01110100",), "has to begin with 1"),
         (("11110000",), "4 zeros in a row"),
     ],
 )
@@ -106,7 +109,7 @@ def test_emitters_have_names_of_their_own() -> None:
 
 def test_hysteresis_is_one() -> None:
     """The way back lies below the way in."""
-    with pytest.raises(ValueError, match="lies below change_cdb"):
+    with pytest.raises(ValueError, match="has to lie below change_cdb"):
         Sections(change_cdb=500, return_cdb=500)
 
 

@@ -194,7 +194,7 @@ def test_a_broken_pickle_is_run_up_to_where_it_breaks(path: Path) -> None:
 def test_other_files(path: Path, content: bytes) -> None:
     """Among them what a reader that tries all kinds would take for a pickle."""
     path.write_bytes(content)
-    with pytest.raises(StreamError, match=rf"^{path}: no HDF5 file; store other recordings as HDF5"):
+    with pytest.raises(StreamError, match=rf"^{path}: not an HDF5 file; store other recordings as HDF5"):
         judged(path)
 
 
@@ -210,7 +210,7 @@ def test_damage(path: Path) -> None:
         except StreamError as error:
             assert str(error).startswith(f"{path}: ")  # noqa: PT017 # most damage is in numbers, and passes
     path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(StreamError, match="no HDF5 that can be read"):
+    with pytest.raises(StreamError, match="not readable as HDF5"):
         judged(path)
 
 

@@ -9,7 +9,7 @@ import pytest
 from safeloc.errors import InputError
 from safeloc.language.units import MM, MM_S, ONE, S, Unit
 from safeloc.sensing.fibre.time_of_flight import bounds_mm, distance_mm, most_pulses_hz, speed_mm_s, time_ps
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 
 INDEX_PPM = 1_468_000
 T2_PS = 100_000_000
@@ -42,7 +42,7 @@ def test_bounds_hold_the_truth_for_every_index_in_its_error(off: int) -> None:
     real = Fraction(INDEX_PPM) * (1 + Fraction(off, 1_000_000))
     truth = 30_000_000
     taken = Fraction(truth) * 2 * 10**12 * real / (299_792_458_000 * 1_000_000)
-    found = bounds_mm(Interval(taken - 5, taken + 5), INDEX_PPM, 100)
+    found = bounds_mm(ExactBounds(taken - 5, taken + 5), INDEX_PPM, 100)
     assert found.low <= truth <= found.high
     assert found.high - found.low < 7_000
 

@@ -258,5 +258,5 @@ def test_margins_that_are_not_finite_bound_nothing(wrong: float) -> None:
     """Refused, in place and in speed."""
     portion = Portion(0.0, ((0.0, 0.0, 0.0), (400.0, 0.0, 0.0)))
     for estimate in (Estimate(wrong, 1.0, 1.0), Estimate(1.0, wrong, 1.0), Estimate(1.0, 1.0, wrong)):
-        with pytest.raises(InputError, match=rf"^a measured figure is {wrong}; leave out what is not finite"):
+        with pytest.raises(InputError, match=rf"^a measured figure is {wrong}; remove figures that are not finite"):
             Bounds(5_000, 800).on_track(estimate, portion, 200.0)

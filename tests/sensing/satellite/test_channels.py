@@ -74,5 +74,5 @@ def test_identities_are_distinct() -> None:
     for none in (0, -95, 100, 705):
         with pytest.raises(InputError, match="no identity"):
             satellite_name(none)
-    with pytest.raises(InputError, match="0 channels hear nothing"):
+    with pytest.raises(InputError, match="0 channels receive nothing"):
         Channels(0, 2)

@@ -10,7 +10,7 @@ from fractions import Fraction
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import ExactBounds
 from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.predicted import Predicted
 from safeloc.sensing.satellite.solution import Bounds, Estimate, Look, Solution, solve
@@ -85,7 +85,7 @@ def test_the_truth_is_inside(seed: int, weighting: str, free: bool) -> None:
     assert (5 if free else 3) == found.unknowns
 
 
-def _holds(interval: Interval | None, value: float) -> bool:
+def _holds(interval: ExactBounds | None, value: float) -> bool:
     assert interval is not None
     return float(interval.low) <= value <= float(interval.high)
 
@@ -105,7 +105,7 @@ def test_the_hull_of_two_portions() -> None:
     looks = [looked(TrackState(200.0, 20.0, 0.0), TrackState(at, 20.0, 0.0), 1, 5.0, 1.0) for at in (199.0, 203.0)]
     both, alone = solve(looks, frozenset(NAMES)), [solve([one], frozenset(NAMES)) for one in looks]
     ends = [one.off_mm() for one in alone]
-    assert both.off_mm() == Interval(min(_low(one) for one in ends), max(_high(one) for one in ends))
+    assert both.off_mm() == ExactBounds(min(_low(one) for one in ends), max(_high(one) for one in ends))
     placeless = Solution(
         (both.solved[0], type(both.solved[1])(Bounds(None, 800), None, both.solved[1].speed)), both.used
     )
@@ -124,12 +124,12 @@ def test_the_dilution_is_that_of_the_worse_portion() -> None:
     assert placeless.speed_dilution() == both.solved[0].speed.dilution > 0
 
 
-def _low(interval: Interval | None) -> Fraction:
+def _low(interval: ExactBounds | None) -> Fraction:
     assert interval is not None
     return Fraction(interval.low)
 
 
-def _high(interval: Interval | None) -> Fraction:
+def _high(interval: ExactBounds | None) -> Fraction:
     assert interval is not None
     return Fraction(interval.high)
 
@@ -142,7 +142,7 @@ def test_what_cannot_be_solved_says_why() -> None:
     assert "FEW_LEFT" == few.value.why
     one = look.predictions["G01"]
     alike = Look(look.place, look.bounds, look.off_mm, look.speed_off_mm_s, dict.fromkeys(NAMES, one))
-    with pytest.raises(NoSolution, match="cannot be told apart") as same:
+    with pytest.raises(NoSolution, match="cannot be separated") as same:
         solve([alike], frozenset(("G01", "G02", "G03")))
     assert "ALIKE" == same.value.why
     still = Look(

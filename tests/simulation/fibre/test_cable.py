@@ -73,5 +73,5 @@ def test_impossible_cables_are_refused() -> None:
     """Points beyond the end, a map that goes back."""
     with pytest.raises(InputError, match="not on a fibre of 20000"):
         made(points_m=(20_001.0,))
-    with pytest.raises(InputError, match="growing order of fibre"):
+    with pytest.raises(InputError, match="ascending order of fibre"):
         made(map_points=((0, 0), (10, 5), (10, 6)))

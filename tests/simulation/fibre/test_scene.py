@@ -83,5 +83,5 @@ def test_an_emitter_sounds_bit_by_bit() -> None:
 
 def test_a_pattern_is_made_of_bits() -> None:
     """Or refused."""
-    with pytest.raises(InputError, match="made of 0 and 1"):
+    with pytest.raises(InputError, match="consists of 0 and 1"):
         Sounding("10x", 1.0, 0.0)

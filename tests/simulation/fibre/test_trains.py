@@ -47,7 +47,7 @@ def test_the_place_is_the_integral_of_the_speed() -> None:
 @pytest.mark.parametrize("speeds", [(), ((1.0, 5.0), (1.0, 6.0)), ((2.0, 5.0), (1.0, 6.0))])
 def test_a_course_goes_on_in_time(speeds: tuple[tuple[float, float], ...]) -> None:
     """Or is refused."""
-    with pytest.raises(InputError, match="growing order of seconds"):
+    with pytest.raises(InputError, match="ascending order of seconds"):
         Course(0.0, speeds)
 
 

@@ -7,8 +7,9 @@ import pytest
 from safeloc.errors import InputError
 from safeloc.sensing.satellite.places import Place
 from safeloc.sensing.satellite.residuals import Residuals, residuals
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.satellite.receiver import ReceiverConfig
-from safeloc.simulation.satellite.run import Outages, SimulatedRun, Spoofer, World, simulate
+from safeloc.simulation.satellite.run import SimulatedRun, World, simulate
 from safeloc.simulation.satellite.scenery import tunnel
 from tests.simulation.satellite.sky import ride, sky, straight
 
@@ -64,8 +65,8 @@ def test_a_tunnel_silences_and_gives_back() -> None:
 
 def test_a_spoofer_drags_the_place() -> None:
     """All satellites agree on a place 20 m ahead: the differences are those of that place, and none of the true one."""
-    spoofer = Spoofer(from_s=5.0, drift_m_per_s=1.0, gathering_m_per_s2=0.1)
-    run = simulate(World(sky(), straight(), receiver=QUIET, spoofers=(spoofer,)), ride(), seed=3)
+    spoofed = Fault("false place", begin=5_000, figures={"gathering_m_per_s2": 0.1})
+    run = simulate(World(sky(), straight(), receiver=QUIET, faults=(spoofed,)), ride(), seed=3)
     truth, epoch = run.truth[29], run.epochs[29]
     away = 0.1 / 2 * 10**2 + 15.0
     point, along = straight().at(truth.place_m + away)
@@ -76,11 +77,19 @@ def test_a_spoofer_drags_the_place() -> None:
     assert set(truth.error_m) == set(epoch.satellites)
 
 
-def test_outages_come_in_cycles() -> None:
+def test_a_spoofer_that_ends_leaves_nothing_behind() -> None:
+    """From the fault's end on, nothing is added to any signal; before its beginning neither."""
+    spoofed = Fault("false place", begin=5_000, end=20_000)
+    run = simulate(World(sky(), straight(), receiver=QUIET, faults=(spoofed,)), ride(), seed=3)
+    dragged = [any(truth.error_m.values()) for truth in run.truth]
+    assert [5 < second < 20 for second in range(1, 41)] == dragged
+
+
+def test_silence_comes_in_cycles() -> None:
     """The named satellite is gone for 3 of every 10 s, the others stay."""
     whole = simulate(World(sky(), straight()), ride(), seed=3)
     name = min(whole.epochs[0].satellites)
-    run = simulate(World(sky(), straight(), outages=(Outages(10.0, 3.0, frozenset({name})),)), ride(), seed=3)
+    run = simulate(World(sky(), straight(), faults=(Fault("silence", name),)), ride(), seed=3)
     gone = [name not in epoch.satellites for epoch in run.epochs]
     assert [second % 10 >= 7 for second in range(1, 41)] == gone
     assert all(len(a.satellites) - len(b.satellites) <= 1 for a, b in zip(whole.epochs, run.epochs, strict=True))
@@ -94,10 +103,14 @@ def test_a_seed_makes_a_run() -> None:
 
 
 def test_what_cannot_be_simulated_is_refused() -> None:
-    """Off the track, an outage without an end, a false place without a start."""
+    """Off the track, a silence without an end, a false place without a start, a fault of no sky."""
     with pytest.raises(InputError, match="not on the mapped portion"):
         simulate(World(sky(), straight()), ride(start_m=4_900), seed=1)
-    with pytest.raises(InputError, match="leaves no cycle"):
-        simulate(World(sky(), straight(), outages=(Outages(3.0, 3.0),)), ride(5), seed=1)
-    with pytest.raises(InputError, match="must be above 0"):
-        simulate(World(sky(), straight(), spoofers=(Spoofer(0.0, 1.0, 0.0),)), ride(5), seed=1)
+    for fault, message in (
+        (Fault("silence", figures={"period_s": 3.0}), r"silent_s has to be a part of period_s\.$"),
+        (Fault("false place", figures={"gathering_m_per_s2": 0.0}), r"gathering_m_per_s2 must be above 0\.$"),
+        (Fault("silence", begin=5_000), r"begins after the run, which is 5000 long\.$"),
+        (Fault("clouds"), r"^clouds, 0 to the end: a sky has no such fault; it has false place, silence\.$"),
+    ):
+        with pytest.raises(InputError, match=message):
+            simulate(World(sky(), straight(), faults=(fault,)), ride(5), seed=1)

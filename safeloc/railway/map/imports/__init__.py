@@ -1,1 +1,1 @@
-"""Maps in other formats: each importer returns the line and notes on everything it did not carry over as it stands."""
+"""Importers of maps in other formats. Each returns the line, and notes on everything dropped, changed or assumed."""

@@ -1,8 +1,8 @@
 """Tables of balise groups (XLSX) as lines: columns NID_C, NID_BG, Lint, Km, Or BG, Or Lint, Spoornr.
 
-That is the form of the engineering data of Utrecht-Amsterdam. Each row is a group: `Km` is its place in metres along the
-kilometre line `Lint`, `Spoornr` its track, `Or BG` the town that its nominal direction leads to. The table says neither
-where tracks begin and end nor how they hang together: every track of a kilometre line becomes an edge of its own.
+This is the form of the engineering data of Utrecht-Amsterdam. Each row is a group: `Km` is its place in metres along the
+kilometre line `Lint`, `Spoornr` its track, `Or BG` the town in its nominal direction. The table does not contain where
+tracks begin and end, or how they are connected: every track of a kilometre line becomes an edge of its own.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from safeloc.railway.map.model import Line
 from safeloc.runtime.outside import quoted
 
 COLUMNS = ("NID_C", "NID_BG", "Lint", "Km", "Or BG", "Or Lint", "Spoornr")
-MARGIN_MM = 1_000
-"""How far a track reaches beyond its first and last group."""
+_MARGIN_MM = 1_000
+"""A track extends this far beyond its first and last group."""
 
-NOMINAL: Mapping[tuple[str, str], Direction] = {
+_NOMINAL: Mapping[tuple[str, str], Direction] = {
     ("Z", "Utrecht"): "increasing",
     ("Z", "Amsterdam"): "decreasing",
     ("N", "Utrecht"): "decreasing",
     ("N", "Amsterdam"): "increasing",
 }
-"""(where rising kilometres lead: Z south, N north; the town) -> direction. Utrecht lies south of Amsterdam."""
+"""(direction of rising kilometres: Z south, N north; town) -> direction. Utrecht lies south of Amsterdam."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One group as the table has it."""
+    """One group of the table."""
 
     place: str
     country: int
@@ -56,8 +56,7 @@ def read_balise_table(path: Path, *, name: str | None = None, version: str | Non
     """Return the groups of the first sheet.
 
     name, version  of the line; by default the file's name, and "1"
-    Raises InputError with sheet and row for cells that do not fit and for groups given twice; EngineError where
-    openpyxl is missing.
+    Raises InputError with sheet and row for wrong cells and for groups given twice; EngineError without openpyxl.
     """
     with within(path):
         return _imported(read_sheet(path), name or path.stem, version or "1", path.name)
@@ -111,7 +110,7 @@ def _column(heading: Sequence[str], column: str, where: str) -> int:
 
 def _row(place: str, found: Mapping[str, Any]) -> Row:
     rising, town = _text(found, "Or Lint", place), _text(found, "Or BG", place)
-    if (rising, town) not in NOMINAL:
+    if (rising, town) not in _NOMINAL:
         raise InputError(
             f"{place}: 'Or Lint' {rising!r} with 'Or BG' {town!r} is not known; use Z or N, Utrecht or Amsterdam."
         )
@@ -120,24 +119,24 @@ def _row(place: str, found: Mapping[str, Any]) -> Row:
         raise InputError(f"{place}: column 'Km': {found['Km']} m is no whole number of mm.")
     return Row(
         place,
-        _whole(found, "NID_C", place),
-        _whole(found, "NID_BG", place),
+        _whole_number(found, "NID_C", place),
+        _whole_number(found, "NID_BG", place),
         _text(found, "Lint", place),
         kilometre_mm,
-        NOMINAL[rising, town],
+        _NOMINAL[rising, town],
         _text(found, "Spoornr", place),
     )
 
 
 def _number(cells: Mapping[str, Any], column: str, place: str) -> str:
-    """A number as a spreadsheet shows it; it holds binary fractions."""
+    """Return a number as a spreadsheet shows it; the file holds binary fractions."""
     value = cells[column]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{place}: column {column!r}: expected a number, got {quoted(value)}.")
     return repr(value)
 
 
-def _whole(cells: Mapping[str, Any], column: str, place: str) -> int:
+def _whole_number(cells: Mapping[str, Any], column: str, place: str) -> int:
     value = decimal(_number(cells, column, place), f"{place}: column {column!r}")
     if value != value.to_integral_value():
         raise InputError(f"{place}: column {column!r}: expected a whole number, got {value}.")
@@ -165,13 +164,13 @@ def _refuse_twice(rows: Sequence[Row]) -> None:
 
 
 def _assumed() -> Iterator[Note]:
-    """List the assumptions about facts that the table does not contain."""
+    """Yield notes on what the line assumes because the table does not contain it."""
     yield Note("assumed", "column 'Km'", "metres along the kilometre line, without jumps")
     yield Note("assumed", "column 'Or Lint'", "Z: rising kilometres lead south, N: north; Utrecht is the south end")
     yield Note(
         "assumed",
         "column 'Spoornr'",
-        "a track reaches 1 m beyond its first and last group; ways between tracks are not told",
+        "a track reaches 1 m beyond its first and last group; connections between tracks are unknown",
     )
     yield Note(
         "assumed",
@@ -181,7 +180,7 @@ def _assumed() -> Iterator[Note]:
 
 
 def _spans(rows: Sequence[Row]) -> dict[str, tuple[Row, Row]]:
-    """Edge -> its groups with the lowest and the highest kilometre, in the order of the table."""
+    """Return for each edge its groups with the lowest and the highest kilometre, in the order of the table."""
     by_edge: dict[str, list[Row]] = {}
     for row in rows:
         by_edge.setdefault(row.edge, []).append(row)
@@ -192,14 +191,14 @@ def _spans(rows: Sequence[Row]) -> dict[str, tuple[Row, Row]]:
 
 
 def _edge(edge: str, lowest: Row, highest: Row) -> TrackEdge:
-    start = made(KilometrePoint, lowest.place, kilometre_mm=lowest.kilometre_mm - MARGIN_MM, line=lowest.line)
+    start = made(KilometrePoint, lowest.place, kilometre_mm=lowest.kilometre_mm - _MARGIN_MM, line=lowest.line)
     return made(
         TrackEdge,
         lowest.place,
         id=edge,
         from_node=f"{edge} low end",
         to_node=f"{edge} high end",
-        length_mm=highest.kilometre_mm - lowest.kilometre_mm + 2 * MARGIN_MM,
+        length_mm=highest.kilometre_mm - lowest.kilometre_mm + 2 * _MARGIN_MM,
         track=lowest.track,
         kilometres=(start,),
     )
@@ -213,6 +212,6 @@ def _group(row: Row, lowest_mm: int) -> BaliseGroup:
         edge=row.edge,
         identity=row.identity,
         country=row.country,
-        balises=(made(Balise, row.place, position_mm=row.kilometre_mm - lowest_mm + MARGIN_MM),),
+        balises=(made(Balise, row.place, position_mm=row.kilometre_mm - lowest_mm + _MARGIN_MM),),
         nominal_direction=row.nominal,
     )

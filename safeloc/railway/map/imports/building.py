@@ -1,4 +1,4 @@
-"""From what a file says to records of the map: their refusals become errors that name the place in the file."""
+"""Builds records of the map from a file; a record that is refused becomes an error with the place in the file."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from safeloc.errors import EngineError, InputError
 from safeloc.runtime.outside import quoted, read_bytes, reading_file
 
 LARGEST_MAP = 200_000_000
-"""Bytes of a map file: a country's micro topology."""
+"""Bytes of a map file; enough for the micro topology of a country."""
 
 Record = TypeVar("Record", bound=BaseModel)
 
 
 def made(record: type[Record], place: str, **fields: Any) -> Record:
-    """Return the record; InputError with the place and the first field that does not fit."""
+    """Return the record; InputError with the place and the first wrong field."""
     try:
         return record(**fields)
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
-        told = first["msg"].removeprefix("Value error, ")
+        reason = first["msg"].removeprefix("Value error, ")
         if not field:
-            raise InputError(f"{place}: {told}.") from error
-        raise InputError(f"{place}: field {field}: {told} (got {quoted(first['input'])}).") from error
+            raise InputError(f"{place}: {reason}.") from error
+        raise InputError(f"{place}: field {field}: {reason} (got {quoted(first['input'])}).") from error
 
 
 def missing(package: str, purpose: str) -> EngineError:
-    """Make the error for a missing package of the extra `geo`."""
+    """Return the error for a missing package of the extra `geo`."""
     return EngineError(f"{purpose} needs {package}; install safeloc[geo].")
 
 
 @contextmanager
 def within(path: Path) -> Iterator[None]:
-    """The rule of the border (`safeloc.runtime.outside`) for maps; errors about what is in the file name the file."""
+    """Apply the rule of the border (`safeloc.runtime.outside`) to maps; errors about the content name the file."""
     with reading_file(path):
         yield
 

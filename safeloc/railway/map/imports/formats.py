@@ -1,4 +1,4 @@
-"""The formats that lines are imported from, by name."""
+"""The formats of maps that can be imported, by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from safeloc.railway.map.imports.ttobench import read_ttobench
 
 
 class Importer(Protocol):
-    """Reads a file; `name` and `version` of the line are taken from the file where they are not given."""
+    """Reads a file. `name` and `version` of the line come from the file unless they are given."""
 
     def __call__(self, path: Path, *, name: str | None = None, version: str | None = None) -> Imported: ...
 
@@ -30,7 +30,7 @@ SUFFIXES = {".railml": "railml", ".xml": "railml", ".geojson": "geojson", ".xlsx
 
 
 def importer(path: Path, form: str | None = None) -> Importer:
-    """Return the importer of that name, else the one the file's suffix tells. InputError where neither does."""
+    """Return the importer of the format, by default that of the file's suffix. InputError for an unknown format."""
     chosen = form if form is not None else SUFFIXES.get(path.suffix.lower())
     if chosen is None:
         raise InputError(f"{path}: its suffix is no known format; name one of {', '.join(FORMATS)}.")

@@ -1,6 +1,6 @@
-"""Track networks as GeoJSON: lines are edges with geodesic lengths, points of type `netrelation` say which ends meet.
+"""Imports track networks as GeoJSON: lines are edges with geodesic lengths, points of type `netrelation` connect ends.
 
-A relation names two elements, the end of each (0 begins, 1 ends) and whether vehicles can go from one to the other.
+A relation names two elements, one end of each (0 begin, 1 end), and whether vehicles can run from one to the other.
 Coordinates are longitude and latitude (RFC 7946); lengths are those of the geodesics on WGS 84, without heights.
 """
 
@@ -24,17 +24,17 @@ from safeloc.railway.map.imports.topology import End, Joined, Naming, Relation, 
 from safeloc.railway.map.model import Line
 
 Point = tuple[float, float]
-PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
-RELATION = ("id", "type", "netelementA", "netelementB", "positionOnA", "positionOnB", "navigability")
-MEETING_LIMIT_M = 1.0
-"""Ends that meet lie no farther apart than this; beyond, the file contradicts itself."""
-BRANCH_M = 30.0
-"""How far along its branches a switch is looked at to tell left from right."""
+_PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
+_RELATION = ("id", "type", "netelementA", "netelementB", "positionOnA", "positionOnB", "navigability")
+_MEETING_LIMIT_M = 1.0
+"""Greatest distance between two ends that meet; if they lie farther apart, the file contradicts itself."""
+_BRANCH_M = 30.0
+"""Length of the branches over which left and right are determined."""
 
 
 @dataclass(frozen=True)
 class Track:
-    """A line of the file."""
+    """A LineString of the file."""
 
     id: str
     place: str
@@ -55,7 +55,7 @@ def read_geojson(path: Path, *, name: str | None = None, version: str | None = N
     """Return the network in a GeoJSON file.
 
     name, version  of the line; by default the file's name, and "1"
-    Raises InputError naming the feature for what does not fit; EngineError where pyproj is missing.
+    Raises InputError with the feature for anything wrong in it; EngineError without pyproj.
     """
     notes: list[Note] = []
     with within(path):
@@ -114,8 +114,8 @@ def _feature(place: str, found: object) -> Feature:
     return Feature(place, properties, str(geometry.get("type")), geometry.get("coordinates") or [])
 
 
-def point(found: object, place: str) -> Point:
-    """Return a position as (longitude, latitude) in degrees. InputError for what is none."""
+def _point(found: object, place: str) -> Point:
+    """Return a position as (longitude, latitude) in degrees. InputError for anything else."""
     numbers = sequence(found, f"{place}: position")
     if len(numbers) < 2:
         raise InputError(f"{place}: a position has a longitude and a latitude.")
@@ -134,8 +134,8 @@ def _tracks(features: Sequence[Feature], notes: list[Note]) -> dict[str, Track]:
                 raise InputError(f"{feature.place}: the identity is that of an earlier feature.")
             tracks[track.id] = track
         elif feature.properties.get("type") != "netrelation":
-            told = f"{feature.kind} of type {feature.properties.get('type')!r}"
-            notes.append(Note("not understood", feature.place, told))
+            what = f"{feature.kind} of type {feature.properties.get('type')!r}"
+            notes.append(Note("not understood", feature.place, what))
     if not tracks:
         raise InputError("the file has no LineString: there is no track in it.")
     return tracks
@@ -148,7 +148,7 @@ def _track(feature: Feature, notes: list[Note]) -> Track:
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
     if any(isinstance(position, list) and len(position) > 2 for position in positions):
         notes.append(Note("not carried over", feature.place, "heights; lengths are those on the ellipsoid"))
-    points = tuple(point(position, feature.place) for position in positions)
+    points = tuple(_point(position, feature.place) for position in positions)
     if len(set(points)) < 2:
         raise InputError(f"{feature.place}: a track has at least two points.")
     return Track(identity, feature.place, points)
@@ -164,26 +164,28 @@ def _relations(features: Sequence[Feature], tracks: Mapping[str, Track], notes: 
 
 
 def _relation(feature: Feature, tracks: Mapping[str, Track], notes: list[Note]) -> Relation:
-    for name in others(feature.properties, RELATION):
+    for name in others(feature.properties, _RELATION):
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
     identity = text(required(feature.properties, "id", feature.place), f"{feature.place}: id")
-    told = text(required(feature.properties, "navigability", feature.place), f"{feature.place}: navigability").lower()
-    if told not in PASSABLE:
-        raise InputError(f"{feature.place}: navigability must be both, none, AB or BA, not {told!r}.")
-    if told in ("ab", "ba"):
+    navigability = text(
+        required(feature.properties, "navigability", feature.place), f"{feature.place}: navigability"
+    ).lower()
+    if navigability not in _PASSABLE:
+        raise InputError(f"{feature.place}: navigability must be both, none, AB or BA, not {navigability!r}.")
+    if navigability in ("ab", "ba"):
         notes.append(Note("not carried over", feature.place, "one way only; the map allows both ways"))
     one, other = (_end(feature, side, tracks) for side in "AB")
-    return Relation(identity, one, other, PASSABLE[told], feature.place)
+    return Relation(identity, one, other, _PASSABLE[navigability], feature.place)
 
 
 def _end(feature: Feature, side: str, tracks: Mapping[str, Track]) -> End:
     name = text(required(feature.properties, f"netelement{side}", feature.place), f"{feature.place}: netelement{side}")
     if name not in tracks:
         raise InputError(f"{feature.place}: netelement{side}: there is no element {name!r}.")
-    told = required(feature.properties, f"positionOn{side}", feature.place)
-    if isinstance(told, bool) or told not in (0, 1):
-        raise InputError(f"{feature.place}: positionOn{side} must be 0 or 1, not {told!r}.")
-    return name, int(told)
+    position = required(feature.properties, f"positionOn{side}", feature.place)
+    if isinstance(position, bool) or position not in (0, 1):
+        raise InputError(f"{feature.place}: positionOn{side} must be 0 or 1, not {position!r}.")
+    return name, int(position)
 
 
 def _relations_apart(relations: Sequence[Relation], tracks: Mapping[str, Track], notes: list[Note]) -> None:
@@ -192,16 +194,16 @@ def _relations_apart(relations: Sequence[Relation], tracks: Mapping[str, Track],
     for relation in relations:
         one, other = _coordinates(tracks, relation.one), _coordinates(tracks, relation.other)
         apart_m = geod.inv(*one, *other)[2]
-        if apart_m > MEETING_LIMIT_M:
-            told = f"ends that meet lie {apart_m:.1f} m apart; taken as meeting"
-            notes.append(Note("doubtful", relation.place, told))
+        if apart_m > _MEETING_LIMIT_M:
+            remark = f"ends that meet lie {apart_m:.1f} m apart; taken as meeting"
+            notes.append(Note("doubtful", relation.place, remark))
 
 
 # ------------------------------------------------------------------ edges and nodes
 
 
 def _lengths_mm(tracks: Mapping[str, Track]) -> dict[str, int]:
-    """Geodesic lengths, to the nearest mm."""
+    """Return geodesic lengths, to the nearest mm."""
     geod = _ellipsoid()
     return {track.id: round(geod.line_length(*zip(*track.points, strict=True)) * 1000) for track in tracks.values()}
 
@@ -253,9 +255,9 @@ def _coordinates(tracks: Mapping[str, Track], end: End) -> Point:
 
 
 def _sides(tracks: Mapping[str, Track], stem: End, one: End, other: End) -> tuple[End, End] | None:
-    """Left and right, from the course of the branches: None where both go the same way."""
+    """Return left and right branch, from their courses; None if both have the same direction."""
     centre = _coordinates(tracks, stem)
-    reach = min(BRANCH_M, *(_length_m(_from_end(tracks, end)) for end in (one, other)))
+    reach = min(_BRANCH_M, *(_length_m(_from_end(tracks, end)) for end in (one, other)))
     ax, ay = _plane(centre, _after(_from_end(tracks, one), reach))
     bx, by = _plane(centre, _after(_from_end(tracks, other), reach))
     turned = ax * by - ay * bx
@@ -270,7 +272,7 @@ def _from_end(tracks: Mapping[str, Track], end: End) -> tuple[Point, ...]:
 
 
 def _after(points: Sequence[Point], reach_m: float) -> Point:
-    """The point this far along the course."""
+    """Return the point at this distance along the course."""
     left = reach_m
     for before, after in pairwise(points):
         step = math.hypot(*_plane(before, after))
@@ -286,7 +288,7 @@ def _length_m(points: Sequence[Point]) -> float:
 
 
 def _plane(origin: Point, to: Point) -> Point:
-    """Metres east and north; near enough over some tens of metres."""
+    """Return metres east and north; accurate enough over some tens of metres."""
     metres_per_degree = 111_320.0
     scale = math.cos(math.radians(origin[1]))
     return (to[0] - origin[0]) * metres_per_degree * scale, (to[1] - origin[1]) * metres_per_degree

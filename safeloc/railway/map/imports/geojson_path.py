@@ -1,7 +1,7 @@
-"""Recorded paths as GeoJSON: which elements a vehicle ran over, in order, as a route on the network (RFL-D6).
+"""Imports recorded paths as GeoJSON: the elements that a vehicle ran over, in order, as a route on the network (RFL-D6).
 
-Each feature names an element and how much of it was run over, as shares of its length. The direction is not told; it
-follows from the order of the elements. `gnss_start_index` and `gnss_end_index` say which rows of the log lie on it.
+Each feature names an element and the piece of it that was run over, as shares of its length. The file has no direction; it
+follows from the order of the elements. `gnss_start_index` and `gnss_end_index` are the rows of the log on the element.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.routes import Route
 from safeloc.railway.map.topology import Run, Topology
 
-KNOWN = ("netelement_id", "start_intrinsic", "end_intrinsic", "gnss_start_index", "gnss_end_index", "probability")
-BOTH: tuple[Direction, Direction] = ("increasing", "decreasing")
+_KNOWN = ("netelement_id", "start_intrinsic", "end_intrinsic", "gnss_start_index", "gnss_end_index", "probability")
+_BOTH: tuple[Direction, Direction] = ("increasing", "decreasing")
 
 
 class ImportedPath(NamedTuple):
@@ -35,8 +35,8 @@ class ImportedPath(NamedTuple):
 def read_path(path: Path, topology: Topology, *, first: Direction | None = None) -> ImportedPath:
     """Return the route in a path file, over the whole of its first and last element.
 
-    first  direction along the first element, where the order of the elements does not tell
-    Raises InputError for unknown elements, elements that no vehicle can go to in this order, and an untold direction.
+    first  direction along the first element, needed if the order of the elements does not determine it
+    Raises InputError for unknown elements, for an order that no vehicle can run, and for an undetermined direction.
     """
     notes: list[Note] = []
     with within(path):
@@ -47,30 +47,30 @@ def read_path(path: Path, topology: Topology, *, first: Direction | None = None)
 
 
 def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | None = None) -> Route:
-    """Return the route that runs over these edges in this order; InputError where there is none, or more than one."""
+    """Return the route that runs over these edges in this order; InputError if there is none, or more than one."""
     for edge in edges:
         if edge not in topology.edges:
             raise InputError(f"the network has no element {edge!r}.")
-    starts: Sequence[Direction] = BOTH if first is None else (first,)
+    starts: Sequence[Direction] = _BOTH if first is None else (first,)
     layers = list(_layers(edges, starts, topology))
     if not layers[-1]:
         end = len(layers)
         raise InputError(f"no vehicle can run over {', '.join(map(repr, edges[max(0, end - 3) : end]))} in this order.")
     if len(layers[-1]) > 1 or any(way.several for way in layers[-1].values()):
-        raise InputError(f"the direction along {edges[0]!r} is not told; say whether it was increasing or decreasing.")
+        raise InputError(f"the direction along {edges[0]!r} is unknown; give it as increasing or decreasing.")
     runs = _back(layers)
     return Route(topology, runs, 0, topology.length_mm(runs[-1]))
 
 
 class _Way(NamedTuple):
-    """The way to a run: the run before it (None for the first), and whether there are several ways."""
+    """The way to a run: the previous run (None for the first), and whether there are several ways."""
 
     before: Run | None
     several: bool = False
 
 
 def _layers(edges: Sequence[str], starts: Sequence[Direction], topology: Topology) -> Iterator[Mapping[Run, _Way]]:
-    """The runs that can be reached over each edge, up to the first edge without any; as many steps as there are edges."""
+    """Yield the reachable runs for each edge, up to the first edge without any; the work is linear in the edges."""
     reached = {Run(edges[0], start): _Way(None) for start in starts if Run(edges[0], start) in topology.graph}
     yield reached
     for edge in edges[1:]:
@@ -85,7 +85,7 @@ def _layers(edges: Sequence[str], starts: Sequence[Direction], topology: Topolog
 
 
 def _back(layers: Sequence[Mapping[Run, _Way]]) -> tuple[Run, ...]:
-    """The only way through the layers."""
+    """Return the only way through the layers."""
     run = next(iter(layers[-1]))
     runs = [run]
     for layer in reversed(layers):
@@ -96,9 +96,9 @@ def _back(layers: Sequence[Mapping[Run, _Way]]) -> tuple[Run, ...]:
 
 
 def _edge(feature: Feature, topology: Topology, notes: list[Note]) -> str:
-    for name in others(feature.properties, KNOWN):
+    for name in others(feature.properties, _KNOWN):
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
-    if any(share in feature.properties for share in KNOWN[1:5]):
+    if any(share in feature.properties for share in _KNOWN[1:5]):
         notes.append(
             Note(
                 "not carried over",

@@ -1,4 +1,4 @@
-"""JSON read strictly: numbers as they are written (Decimal), nothing twice, no NaN, and errors that name the place."""
+"""Reads JSON strictly: exact decimal numbers, no name twice, no NaN, and errors with the place in the file."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from safeloc.railway.map.imports.building import content
 from safeloc.runtime.outside import decoded, quoted, refuse_beyond, shortened
 
 MOST_VALUES = 10_000_000
-"""Numbers, texts, lists and objects in one file; an empty list of three bytes takes seventy in memory."""
+"""Numbers, texts, lists and objects in one file; an empty list of three bytes takes seventy bytes of memory."""
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """Return the object in the file. InputError for anything that is none, for a name given twice, and for NaN."""
+    """Return the object in the file. InputError for other content, for a name given twice, and for NaN."""
     data = content(path)
     refuse_beyond(path, sum(map(data.count, (b",", b"[", b"{"))), MOST_VALUES, "values")
     text = decoded(path, data)
@@ -76,7 +76,7 @@ def required(found: Mapping[str, Any], name: str, place: str) -> Any:
 
 
 def others(found: Mapping[str, Any], known: Sequence[str]) -> Iterator[str]:
-    """Return the names that are not among the known ones."""
+    """Yield the names that are not among the known ones."""
     return (name for name in found if name not in known)
 
 

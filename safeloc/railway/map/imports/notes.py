@@ -15,11 +15,11 @@ Kind = Literal["not understood", "not carried over", "assumed", "rounded", "doub
 class Note:
     """One remark.
 
-    kind   not understood    the importer does not know what this is
-           not carried over  known, but the map has no place for it or the file does not say enough
-           assumed           the map holds something that the file does not say
-           rounded           a length that is no whole number of mm
-           doubtful          the file contradicts itself; the text says what was taken
+    kind   not understood    unknown to the importer
+           not carried over  known, but the map has no place for it, or the file does not contain enough
+           assumed           the map contains something that the file does not
+           rounded           a length that is not a whole number of mm
+           doubtful          the file contradicts itself; the text says which value was taken
     place  where in the file: element, identity, line
     """
 
@@ -40,7 +40,7 @@ class Imported(NamedTuple):
 
 @dataclass(frozen=True)
 class Similar:
-    """Notes of one kind and text, told together."""
+    """Notes of one kind and text, reported together."""
 
     kind: Kind
     text: str
@@ -53,7 +53,7 @@ class Similar:
 
 
 def similar(notes: Iterable[Note]) -> list[Similar]:
-    """Return the notes by kind and text, in the order of their first one: what a reader looks at first."""
+    """Return the notes grouped by kind and text, in the order of the first of each."""
     places: dict[tuple[Kind, str], list[str]] = {}
     for note in notes:
         places.setdefault((note.kind, note.text), []).append(note.place)

@@ -1,8 +1,8 @@
-"""railML 3 (3.1 to 3.3): the micro topology and what stands along it, as a line of our own (RFL-4).
+"""Imports railML 3 (3.1 to 3.3): the micro topology and the objects along it (RFL-4).
 
 Carried over: net elements and relations with switches and crossings, kilometres, tracks, buffer stops and open borders,
 balise groups, signals, axle counters, tunnels, speed limits. Lengths become whole mm by exact decimal arithmetic.
-Everything else is in the notes, element by element: known things that the map has no place for, and unknown ones.
+Everything else is in the notes, element by element, known or unknown.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from safeloc.railway.map.imports.railml_xml import Element, read_xml, unused
 from safeloc.railway.map.imports.topology import Joined, join
 from safeloc.railway.map.model import Line
 
-NAMESPACE = re.compile(r"https://www\.railml\.org/schemas/3\.[1-3]")
-NO_PLACE = frozenset({
+_NAMESPACE = re.compile(r"https://www\.railml\.org/schemas/3\.[1-3]")
+_NO_PLACE = frozenset({
     "metadata", "name", "designator", "isValid", "typeDesignator", "external", "elementState", "gmlLocations",
     "gmlLocation", "networkLocation", "areaLocation", "geometricCoordinate", "geometricPositioningSystems",
     "screenPositioningSystems", "organizationalUnits", "speedProfiles", "electrificationSystems", "positioning",
@@ -46,16 +46,16 @@ NO_PLACE = frozenset({
     "trackBeds", "trackGauges", "trainProtectionElements", "trainRadios", "tunnelGatesIS", "underCrossings",
     "weightLimits", "signalConstruction",
 })  # fmt: skip
-"""Elements of railML that the map has no place for; anything else that is not carried over is not understood."""
+"""Elements of railML without a place in the map; any other element that is not carried over is noted as not understood."""
 
 
-NO_PLACE_ATTRIBUTES = frozenset({
+_NO_PLACE_ATTRIBUTES = frozenset({
     "type", "continueCourse", "branchCourse", "language", "description", "basedOnTemplate", "belongsToParent", "radius",
     "mainDirection", "infrastructureManagerRef", "isSwitchable", "detectorMedium", "detectedObject", "layout", "length",
     "linkReactionNominal", "linkReactionReverse", "coverage", "isSignalized", "isTemporary", "endPointValidity",
     "branchingSpeed", "joiningSpeed", "verbalConstraint", "startMeasure", "endMeasure", "linearReferencingMethod",
 })  # fmt: skip
-"""Attributes of railML that the map has no place for."""
+"""Attributes of railML without a place in the map."""
 
 
 def read_railml(path: Path, *, name: str | None = None, version: str | None = None) -> Imported:
@@ -63,14 +63,14 @@ def read_railml(path: Path, *, name: str | None = None, version: str | None = No
 
     name, version  of the line; by default the file's name, and "1"
     Raises InputError, with element, identity and line, for broken references, missing lengths, places off their net
-    element, anything that is not railML 3 and any document type; EngineError where lxml is missing.
+    element, anything that is not railML 3 and any document type; EngineError without lxml.
     """
     with within(path):
         return _imported(_checked(read_xml(path)), name or path.stem, version or "1", path.name)
 
 
 def _checked(root: Element) -> Element:
-    if root.tag != "railML" or not NAMESPACE.fullmatch(root.namespace):
+    if root.tag != "railML" or not _NAMESPACE.fullmatch(root.namespace):
         raise InputError(f"expected a railML 3.1 to 3.3 document, got <{root.tag}> of {root.namespace!r}.")
     root.get("version")
     return root
@@ -123,21 +123,21 @@ def _edges(network: Network, joined: Joined, tracks: dict[str, str], notes: list
 
 
 def _ends(nodes: tuple[Node, ...], joined: Joined) -> Iterator[Note]:
-    """Nodes at which one edge ends and of which nothing is said."""
+    """Yield notes on nodes at which a single edge ends without a statement why."""
     kinds = {node.id: node.kind for node in nodes}
     count = Counter(joined.node_of.values())
     for (edge, _), node in joined.node_of.items():
         if count[node] == 1 and kinds[node] == "track":
-            yield Note("assumed", f"netElement {edge!r}", "track ends; neither buffer stop nor open border is told")
+            yield Note("assumed", f"netElement {edge!r}", "track ends without a buffer stop or an open border")
 
 
 def _left(root: Element) -> Iterator[Note]:
-    """List notes on elements and attributes that the importer did not read."""
+    """Yield notes on elements and attributes that the importer did not read."""
     for element, attribute in unused(root):
         if attribute is not None:
-            known = attribute in NO_PLACE_ATTRIBUTES
+            known = attribute in _NO_PLACE_ATTRIBUTES
             yield Note("not carried over" if known else "not understood", element.place, f"attribute {attribute!r}")
-        elif element.tag in NO_PLACE and element.namespace == root.namespace:
+        elif element.tag in _NO_PLACE and element.namespace == root.namespace:
             for one in _members(element):
                 yield Note("not carried over", one.place, f"{one.tag}: the map has no place for it")
         else:
@@ -146,6 +146,6 @@ def _left(root: Element) -> Iterator[Note]:
 
 
 def _members(element: Element) -> list[Element]:
-    """The members of a list of elements with identities, else the element itself."""
+    """Return the members of a list of elements with identities, or else the element itself."""
     listed = bool(element.children) and all("id" in child.attributes for child in element.children)
     return element.children if listed and "id" not in element.attributes else [element]

@@ -15,14 +15,14 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_places import Places, Spot
 from safeloc.railway.map.imports.railml_xml import Element
 
-BELONGS = ("belongsToBaliseGroup", "baliseGroupRef", "belongsToParent")
-NUMBER = ("positionInGroup", "numberInGroup")
-PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor")
+_BELONGS = ("belongsToBaliseGroup", "baliseGroupRef", "belongsToParent")
+_NUMBER = ("positionInGroup", "numberInGroup")
+_PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor")
 
 
 @dataclass(frozen=True)
 class Single:
-    """One balise of a group: its number where the document tells it, and its place where it does."""
+    """One balise of a group: its number and its place; None if the document does not give them."""
 
     element: Element
     number: int | None
@@ -31,7 +31,7 @@ class Single:
 
 
 def balise_groups(functional: Element, places: Places, edges: Mapping[str, TrackEdge]) -> Iterator[BaliseGroup]:
-    """Return all Eurobalise groups that have a place. InputError for balises of an unknown group."""
+    """Yield all Eurobalise groups that have a place. InputError for balises of an unknown group."""
     groups = {group.need("id"): group for group in functional.all("baliseGroups", "baliseGroup")}
     singles: dict[str, list[Single]] = {name: [] for name in groups}
     for balise in functional.all("balises", "balise"):
@@ -46,22 +46,22 @@ def balise_groups(functional: Element, places: Places, edges: Mapping[str, Track
 
 
 def _owner(balise: Element) -> str | None:
-    for name in BELONGS:
-        told = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
-        if told is not None:
-            return told
-    raise InputError(f"{balise.place}: belongs to no balise group; give {BELONGS[0]!r}.")
+    for name in _BELONGS:
+        owner = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
+        if owner is not None:
+            return owner
+    raise InputError(f"{balise.place}: belongs to no balise group; give {_BELONGS[0]!r}.")
 
 
 def _single(balise: Element, places: Places) -> Single:
-    told = balise.one("isEurobalise")
-    numbers = [one.get(name) for one in (balise, *([told] if told else [])) for name in NUMBER]
+    euro = balise.one("isEurobalise")
+    numbers = [one.get(name) for one in (balise, *([euro] if euro else [])) for name in _NUMBER]
     number = next((one for one in numbers if one is not None), None)
-    distance = next((one for name in PREDECESSOR if (one := balise.get(name)) is not None), None)
+    distance = next((one for name in _PREDECESSOR if (one := balise.get(name)) is not None), None)
     spot = places.spot(balise) if distance is None or balise.all("spotLocation") else None
     return Single(
         balise,
-        _whole(number, balise.place) if number is not None else None,
+        _whole_number(number, balise.place) if number is not None else None,
         spot,
         millimetres(decimal(distance, balise.place))[0] if distance is not None else None,
     )
@@ -73,8 +73,8 @@ def _group(
     euro = group.one("isEurobaliseGroup")
     spot = places.spot(group) if group.all("spotLocation") else _first_place(singles)
     if euro is None or spot is None:
-        told = "no Eurobalise group" if euro is None else "no place on the micro level"
-        places.notes.append(Note("not carried over", group.place, told))
+        remark = "no Eurobalise group" if euro is None else "no place on the micro level"
+        places.notes.append(Note("not carried over", group.place, remark))
         return None
     toward = _direction(group, spot, edges[spot.edge], places.notes)
     balises = _balises(group, singles, spot, toward, places.notes)
@@ -88,8 +88,8 @@ def _group(
         group.place,
         id=group.need("id"),
         edge=spot.edge,
-        identity=_whole(euro.need("groupID"), group.place),
-        country=_whole(euro.need("countryID"), group.place),
+        identity=_whole_number(euro.need("groupID"), group.place),
+        country=_whole_number(euro.need("countryID"), group.place),
         balises=balises,
         linked=linked,
         nominal_direction=toward if len(balises) == 1 else None,
@@ -102,50 +102,50 @@ def _group(
 
 
 def _first_place(singles: Sequence[Single]) -> Spot | None:
-    """The place of balise number 1, if the document numbers them."""
+    """Return the place of balise number 1; None if the document does not number them."""
     return next((one.spot for one in singles if one.number == 1), None)
 
 
 def _direction(group: Element, spot: Spot, edge: TrackEdge, notes: list[Note]) -> Direction | None:
-    """The nominal direction, from the direction of the kilometres or the direction of application."""
-    told: dict[str, Direction] = {}
+    """Return the nominal direction, from the direction of the kilometres or the direction of application."""
+    found: dict[str, Direction] = {}
     mileage = group.get("mileageDirection")
     if mileage not in (None, "nominal", "reverse"):
         raise InputError(f"{group.place}: mileageDirection must be nominal or reverse, not {mileage!r}.")
     if mileage is not None and edge.kilometres:
         rising = edge.kilometres[0].direction
-        told["mileageDirection"] = rising if mileage == "nominal" else opposite(rising)
+        found["mileageDirection"] = rising if mileage == "nominal" else opposite(rising)
     elif mileage is not None:
         notes.append(Note("not carried over", group.place, "mileageDirection on an edge without kilometres"))
     if len(spot.directions) == 1:
-        told["applicationDirection"] = spot.directions[0]
-    if len(set(told.values())) > 1:
+        found["applicationDirection"] = spot.directions[0]
+    if len(set(found.values())) > 1:
         notes.append(Note("doubtful", group.place, "mileageDirection against applicationDirection; taken as unknown"))
         return None
-    return next(iter(told.values()), None)
+    return next(iter(found.values()), None)
 
 
 def _balises(
     group: Element, singles: Sequence[Single], spot: Spot, toward: Direction | None, notes: list[Note]
 ) -> tuple[Balise, ...]:
-    """The balises in the order of their numbers; the group's own place alone where the order or a place is unknown."""
+    """Return the balises in the order of their numbers; if order or a place is unknown, one at the group's own place."""
     _numbers(group, singles, notes)
     ordered = _ordered(singles, toward)
     if singles and ordered is None:
-        notes.append(Note("not carried over", group.place, "single balises: their order is not told"))
+        notes.append(Note("not carried over", group.place, "single balises, whose order is unknown"))
     positions = _positions(ordered or [], spot, toward)
     if ordered and positions is None:
         notes.append(Note("not carried over", group.place, "single balises: not all lie on the group's net element"))
     if ordered and positions and positions[0] != spot.position_mm:
-        told = f"balise number 1 lies at {positions[0]} mm, the group at {spot.position_mm} mm; the balise is taken"
-        notes.append(Note("doubtful", group.place, told))
+        remark = f"balise number 1 lies at {positions[0]} mm, the group at {spot.position_mm} mm; the balise is taken"
+        notes.append(Note("doubtful", group.place, remark))
     if ordered and positions and any(one.number is None for one in ordered):
         notes.append(Note("assumed", group.place, "numbers of its balises, from its direction"))
     return tuple(made(Balise, group.place, position_mm=place) for place in positions or [spot.position_mm])
 
 
 def _numbers(group: Element, singles: Sequence[Single], notes: list[Note]) -> None:
-    """Numbers begin at 1 and go on one by one. InputError for a number given twice."""
+    """Check that numbers begin at 1 and rise one by one. InputError for a number given twice."""
     numbers = sorted(one.number for one in singles if one.number is not None)
     if len(set(numbers)) < len(numbers):
         raise InputError(f"{group.place}: two of its balises have the same number; numbers are {numbers}.")
@@ -177,25 +177,25 @@ def _positions(ordered: Sequence[Single], spot: Spot, toward: Direction | None) 
 
 
 def _linked(group: Element, euro: Element, notes: list[Note]) -> bool:
-    told = euro.get("isLinked")
-    if told is None:
+    linked = euro.get("isLinked")
+    if linked is None:
         notes.append(Note("assumed", group.place, "linked: the document does not say"))
         return True
-    if told not in ("true", "false", "1", "0"):
-        raise InputError(f"{euro.place}: isLinked must be true or false, not {told!r}.")
-    return told in ("true", "1")
+    if linked not in ("true", "false", "1", "0"):
+        raise InputError(f"{euro.place}: isLinked must be true or false, not {linked!r}.")
+    return linked in ("true", "1")
 
 
 def _count(group: Element, carried: int, notes: list[Note]) -> None:
-    told = group.get("numberOfBalisesInGroup")
-    if told is not None and _whole(told, group.place) != carried:
+    stated = group.get("numberOfBalisesInGroup")
+    if stated is not None and _whole_number(stated, group.place) != carried:
         notes.append(
-            Note("not carried over", group.place, f"numberOfBalisesInGroup {told}: places of {carried} are known")
+            Note("not carried over", group.place, f"numberOfBalisesInGroup {stated}: places of {carried} are known")
         )
 
 
-def _whole(told: Any, place: str) -> int:
-    value: Decimal = decimal(told, place)
+def _whole_number(text: Any, place: str) -> int:
+    value: Decimal = decimal(text, place)
     if value != value.to_integral_value():
-        raise InputError(f"{place}: expected a whole number, got {told!r}.")
+        raise InputError(f"{place}: expected a whole number, got {text!r}.")
     return int(value)

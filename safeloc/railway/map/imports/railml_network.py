@@ -1,4 +1,4 @@
-"""The micro topology of a railML document: net elements with exact lengths and kilometres, and which of their ends meet."""
+"""The micro topology of a railML document: net elements with exact lengths and kilometres, and the relations of their ends."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_xml import Element
 from safeloc.railway.map.imports.topology import End, Relation
 
-METRES_PER_UNIT = {"m": Decimal(1), "km": Decimal(1000)}
-PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
+_METRES_PER_UNIT = {"m": Decimal(1), "km": Decimal(1000)}
+_PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
 
 
 @dataclass(frozen=True)
 class NetElement:
     """A net element of the micro level.
 
-    length_m   as the document gives it, exact
+    length_m   length as the document gives it, exact
     measures   linear positioning system -> (intrinsic coordinate, kilometre in metres), in order
     """
 
@@ -33,12 +33,12 @@ class NetElement:
 
     @property
     def id(self) -> str:
-        """Its identity."""
+        """The identity of the net element."""
         return self.element.need("id")
 
     @property
     def length_mm(self) -> int:
-        """Its length to the nearest mm."""
+        """The length to the nearest mm."""
         return millimetres(self.length_m)[0]
 
 
@@ -52,7 +52,7 @@ class Network:
 
 
 def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> Network:
-    """Return the micro topology. InputError for missing lengths and ends, and for references to nothing."""
+    """Return the micro topology. InputError for missing lengths and ends, and for unknown references."""
     units = linear_units(root)
     everything = _by_identity(infrastructure.all("topology", "netElements", "netElement"))
     micro = _micro(infrastructure, everything, notes)
@@ -84,7 +84,7 @@ def _by_identity(found: list[Element]) -> dict[str, Element]:
 
 
 def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: list[Note]) -> set[str]:
-    """Net elements of the micro level: those a network names as such, else those that are no collection of others."""
+    """Return the net elements of the micro level: those so named by a network, else those that do not collect others."""
     named = set()
     for level in infrastructure.all("topology", "networks", "network", "level"):
         resources = [resource.need("ref") for resource in level.all("networkResource")]
@@ -92,8 +92,8 @@ def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: li
             named |= set(resources)
     if named & set(everything):
         return named & set(everything)
-    told = "no network names the micro level; taken are all net elements that are no collection of others"
-    notes.append(Note("assumed", infrastructure.place, told))
+    remark = "no network names the micro level; taken are all net elements that are no collection of others"
+    notes.append(Note("assumed", infrastructure.place, remark))
     collections = ("elementCollectionOrdered", "elementCollectionUnordered")
     return {one for one, element in everything.items() if not any(element.all(tag) for tag in collections)}
 
@@ -102,18 +102,18 @@ def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: li
 
 
 def linear_units(root: Element) -> dict[str, Decimal]:
-    """Linear positioning system -> metres per unit of its measures."""
+    """Return the metres per unit of each linear positioning system."""
     found = {}
     for system in root.all("common", "positioning", "linearPositioningSystems", "linearPositioningSystem"):
         unit = (system.get("units") or "m").lower()
-        if unit not in METRES_PER_UNIT:
+        if unit not in _METRES_PER_UNIT:
             raise InputError(f"{system.place}: units {unit!r} are not known; use m or km.")
-        found[system.need("id")] = METRES_PER_UNIT[unit]
+        found[system.need("id")] = _METRES_PER_UNIT[unit]
     return found
 
 
 def _track_lengths(infrastructure: Element) -> dict[str, Element]:
-    """Net element -> the physical length of the track that runs over all of it and over nothing else."""
+    """Return for net elements the physical length of a track that covers exactly this element."""
     found: dict[str, Element] = {}
     for track in infrastructure.all("functionalInfrastructure", "tracks", "track"):
         pieces = track.all("linearLocation", "associatedNetElement")
@@ -147,10 +147,10 @@ def _length(
     of_track: Element | None,
     notes: list[Note],
 ) -> Decimal:
-    """The attribute, else the kilometres between both ends, else the length of the track that is this net element."""
-    told = element.get("length")
-    if told is not None:
-        return decimal(told, f"{element.place}: length")
+    """Return the attribute, else the kilometres between both ends, else the length of the track that is this net element."""
+    stated = element.get("length")
+    if stated is not None:
+        return decimal(stated, f"{element.place}: length")
     for points in measures.values():
         if points[0][0] == 0 and points[-1][0] == 1:
             return abs(points[-1][1] - points[0][1])
@@ -158,7 +158,7 @@ def _length(
         notes.append(Note("assumed", element.place, f"its length is that of its track, line {of_track.line}"))
         return decimal(of_track.need("value"), f"{of_track.place}: value")
     raise InputError(
-        f"{element.place}: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'."
+        f"{element.place}: has no length, neither from kilometres at both ends nor from a track; give attribute 'length'."
     )
 
 
@@ -190,7 +190,7 @@ def measure(linear: Element, units: Mapping[str, Decimal]) -> Decimal:
 
 
 def kilometres(net: NetElement, notes: list[Note]) -> tuple[KilometrePoint, ...]:
-    """Return the kilometre points of the first positioning system; remarks on the others and on what does not fit the length."""
+    """Return the kilometre points of the first positioning system; note the others, and points that contradict the length."""
     for other in list(net.measures)[1:]:
         notes.append(Note("not carried over", net.element.place, f"second kilometre line {other!r}"))
     for system, points in list(net.measures.items())[:1]:
@@ -209,8 +209,8 @@ def _kilometre_points(
     for (share, here), (next_share, there) in pairwise(points):
         track, counted = (next_share - share) * net.length_m, abs(there - here)
         if track != counted:
-            told = f"{counted} m of kilometres on {track} m of track; counted from its lower end on"
-            notes.append(Note("doubtful", net.element.place, told))
+            remark = f"{counted} m of kilometres on {track} m of track; counted from its lower end on"
+            notes.append(Note("doubtful", net.element.place, remark))
         yield made(
             KilometrePoint,
             net.element.place,
@@ -239,7 +239,7 @@ def _relations(
 
 
 def _references(infrastructure: Element, everything: frozenset[str]) -> None:
-    """Net elements and networks name net relations and net elements that are there."""
+    """Check that net elements and networks refer to existing net relations and net elements."""
     relations = {one.need("id") for one in infrastructure.all("topology", "netRelations", "netRelation")}
     for one in infrastructure.all("topology", "netElements", "netElement", "relation"):
         if one.need("ref") not in relations:
@@ -261,16 +261,16 @@ def _side(relation: Element, tag: str, everything: frozenset[str]) -> str:
 
 
 def _end(relation: Element, name: str, attribute: str) -> End:
-    told = relation.need(attribute)
-    if told not in ("0", "1"):
-        raise InputError(f"{relation.place}: {attribute} must be 0 or 1, not {told!r}.")
-    return name, int(told)
+    side = relation.need(attribute)
+    if side not in ("0", "1"):
+        raise InputError(f"{relation.place}: {attribute} must be 0 or 1, not {side!r}.")
+    return name, int(side)
 
 
 def _passable(relation: Element, notes: list[Note]) -> bool:
-    told = relation.need("navigability").lower()
-    if told not in PASSABLE:
-        raise InputError(f"{relation.place}: navigability must be Both, None, AB or BA, not {told!r}.")
-    if told in ("ab", "ba"):
+    navigability = relation.need("navigability").lower()
+    if navigability not in _PASSABLE:
+        raise InputError(f"{relation.place}: navigability must be Both, None, AB or BA, not {navigability!r}.")
+    if navigability in ("ab", "ba"):
         notes.append(Note("not carried over", relation.place, "one way only; the map allows both ways"))
-    return PASSABLE[told]
+    return _PASSABLE[navigability]

@@ -16,8 +16,8 @@ from safeloc.railway.map.imports.railml_places import Places
 from safeloc.railway.map.imports.railml_xml import Element
 from safeloc.railway.map.imports.topology import End, Naming, Relation
 
-MM_S_PER_KM_H = Decimal(1_000_000) / Decimal(3_600)
-SIGNAL_KINDS = {
+_MM_S_PER_KM_H = Decimal(1_000_000) / Decimal(3_600)
+_SIGNAL_KINDS = {
     "isTrainMovementSignal": "main",
     "isAnnouncementSignal": "announcement",
     "isDangerSignal": "danger",
@@ -31,17 +31,17 @@ SIGNAL_KINDS = {
 
 
 def signals(functional: Element, places: Places) -> Iterator[Signal]:
-    """Return signals, for the direction of travel they apply to; one for both directions becomes two."""
+    """Yield signals by their direction of travel; one for both directions becomes two."""
     for element in functional.all("signalsIS", "signalIS"):
-        kind = "+".join(name for tag, name in SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
+        kind = "+".join(name for tag, name in _SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
         spot = places.spot(element)
         if spot is None:
             continue
         if not spot.directions:
             places.notes.append(Note("not carried over", element.place, "signal without applicationDirection"))
         if len(spot.directions) > 1:
-            told = "applies to both directions; carried over as two signals"
-            places.notes.append(Note("assumed", element.place, told))
+            remark = "applies to both directions; carried over as two signals"
+            places.notes.append(Note("assumed", element.place, remark))
         for direction in spot.directions:
             name = element.need("id") + (f" {direction}" if len(spot.directions) > 1 else "")
             yield made(
@@ -56,7 +56,7 @@ def signals(functional: Element, places: Places) -> Iterator[Signal]:
 
 
 def axle_counters(functional: Element, places: Places) -> Iterator[AxleCounter]:
-    """Train detection elements of type axleCounter; the others are noted with their type."""
+    """Yield train detection elements of type axleCounter; note the others with their type."""
     for element in functional.all("trainDetectionElements", "trainDetectionElement"):
         kind = element.get("type")
         if kind != "axleCounter":
@@ -70,7 +70,7 @@ def axle_counters(functional: Element, places: Places) -> Iterator[AxleCounter]:
 
 
 def tunnels(functional: Element, places: Places) -> Iterator[Tunnel]:
-    """Over crossings of construction type tunnel: the track runs below."""
+    """Yield over-crossings of construction type tunnel: the track runs below."""
     for element in functional.all("overCrossings", "overCrossing"):
         if element.get("constructionType") != "tunnel":
             element.skip()
@@ -82,7 +82,7 @@ def tunnels(functional: Element, places: Places) -> Iterator[Tunnel]:
 
 
 def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
-    """Return the speed sections, rounded down to whole mm/s. Those for some trains only are noted."""
+    """Yield the speed sections, rounded down to whole mm/s; note those for some trains only."""
     for element in functional.all("speeds", "speedSection"):
         if element.all("validForSpeedProfile"):
             element.skip()
@@ -92,19 +92,19 @@ def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
         stretches, directions = places.stretches(element)
         only: Direction | None = directions[0] if len(directions) == 1 else None
         for stretch in stretches:
-            limit = int(speed * MM_S_PER_KM_H)
+            limit = int(speed * _MM_S_PER_KM_H)
             yield made(SpeedLimit, element.place, **stretch.model_dump(), max_speed_mm_s=limit, direction=only)
 
 
 def track_names(functional: Element, places: Places) -> dict[str, str]:
-    """Net element -> the name of the track that runs over it; the identity where a track has no name."""
+    """Return for net elements the name of the track over them, or its identity if it has no name."""
     found: dict[str, str] = {}
     for element in functional.all("tracks", "track"):
         name = next((one.get("name") for one in element.all("name")), None) or element.need("id")
         for stretch in places.stretches(element)[0]:
             if found.setdefault(stretch.edge, name) != name:
-                told = f"second track on net element {stretch.edge!r}"
-                places.notes.append(Note("not carried over", element.place, told))
+                remark = f"second track on net element {stretch.edge!r}"
+                places.notes.append(Note("not carried over", element.place, remark))
     return found
 
 
@@ -136,7 +136,7 @@ def _node_at(element: Element, places: Places, node_of: Mapping[End, str]) -> st
 
 
 def switch_naming(functional: Element, network: Network) -> Naming:
-    """Return names of nodes from switches and crossings, and the sides of the branches as the document tells them."""
+    """Return names of nodes from switches and crossings, and the sides of the branches as the document gives them."""
     relations = {relation.id: relation for relation in network.relations}
     names: dict[frozenset[End], str] = {}
     left_of: dict[frozenset[End], bool] = {}
@@ -152,9 +152,9 @@ def switch_naming(functional: Element, network: Network) -> Naming:
                 location.skip()  # the node follows from the branches
 
     def node(ends: Sequence[End], own: Sequence[Relation]) -> str:
-        told = [names[pair] for one in own if (pair := frozenset((one.one, one.other))) in names]
-        if told:
-            return told[0]
+        named = [names[pair] for one in own if (pair := frozenset((one.one, one.other))) in names]
+        if named:
+            return named[0]
         return own[0].id if own else f"{ends[0][0]} {'end' if ends[0][1] else 'begin'}"
 
     def sides(stem: End, one: End, other: End) -> tuple[End, End] | None:

@@ -15,7 +15,7 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_network import NetElement, Network, intrinsic, measure
 from safeloc.railway.map.imports.railml_xml import Element
 
-DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
+_DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
     "normal": ("increasing",),
     "reverse": ("decreasing",),
     "both": ("increasing", "decreasing"),
@@ -24,7 +24,7 @@ DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
 
 @dataclass(frozen=True)
 class Spot:
-    """A place on an edge, and the directions of travel it is for; none where the document does not say."""
+    """A place on an edge, and the directions of travel to which it applies; empty if the document gives none."""
 
     edge: str
     position_mm: int
@@ -33,23 +33,23 @@ class Spot:
 
 @dataclass(frozen=True)
 class Places:
-    """Finds places on the network; what cannot be carried over goes to the notes."""
+    """Finds places on the network, and notes those that cannot be carried over."""
 
     network: Network
     units: Mapping[str, Decimal]
     notes: list[Note]
 
     def spot(self, owner: Element) -> Spot | None:
-        """Return the one place of the element on the micro level; None, with a note, where there is none or more than one."""
+        """Return the only place of the element on the micro level; None, with a note, if it has none or several."""
         found = [spot for location in owner.all("spotLocation") if (spot := self._spot(owner, location)) is not None]
         if len(found) == 1:
             return found[0]
-        told = "no spot location on the micro level" if not found else f"{len(found)} spot locations"
-        self.notes.append(Note("not carried over", owner.place, told))
+        remark = "no spot location on the micro level" if not found else f"{len(found)} spot locations"
+        self.notes.append(Note("not carried over", owner.place, remark))
         return None
 
     def stretches(self, owner: Element) -> tuple[tuple[Stretch, ...], tuple[Direction, ...]]:
-        """Return stretches of its linear locations on the micro level, and the directions they are for."""
+        """Return the stretches of the element's linear locations on the micro level, and the directions to which they apply."""
         stretches: list[Stretch] = []
         directions: set[Direction] = set()
         for location in owner.all("linearLocation"):
@@ -79,7 +79,7 @@ class Places:
             return None
         if metres is None:
             raise InputError(f"{place}: gives neither pos, nor intrinsicCoord, nor a linearCoordinate.")
-        return Spot(net.id, self._whole(place, metres, net), _directions(location))
+        return Spot(net.id, self._in_element(place, metres, net), _directions(location))
 
     def _pieces(self, owner: Element, location: Element) -> Iterator[Stretch]:
         for piece in location.all("associatedNetElement"):
@@ -94,19 +94,19 @@ class Places:
                 for end in ("Begin", "End")
             ]
             one, other = sorted(
-                self._whole(place, default if told is None else told, net)
-                for told, default in zip(ends, (Decimal(0), net.length_m), strict=True)
+                self._in_element(place, default if stated is None else stated, net)
+                for stated, default in zip(ends, (Decimal(0), net.length_m), strict=True)
             )
             yield made(Stretch, place, edge=net.id, from_mm=one, to_mm=other)
 
     def _metres(self, place: str, location: Element, net: NetElement, names: tuple[str, str, str]) -> Decimal | None:
-        """The distance from the beginning of the net element: by metres, by share, by kilometre, in this order."""
-        told = location.get(names[0])
+        """Return the distance from the beginning of the net element, from metres, share or kilometre, in this order."""
+        stated = location.get(names[0])
         share = intrinsic(location, names[1]) if location.get(names[1]) is not None else None
         linear = location.one(names[2])
         by_kilometre = None if linear is None else self._by_kilometre(place, linear, net)
         found = [
-            decimal(told, f"{place}: {names[0]}") if told is not None else None,
+            decimal(stated, f"{place}: {names[0]}") if stated is not None else None,
             share * net.length_m if share is not None else None,
             by_kilometre,
         ]
@@ -128,7 +128,7 @@ class Places:
         self.notes.append(Note("not carried over", place, f"kilometre that net element {net.id!r} does not hold"))
         return None
 
-    def _whole(self, place: str, metres: Decimal, net: NetElement) -> int:
+    def _in_element(self, place: str, metres: Decimal, net: NetElement) -> int:
         whole, exact = millimetres(metres)
         if not 0 <= metres <= net.length_m:
             raise InputError(f"{place}: {metres} m lies outside net element {net.id!r} of {net.length_m} m.")
@@ -138,9 +138,9 @@ class Places:
 
 
 def _directions(location: Element) -> tuple[Direction, ...]:
-    told = location.get("applicationDirection")
-    if told is None:
+    stated = location.get("applicationDirection")
+    if stated is None:
         return ()
-    if told not in DIRECTIONS:
-        raise InputError(f"{location.place}: applicationDirection must be normal, reverse or both, not {told!r}.")
-    return DIRECTIONS[told]
+    if stated not in _DIRECTIONS:
+        raise InputError(f"{location.place}: applicationDirection must be normal, reverse or both, not {stated!r}.")
+    return _DIRECTIONS[stated]

@@ -1,7 +1,7 @@
 """XML of a railML document, read safely, with a record of what was used.
 
-Refused: a document type (and with it every entity), nesting and text without bounds, network access. Every element
-knows its line. What nobody asks for is listed by `unused`: attributes and whole elements alike.
+It refuses a document type (and so every entity), excessive nesting and text, and network access. Every element knows its
+line. `unused` lists the attributes and elements that no caller has read.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from safeloc.runtime.outside import refuse_beyond
 
 MOST_ELEMENTS = 2_000_000
 MOST_ATTRIBUTES = 10_000_000
-"""Elements of four bytes and attributes of six take a hundred times that in memory. What is counted is never less than
-what is there: signs of beginning and equality, also in text and comments."""
-XSI = "http://www.w3.org/2001/XMLSchema-instance"
-XML = "http://www.w3.org/XML/1998/namespace"
+"""An element of four bytes and an attribute of six take a hundred times as much memory. The count, of `<` and `=` also in
+text and comments, is never below the true number."""
+_XSI = "http://www.w3.org/2001/XMLSchema-instance"
+_XML = "http://www.w3.org/XML/1998/namespace"
 
 
 @dataclass(eq=False, slots=True)
 class Element:
-    """One element: its name without namespace, attributes and children, and which of them were asked for."""
+    """One element: its name without namespace, attributes and children, and which of them were read."""
 
     tag: str
     namespace: str
@@ -45,20 +45,20 @@ class Element:
         return f"{named} line {self.line}"
 
     def get(self, name: str) -> str | None:
-        """Return an attribute without surrounding blanks; None if it is not there or empty."""
+        """Return an attribute without surrounding blanks; None if it is missing or empty."""
         self.used.add(name)
         value = self.attributes.get(name, "").strip()
         return value or None
 
     def need(self, name: str) -> str:
-        """Return an attribute that must be there; InputError otherwise."""
+        """Return a required attribute; InputError if it is missing."""
         value = self.get(name)
         if value is None:
             raise InputError(f"{self.place}: attribute {name!r} is missing.")
         return value
 
     def all(self, *path: str) -> list[Element]:
-        """Return the elements of the own namespace at the end of the path below this one; marks all on the way as seen."""
+        """Return the elements of the same namespace at the end of a path below this one; mark all on the path as read."""
         found: list[Element] = [self]
         for tag in path:
             found = [child for one in found for child in one.children if child.is_a(tag, self.namespace)]
@@ -78,7 +78,7 @@ class Element:
         return self.tag == tag and self.namespace == namespace
 
     def skip(self) -> None:
-        """Mark everything in this element as used: it is told by another note."""
+        """Mark everything in this element as read, since another note covers it."""
         self.seen = True
         self.used |= set(self.attributes)
         for child in self.children:
@@ -86,7 +86,7 @@ class Element:
 
 
 def unused(element: Element) -> Iterator[tuple[Element, str | None]]:
-    """List unread parts: (element, None) for complete elements, (element, attribute) for single attributes."""
+    """Yield the unread parts: (element, None) for complete elements, (element, attribute) for single attributes."""
     for name in element.attributes:
         if name not in element.used and name != "id":
             yield element, name
@@ -98,7 +98,7 @@ def unused(element: Element) -> Iterator[tuple[Element, str | None]]:
 
 
 def read_xml(path: Path) -> Element:
-    """Return the root element of the document. InputError for what is not well-formed or not safe to read."""
+    """Return the root element of the document. InputError for XML that is not well-formed or not safe to read."""
     data = content(path)
     refuse_document_type(str(path), data)
     refuse_beyond(path, data.count(b"<") - data.count(b"</"), MOST_ELEMENTS, "elements")
@@ -129,7 +129,7 @@ def _element(node: Any) -> Element:
     attributes = {}
     for name, value in node.attrib.items():
         space, local = _split(name)
-        if space not in (XSI, XML):
+        if space not in (_XSI, _XML):
             attributes[local if not space else name] = value
     return Element(
         tag, namespace, node.sourceline or 0, (node.text or "").strip(), attributes, [_element(child) for child in node]
@@ -137,7 +137,7 @@ def _element(node: Any) -> Element:
 
 
 def _split(name: str) -> tuple[str, str]:
-    """`{namespace}local` in its parts."""
+    """Split `{namespace}local` into both parts."""
     if name.startswith("{"):
         space, _, local = name[1:].partition("}")
         return space, local

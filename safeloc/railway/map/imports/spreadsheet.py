@@ -1,6 +1,6 @@
-"""The first sheet of an XLSX workbook as plain values, row after row, as many cells as its heading has.
+"""Reads the first sheet of an XLSX workbook as plain values, row by row, as many cells as its heading has.
 
-A workbook is XML in a ZIP file, and is looked through (`workbook_parts`) before it is read as such.
+A workbook is XML in a ZIP file; `workbook_parts` checks it before the workbook is read.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from safeloc.railway.map.imports.building import content, missing
 from safeloc.railway.map.imports.workbook_parts import refuse_unsafe
 from safeloc.runtime.outside import refuse_beyond, shortened
 
-MOST_COLUMNS = 200
-LAST_ROW = 1_048_576
-"""Of any sheet; a row further down is none, and the empty ones before it would never end."""
+_MOST_COLUMNS = 200
+_LAST_ROW = 1_048_576
+"""Greatest row number of a sheet. A row beyond it is refused: the empty rows before it would take too long."""
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """Title and filled rows of the first sheet, each with its number and as long as the heading; titles of the others."""
+    """The title and filled rows of the first sheet, each with its number and as long as the heading; titles of the others."""
 
     title: str
     heading: tuple[Any, ...]
@@ -33,9 +33,10 @@ class Sheet:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """Return the first sheet. InputError for what is no workbook or not safe to read; EngineError where openpyxl is missing.
+    """Return the first sheet. InputError for a file that is not a workbook or not safe to read; EngineError without
+    openpyxl.
 
-    Row 1 is the heading. Cells to the right of it, which no column names, are not read.
+    Row 1 is the heading. Cells to the right of it are not read.
     """
     content(path)
     openpyxl = _openpyxl()
@@ -65,21 +66,21 @@ _BROKEN = (
     ValueError,
     ZlibError,
 )
-"""What libraries raise on a damaged workbook."""
+"""Exceptions that libraries raise on a damaged workbook."""
 
 
 def _sheet(book: Any) -> Sheet:
     first, *others = book.worksheets
     heading = _heading(next(first.iter_rows(max_row=1, values_only=True), ()))
-    listed = first.iter_rows(min_row=2, max_row=LAST_ROW, max_col=max(1, len(heading)), values_only=True)
+    listed = first.iter_rows(min_row=2, max_row=_LAST_ROW, max_col=max(1, len(heading)), values_only=True)
     rows = [(number, tuple(row)) for number, row in enumerate(listed, 2) if any(cell is not None for cell in row)]
     return Sheet(first.title, heading, tuple(rows), tuple(other.title for other in others))
 
 
 def _heading(row: Sequence[Any]) -> tuple[Any, ...]:
-    """The first row up to its last filled cell."""
+    """Return the first row up to its last filled cell."""
     last = max((number for number, cell in enumerate(row, 1) if cell is not None), default=0)
-    refuse_beyond("row 1", last, MOST_COLUMNS, "columns")
+    refuse_beyond("row 1", last, _MOST_COLUMNS, "columns")
     return tuple(row[:last])
 
 

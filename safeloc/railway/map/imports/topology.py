@@ -1,4 +1,4 @@
-"""Nodes, switches and crossings from statements on which ends of edges meet (railML and the GeoJSON networks alike)."""
+"""Builds nodes, switches and crossings from relations between ends of edges (for railML and GeoJSON networks)."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from safeloc.railway.map.elements import Crossing, Node, Switch
 from safeloc.railway.map.imports.building import made
 from safeloc.railway.map.imports.notes import Note
 
-MOST_ENDS = 100
-"""Of edges at one node; each pair of them may be a way."""
+_MOST_ENDS = 100
+"""Greatest number of edge ends at one node; each pair of them may be a way."""
 
 End = tuple[str, int]
 """One end of an edge: its identity, and 0 where it begins or 1 where it ends."""
 
 Pair = frozenset[End]
 Sides = Callable[[End, End, End], tuple[End, End] | None]
-"""(stem, one branch, the other) -> (left, right), seen from the stem; None if that cannot be told."""
+"""(stem, one branch, the other) -> (left, right), seen from the stem; None if unknown."""
 
 NodeName = Callable[[Sequence[End], Sequence["Relation"]], str]
-"""The name of the node where these ends meet by these relations."""
+"""(ends, relations) -> the name of the node where these ends meet by these relations."""
 
 Coordinates = Callable[[End], tuple[float, float] | None]
-"""Longitude and latitude of an end; None where they are not known."""
+"""End -> its longitude and latitude; None if unknown."""
 
 
 @dataclass(frozen=True)
 class Relation:
-    """Two ends meet, and vehicles can (`passable`) or cannot go from one edge to the other."""
+    """Two ends that meet. `passable`: vehicles can run from one edge to the other."""
 
     id: str
     one: End
@@ -53,7 +53,7 @@ class Joined:
 
 @dataclass(frozen=True)
 class Naming:
-    """Functions of a format that describe a point where edges meet."""
+    """Functions of a format that describe a node where edges meet."""
 
     node: NodeName
     sides: Sides
@@ -63,8 +63,8 @@ class Naming:
 def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) -> Joined:
     """Return the nodes at which the edges meet.
 
-    Three ends with two ways are a switch, if the sides of its branches are known; everything else with more than two
-    ends is a crossing, which only says the ways. An end without any way to another is kept apart.
+    Three ends with two ways are a switch if the sides of its branches are known; any other node with more than two ends is a
+    crossing, which only lists the ways. An end without a way to another gets a node of its own.
     """
     notes: list[Note] = []
     ways = _ways(relations, notes)
@@ -74,8 +74,8 @@ def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) ->
     found: list[Switch | Crossing] = []
     nodes: list[Node] = []
     for ends, own in zip(groups, inside, strict=True):
-        if len(ends) > MOST_ENDS:
-            raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {MOST_ENDS} can.")
+        if len(ends) > _MOST_ENDS:
+            raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {_MOST_ENDS} can.")
         place = own[0].place if own else f"edge {min(ends)[0]!r}"
         node = _node(sorted(ends), own, naming, place)
         nodes.append(node)
@@ -93,24 +93,24 @@ def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) ->
 
 
 def _ways(relations: Iterable[Relation], notes: list[Note]) -> set[Pair]:
-    """Pairs of ends between which vehicles can go; where two statements contradict each other: cannot."""
-    said: dict[Pair, list[Relation]] = defaultdict(list)
+    """Return the pairs of ends between which vehicles can run; if two relations contradict each other they cannot."""
+    by_pair: dict[Pair, list[Relation]] = defaultdict(list)
     for relation in relations:
-        said[frozenset((relation.one, relation.other))].append(relation)
+        by_pair[frozenset((relation.one, relation.other))].append(relation)
     ways = set()
-    for pair, statements in said.items():
+    for pair, statements in by_pair.items():
         if len(pair) == 1:
             raise InputError(f"{statements[0].place}: joins one end of edge {statements[0].one[0]!r} to itself.")
         if all(statement.passable for statement in statements):
             ways.add(pair)
         elif any(statement.passable for statement in statements):
-            told = "is said to be passable and not to be; taken as not passable"
-            notes.append(Note("doubtful", statements[-1].place, told))
+            remark = "is stated both as passable and as not passable; taken as not passable"
+            notes.append(Note("doubtful", statements[-1].place, remark))
     return ways
 
 
 def _groups(edges: Sequence[str], relations: Iterable[Relation], ways: set[Pair]) -> list[frozenset[End]]:
-    """The ends that meet, in the order of the edges; those without a way to another by themselves."""
+    """Return the groups of ends that meet, in the order of the edges; an end without a way to another is a group."""
     led = {end for pair in ways for end in pair}
     beside: dict[End, set[End]] = {(edge, end): set() for edge in edges for end in (0, 1)}
     for relation in relations:
@@ -154,9 +154,9 @@ def _joint(
     stems = [end for end in ends if all(end in pair for pair in pairs)]
     if len(ends) == 3 and len(stems) == 1:
         one, other = sorted(ends - set(stems))
-        told = sides(stems[0], one, other)
-        if told is not None:
-            names = dict(zip(("stem", "left", "right"), (stems[0][0], told[0][0], told[1][0]), strict=True))
+        branches = sides(stems[0], one, other)
+        if branches is not None:
+            names = dict(zip(("stem", "left", "right"), (stems[0][0], branches[0][0], branches[1][0]), strict=True))
             yield made(Switch, place, id=node, node=node, **names)
             return
         notes.append(Note("not carried over", place, "which branch is left is not known; the switch is a crossing"))
@@ -165,7 +165,7 @@ def _joint(
 
 
 def _inside(relations: Iterable[Relation], groups: Sequence[frozenset[End]]) -> tuple[list[list[Relation]], list[Note]]:
-    """The relations within each group, and notes on those to an end that is kept apart: none of them is passable."""
+    """Return the relations within each group, and notes on relations to an end with a node of its own (never passable)."""
     index_of = {end: index for index, group in enumerate(groups) for end in group}
     inside: list[list[Relation]] = [[] for _ in groups]
     apart = "ends that meet without a way between them; kept apart"

@@ -1,7 +1,7 @@
-"""Track data of TTOBench (JSON) as a line of one edge: length, speed limits, gradients, curves, tunnels.
+"""Imports track data of TTOBench (JSON) as a line of one edge: length, speed limits, gradients, curves, tunnels.
 
-Positions are decimal metres and become whole mm exactly. Stops are noted: a stop point needs a reflector, which this
-format does not know; so are altitude, cross sections of tunnels, and braking data.
+Positions are decimal metres and become whole mm exactly. Stops are only noted, since a stop point needs a reflector, which
+this format does not have. So are altitude, cross sections of tunnels, and braking data.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from safeloc.railway.map.imports.lengths import decimal, millimetres
 from safeloc.railway.map.imports.notes import Imported, Note
 from safeloc.railway.map.model import Line
 
-KNOWN = ("metadata", "altitude", "stops", "speed limits", "gradients", "curvatures", "tunnels", "ETCS braking data")
+_KNOWN = ("metadata", "altitude", "stops", "speed limits", "gradients", "curvatures", "tunnels", "ETCS braking data")
 EDGE = "track"
 
 
 @dataclass(frozen=True)
-class Profile:
+class _Profile:
     """The content of the file, the length of its track, and the notes so far."""
 
     data: Mapping[str, Any]
@@ -34,14 +34,14 @@ class Profile:
     notes: list[Note]
 
     def rows(self, name: str, units: Mapping[str, str]) -> list[tuple[str, list[Any]]]:
-        """Return the rows of a table with their places in the file; none if it is left out. InputError for other units."""
+        """Return the rows of a table with their places in the file; empty without the table. InputError for other units."""
         if name not in self.data:
             return []
         place = repr(name)
         table = mapping(self.data[name], place)
-        told = mapping(required(table, "units", place), f"{place}: units")
-        if told != units:
-            raise InputError(f"{place}: units are {told}; known are {dict(units)}.")
+        stated = mapping(required(table, "units", place), f"{place}: units")
+        if stated != units:
+            raise InputError(f"{place}: units are {stated}; known are {dict(units)}.")
         rows = [sequence(row, f"{place} row {number}") for number, row in enumerate(_values(table, place), 1)]
         for number, row in enumerate(rows, 1):
             if len(row) != len(units):
@@ -49,7 +49,7 @@ class Profile:
         return [(f"{place} row {number}", row) for number, row in enumerate(rows, 1)]
 
     def position_mm(self, value: object, place: str) -> int:
-        """Return a position or length, to whole mm."""
+        """Return a position or length in whole mm."""
         whole, exact = millimetres(decimal(value, f"{place}: position"))
         if not exact:
             self.notes.append(Note("rounded", place, f"{value} m to {whole} mm"))
@@ -58,7 +58,7 @@ class Profile:
         return whole
 
     def pieces(self, name: str, units: Mapping[str, str]) -> Iterator[tuple[str, Stretch, list[Any]]]:
-        """Return the rows of a table of beginnings, each with the stretch up to the next one."""
+        """Yield the rows of a table of starting points, each with the stretch up to the next one."""
         rows = self.rows(name, units)
         starts = [self.position_mm(row[0], place) for place, row in rows]
         if rows and starts[0] != 0:
@@ -73,7 +73,7 @@ def read_ttobench(path: Path, *, name: str | None = None, version: str | None = 
     """Return the line in a TTOBench track file.
 
     name, version  of the line; by default the identity in the metadata, and "1"
-    Raises InputError naming table and row for what does not fit.
+    Raises InputError with table and row for anything wrong in it.
     """
     with within(path):
         return _imported(read_object(path), name, version or "1", path.name)
@@ -81,7 +81,7 @@ def read_ttobench(path: Path, *, name: str | None = None, version: str | None = 
 
 def _imported(data: Mapping[str, Any], name: str | None, version: str, source: str) -> Imported:
     metadata = mapping(required(data, "metadata", "file"), "'metadata'")
-    profile = Profile(data, _length_mm(data), [])
+    profile = _Profile(data, _length_mm(data), [])
     line = made(
         Line,
         "file",
@@ -103,7 +103,7 @@ def _values(table: Mapping[str, Any], place: str) -> list[Any]:
 
 
 def _length_mm(data: Mapping[str, Any]) -> int:
-    """The last stop is the end of the track."""
+    """Return the position of the last stop, which is the end of the track."""
     place = "'stops'"
     table = mapping(required(data, "stops", "file"), place)
     if table.get("unit") != "m":
@@ -117,14 +117,14 @@ def _length_mm(data: Mapping[str, Any]) -> int:
     return whole
 
 
-def _speed_limits(profile: Profile) -> Iterator[SpeedLimit]:
-    """Rounded down to whole mm/s."""
+def _speed_limits(profile: _Profile) -> Iterator[SpeedLimit]:
+    """Yield speed limits, rounded down to whole mm/s."""
     for place, stretch, (speed,) in profile.pieces("speed limits", {"position": "m", "velocity": "km/h"}):
         limit = int(decimal(speed, f"{place}: velocity") * 1_000_000 / 3_600)
         yield made(SpeedLimit, place, **stretch.model_dump(), max_speed_mm_s=limit)
 
 
-def _gradients(profile: Profile) -> Iterator[Gradient]:
+def _gradients(profile: _Profile) -> Iterator[Gradient]:
     for place, stretch, (slope,) in profile.pieces("gradients", {"position": "m", "slope": "permil"}):
         ppm = decimal(slope, f"{place}: slope") * 1_000
         whole = ppm.to_integral_value()
@@ -133,14 +133,14 @@ def _gradients(profile: Profile) -> Iterator[Gradient]:
         yield made(Gradient, place, **stretch.model_dump(), rise_ppm=int(whole))
 
 
-def _curves(profile: Profile) -> Iterator[Curve]:
+def _curves(profile: _Profile) -> Iterator[Curve]:
     units = {"position": "m", "radius at start": "m", "radius at end": "m"}
     for place, stretch, radii in profile.pieces("curvatures", units):
         one, other = (_radius_mm(profile, radius, place) for radius in radii)
         yield made(Curve, place, **stretch.model_dump(), from_radius_mm=one, to_radius_mm=other)
 
 
-def _radius_mm(profile: Profile, value: object, place: str) -> int | None:
+def _radius_mm(profile: _Profile, value: object, place: str) -> int | None:
     if value == "infinity":
         return None
     radius: Decimal = decimal(value, f"{place}: radius")
@@ -152,7 +152,7 @@ def _radius_mm(profile: Profile, value: object, place: str) -> int | None:
     return whole
 
 
-def _tunnels(profile: Profile) -> Iterator[Tunnel]:
+def _tunnels(profile: _Profile) -> Iterator[Tunnel]:
     rows = profile.rows("tunnels", {"position": "m", "length": "m", "cross section": "m^2"})
     for number, (place, (position, length, section)) in enumerate(rows, 1):
         start = profile.position_mm(position, place)
@@ -167,10 +167,10 @@ def _tunnels(profile: Profile) -> Iterator[Tunnel]:
 def _left(data: Mapping[str, Any]) -> Iterator[Note]:
     stops: Sequence[Any] = data["stops"]["values"]
     for number, stop in enumerate(stops, 1):
-        told = "a stop point needs a reflector; the file knows none"
-        yield Note("not carried over", f"'stops' row {number} at {stop} m", told)
+        remark = "a stop point needs a reflector; the file knows none"
+        yield Note("not carried over", f"'stops' row {number} at {stop} m", remark)
     for name in ("altitude", "ETCS braking data"):
         if name in data:
             yield Note("not carried over", repr(name), "the map has no place for it")
-    for name in others(data, KNOWN):
+    for name in others(data, _KNOWN):
         yield Note("not understood", repr(name), "unknown member")

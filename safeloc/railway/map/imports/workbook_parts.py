@@ -1,8 +1,8 @@
-"""The XML parts of a workbook, looked through before any library builds something of them.
+"""Checks the XML parts of a workbook before any library builds objects from them.
 
-A kilobyte of ZIP may hold a megabyte of XML, and a cell in the last column makes a row of 16 384 cells of those who
-pad rows. So elements, rows and cells that exist are counted here, one element at a time, and numbers are looked at as
-they stand: libraries read digits of every script.
+A kilobyte of ZIP may hold a megabyte of XML, and libraries that pad rows make 16 384 cells of one cell in the last column. So
+this module counts the existing elements, rows and cells one element at a time. It also checks the text of numbers, since
+libraries accept digits of every script.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from safeloc.railway.map.imports.xml_prolog import DOCUMENT_TYPE
 from safeloc.runtime.outside import number, quoted, refuse_beyond
 
 LARGEST_PART = 100_000_000
-"""Bytes of one part, and of all of them, unpacked."""
-MOST_PARTS = 1_000
+"""Unpacked bytes of one part, and of all parts."""
+_MOST_PARTS = 1_000
 MOST_ELEMENTS = 3_000_000
-"""Elements of all parts; a cell is two. Reading takes some ten microseconds for each."""
+"""Elements of all parts, two for each cell. Reading takes some ten microseconds for each."""
 MOST_ROWS = 100_000
 MOST_CELLS = 1_000_000
-DEEPEST = 64
-"""Elements within each other; a sheet has seven."""
+_DEEPEST = 64
+"""Greatest depth of nested elements; a sheet has seven."""
 _CHUNK = 1 << 16
 
 
 def refuse_unsafe(path: Path) -> None:
-    """InputError, with part and line, for a document type, for numbers that are none, and beyond the limits above."""
+    """Refuse a document type, malformed numbers and parts beyond the limits above. InputError with part and line."""
     with ZipFile(path) as archive:
         parts = archive.infolist()
-        refuse_beyond("the workbook", len(parts), MOST_PARTS, "parts")
+        refuse_beyond("the workbook", len(parts), _MOST_PARTS, "parts")
         refuse_beyond("the workbook", sum(part.file_size for part in parts), LARGEST_PART, "bytes in its parts")
         elements = 0
         for part in parts:
@@ -41,7 +41,7 @@ def refuse_unsafe(path: Path) -> None:
 
 
 class _Look:
-    """One part, element after element."""
+    """Checks one part, element by element."""
 
     def __init__(self, place: str, before: int) -> None:
         self._place, self._before = place, before
@@ -56,15 +56,15 @@ class _Look:
         self._parser.CharacterDataHandler = self._text
 
     def through(self, archive: ZipFile, name: str) -> int:
-        """Look at the whole part; the number of its elements."""
+        """Check the whole part; return the number of its elements."""
         try:
             with archive.open(name) as file:
                 while data := file.read(_CHUNK):
                     self._parser.Parse(data, False)
             self._parser.Parse(b"", True)
         except expat.ExpatError as error:
-            told = expat.ErrorString(error.code)
-            raise InputError(f"not a readable XLSX file: {self._place}:{error.lineno}: {told}.") from error
+            reason = expat.ErrorString(error.code)
+            raise InputError(f"not a readable XLSX file: {self._place}:{error.lineno}: {reason}.") from error
         except LookupError as error:
             raise InputError(f"not a readable XLSX file: {self._place}:1: {error}.") from error
         return self._elements
@@ -79,8 +79,8 @@ class _Look:
         self._elements += 1
         self._depth += 1
         refuse_beyond(self._here(), self._before + self._elements, MOST_ELEMENTS, "elements")
-        if self._depth > DEEPEST:
-            raise InputError(f"{self._here()}: elements are nested deeper than {DEEPEST}; no workbook is.")
+        if self._depth > _DEEPEST:
+            raise InputError(f"{self._here()}: elements are nested deeper than {_DEEPEST}; no workbook is.")
         match name.rpartition(" ")[2]:
             case "row":
                 self._rows += 1
@@ -99,7 +99,7 @@ class _Look:
     def _ends(self, name: str) -> None:
         self._depth -= 1
         if self._number is not None and name.rpartition(" ")[2] == "v":
-            told = "".join(self._number)
+            written = "".join(self._number)
             self._number = None
-            if told.strip(" \t\r\n") and number(told.strip(" \t\r\n")) is None:
-                raise InputError(f"{self._here()}: {quoted(told)} is no number in ASCII digits.")
+            if written.strip(" \t\r\n") and number(written.strip(" \t\r\n")) is None:
+                raise InputError(f"{self._here()}: {quoted(written)} is no number in ASCII digits.")

@@ -1,4 +1,4 @@
-"""XML with a document type is refused before any library that might act on it sees the document."""
+"""Refuses XML with a document type before any library that might act on it reads the document."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ DOCUMENT_TYPE = "has a document type; none is needed, and entities are refused. 
 
 
 class _PrologRead(Exception):
-    """The first element has begun: no document type can follow."""
+    """Raised at the first element, since no document type can follow it."""
 
 
 def refuse_document_type(place: str, data: bytes) -> None:
-    """InputError, with the line, for a document type, and for what is no XML up to its first element.
+    """Refuse a document type, and text that is not XML up to its first element. InputError with the line.
 
-    Only that much is read, so that nothing a document type declares is ever looked at.
+    Nothing beyond is read, so that no declaration of a document type is ever processed.
     """
     parser = expat.ParserCreate()
 
@@ -34,7 +34,7 @@ def refuse_document_type(place: str, data: bytes) -> None:
         if isinstance(end, InputError):
             raise
     except expat.ExpatError as error:
-        told = expat.ErrorString(error.code)
-        raise InputError(f"{place}:{error.lineno}: not well-formed XML ({told}).") from error
+        reason = expat.ErrorString(error.code)
+        raise InputError(f"{place}:{error.lineno}: not well-formed XML ({reason}).") from error
     except (LookupError, ValueError) as error:
         raise InputError(f"{place}:1: not readable as XML ({error}).") from error

@@ -120,7 +120,7 @@ def test_the_airport_network() -> None:
     contradiction = Note(
         "doubtful",
         "feature 166 '88_NL_5253|524|23772'",
-        "is said to be passable and not to be; taken as not passable",
+        "is stated both as passable and as not passable; taken as not passable",
     )
     assert [contradiction] == [note for note in notes if note.kind != "assumed"]
     assert 13 == sum(note.kind == "assumed" for note in notes)

@@ -54,7 +54,7 @@ def test_the_direction_follows_from_the_order(tmp_path: Path, topology: Topology
 def test_a_single_element_needs_its_direction(tmp_path: Path, topology: Topology) -> None:
     """Nothing in the file tells it."""
     path = path_file(tmp_path, "stem")
-    with pytest.raises(InputError, match=r"the direction along 'stem' is not told; say whether it was"):
+    with pytest.raises(InputError, match=r"the direction along 'stem' is unknown; give it as increasing"):
         read_path(path, topology)
     assert (Run("stem", "decreasing"),) == read_path(path, topology, first="decreasing").route.runs
 

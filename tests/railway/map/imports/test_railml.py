@@ -62,7 +62,7 @@ def test_a_whole_document_leaves_only_these_notes(railml: Read) -> None:
     found = railml(STATION).notes
     assert {"assumed", "not carried over"} == {note.kind for note in found}
     assert [
-        "netElement 'c': track ends; neither buffer stop nor open border is told",
+        "netElement 'c': track ends without a buffer stop or an open border",
         "linearPositioningSystem 'km' line 6: attribute 'startMeasure'",
         "linearPositioningSystem 'km' line 6: attribute 'endMeasure'",
         "linearPositioningSystem 'km' line 6: attribute 'linearReferencingMethod'",
@@ -307,7 +307,7 @@ REFUSED: Mapping[str, tuple[str, str, str]] = {
     "a missing length": (
         '<netElement id="b" length="400"/>',
         '<netElement id="b"/>',
-        "netElement 'b' line 25: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'.",
+        "netElement 'b' line 25: has no length, neither from kilometres at both ends nor from a track; give attribute 'length'.",
     ),
     "a length of nothing": (
         '<netElement id="b" length="400"/>',

@@ -1,12 +1,12 @@
-"""How long a run will still take: by what targets took before, and from what is learned meanwhile."""
+"""The time left of a run: it is estimated from earlier times of the targets, and from the times in this run."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from safeloc.cli.time_left import USUAL_SECONDS, TimeLeft
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.times import keep_seconds, seconds_before
+from safeloc.proof.verification.time_left import USUAL_SECONDS, TimeLeft
 
 
 class Clock:
@@ -20,7 +20,9 @@ class Clock:
 
 
 def test_what_was_learned_before_is_within_a_quarter_of_the_truth() -> None:
-    """Two jobs, four targets that take a tenth longer than before: from the second quarter on."""
+    """Two jobs, four targets that take a tenth longer than before: from the second quarter on the error is a quarter at
+    most.
+    """
     took = {"a": 40.0, "b": 30.0, "c": 20.0, "d": 10.0}
     truth = {name: 1.1 * seconds for name, seconds in took.items()}
     clock = Clock()
@@ -41,7 +43,7 @@ def test_what_was_learned_before_is_within_a_quarter_of_the_truth() -> None:
 
 
 def test_what_is_not_known_is_taken_from_the_others() -> None:
-    """By the number of findings; before anything is known, by what is usual."""
+    """The number of findings scales the time of others; before any is known, the usual time does."""
     left = TimeLeft({"a": 10, "b": 20}, {}, 1, Clock())
     assert 30 * USUAL_SECONDS == left.seconds
     left.over("a", 5.0)
@@ -51,12 +53,12 @@ def test_what_is_not_known_is_taken_from_the_others() -> None:
 
 
 def test_no_end_comes_before_that_of_the_longest() -> None:
-    """However many jobs there are."""
+    """The estimate is at least the time left of the longest target, however many jobs there are."""
     assert 40.0 == TimeLeft({"a": 1, "b": 1}, {"a": 40.0, "b": 1.0}, 8, Clock()).seconds
 
 
 def test_times_are_kept_by_name_and_question(tmp_path: Path) -> None:
-    """A machine that was edited takes about as long as before."""
+    """For an edited machine the time before the edit is used."""
     store = Store(tmp_path)
     keep_seconds(store, "odometry", "plan", 12.34)
     assert {"odometry": 12.3} == seconds_before(store, ["odometry", "balise"], "plan")

@@ -1,4 +1,4 @@
-"""Choice of the routes to drive on a line: the named ones, those between two places, or all from end to end."""
+"""Choice of the routes to drive on a line: those named, those between two places, or all from end to end."""
 
 from __future__ import annotations
 

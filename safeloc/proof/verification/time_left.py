@@ -6,13 +6,16 @@ import time
 from collections.abc import Callable, Mapping
 
 USUAL_SECONDS = 0.2
-"""For a finding, as long as nothing is known."""
+"""Seconds for a finding until the time of some target is known."""
 
 
 class TimeLeft:
-    """Expects of each target the seconds that it took before, else as many for a finding as those that are known.
+    """Expected time of a run. For each target it is that of an earlier run, else the time per finding of the known
+    targets.
 
-    findings  how many are expected of each target; seconds: those that are known, of earlier runs; jobs: targets at a time
+    findings  expected number of findings of each target
+    seconds   times of targets in earlier runs
+    jobs      number of targets verified at a time
     """
 
     def __init__(
@@ -39,7 +42,7 @@ class TimeLeft:
 
     @property
     def seconds(self) -> float:
-        """Seconds until all are done: as many targets at a time as there are jobs, none before its own end."""
+        """Seconds until all targets are done, with `jobs` targets at a time; at least the time left of the longest one."""
         left = [self._of(target) for target in self._left]
         return max([sum(left) / self._jobs, *left], default=0.0)
 
@@ -49,6 +52,6 @@ class TimeLeft:
 
     @property
     def _each(self) -> float:
-        """Seconds for a finding, of the targets whose time is known."""
+        """Seconds per finding of the targets whose time is known."""
         findings = sum(self._findings[name] for name in self._known)
         return sum(self._known.values()) / findings if findings else USUAL_SECONDS

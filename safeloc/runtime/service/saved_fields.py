@@ -1,4 +1,4 @@
-"""The required fields of a snapshot of the process: a correct checksum does not guarantee them."""
+"""The required fields of a snapshot of the process: a correct checksum alone does not guarantee them."""
 
 from __future__ import annotations
 
@@ -11,31 +11,36 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from safeloc.errors import SnapshotError
 
 Whole = Annotated[int, Field(ge=0)]
-Text = Annotated[str, Field(max_length=10_000)]
+_Text = Annotated[str, Field(max_length=10_000)]
 
 
-class Kept(BaseModel):
-    """Of one vehicle, whatever its lines are."""
+class SavedVehicle(BaseModel):
+    """The fields of one vehicle, for records and steps alike."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     controller: str | None
-    lost: tuple[Text, Text]
-    count: tuple[Whole | None, Text]
+    lost: tuple[_Text, _Text]
+    count: tuple[Whole | None, _Text]
     recount: tuple[Whole | None, Whole] = (None, 0)
     streak: tuple[Whole | None, Whole]
     rhythm: tuple[Whole | None, Whole] = (None, 0)
-    stopped: Text
+    stopped: _Text
 
 
-class KeptRecords(Kept):
-    """With the records of the open cycle, and the lines they came in."""
+class SavedRecords(SavedVehicle):
+    """The fields of a vehicle that sends records: also the records of the open cycle, with their lines."""
 
     pending: list[tuple[Whole, dict[str, Any]]]
 
 
-class KeptSteps(Kept):
-    """With what the stream leaves out, and what was said of it last; lines without a cycle number in a row."""
+class SavedSteps(SavedVehicle):
+    """The fields of a vehicle that sends steps.
+
+    kept     inputs that the stream leaves out while they are unchanged
+    before   their last values
+    bare     lines without a cycle number in a row
+    """
 
     numbered: bool
     bare: Whole = 0
@@ -43,7 +48,7 @@ class KeptSteps(Kept):
     before: dict[str, Any] = Field(default_factory=dict)
 
 
-class KeptProcess(BaseModel):
+class SavedProcess(BaseModel):
     """The snapshot of the entire process."""
 
     model_config = ConfigDict(strict=True, frozen=True)
@@ -54,8 +59,8 @@ class KeptProcess(BaseModel):
     vehicles: dict[Annotated[str, Field(pattern=r"^[A-Za-z0-9_.:-]{1,64}$")], dict[str, Any]]
 
 
-class KeptPlace(BaseModel):
-    """The reading position in a file, and a mark of the text before it."""
+class SavedPlace(BaseModel):
+    """A position in a file, and a digest of the text before it."""
 
     model_config = ConfigDict(strict=True, frozen=True)
 
@@ -67,8 +72,8 @@ class KeptPlace(BaseModel):
 Model = TypeVar("Model", bound=BaseModel)
 
 
-def kept_as(model: type[Model], content: Mapping[str, Any]) -> Model:
-    """Return the content, checked; SnapshotError for a field that is missing, unknown or of a wrong kind."""
+def checked_fields(model: type[Model], content: Mapping[str, Any]) -> Model:
+    """Return the content as a model; SnapshotError for a field that is missing, unknown or of a wrong type."""
     try:
         return model.model_validate_json(json.dumps(content))
     except (ValidationError, TypeError, ValueError) as error:

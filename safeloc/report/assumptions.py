@@ -1,4 +1,7 @@
-"""What `safeloc replay --assumptions` tells: how near each law of the worlds came to being broken, and every breach."""
+"""The result of `safeloc replay --assumptions`, as text and as data.
+
+Each law of the worlds has the least distance to a breach that the recording shows, and every breach.
+"""
 
 from __future__ import annotations
 
@@ -7,34 +10,27 @@ from typing import Any
 
 from safeloc.assurance.register import Assumption, of_border, register
 from safeloc.catalogue import Target
-from safeloc.cli.console import out, print_json
-from safeloc.cli.show import EXIT_CODES
 from safeloc.proof.verification.assumptions import AtCycle, Judged, JudgedLaw
 from safeloc.runtime.breaches import BrokenLaw
 
-SCHEMA = "safeloc-assumptions/1"
-SHOWN_BREACHES = 10
-SHOWN_VALUES = 12
-BY: Mapping[str, str] = {"inputs": "inputs", "part": "inputs, in part", "truth": "truth"}
-Numbers = Mapping[tuple[str, str], Assumption]
+_SCHEMA = "safeloc-assumptions/1"
+_SHOWN_BREACHES = 10
+_SHOWN_VALUES = 12
+_BY: Mapping[str, str] = {"inputs": "inputs", "part": "inputs, in part", "truth": "truth"}
+_Numbers = Mapping[tuple[str, str], Assumption]
 
 
-def tell(target: Target, recording: str, judged: Judged, *, as_json: bool) -> int:
-    """Print it; return the exit code: 0 nothing was broken, 1 a law was, 3 nothing could be judged."""
-    numbers = {(one.machine, one.name): one for one in (*register(target), of_border())}
-    if as_json:
-        print_json(_as_data(recording, judged, numbers))
-    else:
-        for line in _lines(recording, judged, numbers):
-            out.print(line, markup=False)
-    return EXIT_CODES["violated" if judged.broken else "held" if judged.every else "not asked"]
+def numbers_of(target: Target) -> _Numbers:
+    """Return the assumptions of the register, those of the border among them, by machine and name."""
+    return {(one.machine, one.name): one for one in (*register(target), of_border())}
 
 
 # ------------------------------------------------------------------ as text
 
 
-def _lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
-    truth = "with the truth" if judged.with_truth else "without the truth: what inputs show is judged"
+def as_lines(recording: str, judged: Judged, numbers: _Numbers) -> Iterator[str]:
+    """Return the lines for a reader: a table of the laws, every breach, and the laws that the recording does not show."""
+    truth = "with the truth" if judged.with_truth else "without the truth: only laws that inputs show are checked"
     yield f"{recording}: {judged.cycles} cycles, {truth}"
     yield from _table(judged, numbers)
     for one in judged.clocks:
@@ -46,38 +42,38 @@ def _lines(recording: str, judged: Judged, numbers: Numbers) -> Iterator[str]:
         yield from _breaches(law, numbers)
     for left in judged.unjudged:
         known = numbers[left.machine, left.name]
-        yield f"not judged: {known.id}  {left.name}; owner: {known.owner or 'none'}; check: {known.check or 'none'}"
+        yield f"not checked: {known.id}  {left.name}; owner: {known.owner or 'none'}; check: {known.check or 'none'}"
     yield (
-        f"judged: {len(judged.every)}, of them broken: {len(judged.broken)}; laws that this recording does not show: "
+        f"checked: {len(judged.every)}, of them broken: {len(judged.broken)}; laws that this recording does not show: "
         f"{len(judged.unjudged)}"
     )
 
 
-def _table(judged: Judged, numbers: Numbers) -> Iterator[str]:
-    rows = [("law", "judged by", "least distance", "cycle", "broken in")]
+def _table(judged: Judged, numbers: _Numbers) -> Iterator[str]:
+    rows = [("law", "checked by", "least distance", "cycle", "broken in")]
     for one in judged.every:
         least = "none" if one.least is None else f"{one.least} {one.unit}"
         cycles = f"{len(one.breaches)} cycles" if one.breaches else "-"
-        rows.append((_named(one, numbers), BY[one.by], least, "-" if one.cycle is None else str(one.cycle), cycles))
+        rows.append((_named(one, numbers), _BY[one.by], least, "-" if one.cycle is None else str(one.cycle), cycles))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
-def _named(one: JudgedLaw, numbers: Numbers) -> str:
+def _named(one: JudgedLaw, numbers: _Numbers) -> str:
     return " against ".join(f"{numbers[law.machine, law.name].id} {law.name}" for law in one.laws)
 
 
-def _breaches(one: JudgedLaw, numbers: Numbers) -> Iterator[str]:
+def _breaches(one: JudgedLaw, numbers: _Numbers) -> Iterator[str]:
     yield f"BROKEN  {_named(one, numbers)}"
     if len(one.laws) > 1:
         yield "    at least one of them is broken: they exclude each other"
     for law in one.laws:
         yield f"    {law.statement or 'no statement'}  (owner: {law.owner or 'none'})"
-    for at in one.breaches[:SHOWN_BREACHES]:
+    for at in one.breaches[:_SHOWN_BREACHES]:
         yield f"    cycle {at.cycle}: {_by(one, at)}; {_values(at)}"
-    if len(one.breaches) > SHOWN_BREACHES:
-        more = len(one.breaches) - SHOWN_BREACHES
+    if len(one.breaches) > _SHOWN_BREACHES:
+        more = len(one.breaches) - _SHOWN_BREACHES
         yield f"    and {more} more cycles, the last of them {one.breaches[-1].cycle}; --json has all"
 
 
@@ -88,9 +84,9 @@ def _by(one: JudgedLaw, at: AtCycle) -> str:
 
 
 def _values(at: AtCycle) -> str:
-    told = [f"{name}={_value(value)}" for name, value in at.breach.values.items()]
-    more = f" and {len(told) - SHOWN_VALUES} more" if len(told) > SHOWN_VALUES else ""
-    return " ".join(told[:SHOWN_VALUES]) + more
+    values = [f"{name}={_value(value)}" for name, value in at.breach.values.items()]
+    more = f" and {len(values) - _SHOWN_VALUES} more" if len(values) > _SHOWN_VALUES else ""
+    return " ".join(values[:_SHOWN_VALUES]) + more
 
 
 def _value(value: object) -> str:
@@ -100,9 +96,10 @@ def _value(value: object) -> str:
 # ------------------------------------------------------------------ as data
 
 
-def _as_data(recording: str, judged: Judged, numbers: Numbers) -> dict[str, Any]:
+def as_data(recording: str, judged: Judged, numbers: _Numbers) -> dict[str, Any]:
+    """Return the same as plain data, schema safeloc-assumptions/1."""
     return {
-        "schema": SCHEMA,
+        "schema": _SCHEMA,
         "target": judged.target,
         "recording": recording,
         "cycles": judged.cycles,
@@ -116,7 +113,7 @@ def _as_data(recording: str, judged: Judged, numbers: Numbers) -> dict[str, Any]
     }
 
 
-def _law_data(one: JudgedLaw, numbers: Numbers) -> dict[str, Any]:
+def _law_data(one: JudgedLaw, numbers: _Numbers) -> dict[str, Any]:
     return {
         "laws": [_of(law, numbers) for law in one.laws],
         "by": one.by,
@@ -135,7 +132,7 @@ def _law_data(one: JudgedLaw, numbers: Numbers) -> dict[str, Any]:
     }
 
 
-def _of(law: BrokenLaw, numbers: Numbers) -> dict[str, str]:
+def _of(law: BrokenLaw, numbers: _Numbers) -> dict[str, str]:
     return {
         "id": numbers[law.machine, law.name].id,
         "machine": law.machine,

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
 from safeloc.language.units import NM_PER_MM
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import Distances, Law
+from safeloc.simulation.sensors import Distances
 
 MILLION = 1_000_000
 
@@ -39,11 +40,12 @@ class RadarConfig(Config):
     dropout_ppm: int = quantity(10_000, "ppm of cycles", 0, 1_000_000, "[M] snow or a film of water")
 
 
-def wheel_law(wheel: WheelConfig) -> Law:
+def wheel_law(wheel: WheelConfig) -> ErrorLaw:
     """Return the law the wheel keeps: one pulse and one mm, on either side and stretched by the diameter; and the diameter."""
     most = wheel.pulse_um * 1_000 + NM_PER_MM
     stretched = -(-most * (MILLION + abs(wheel.diameter_error_ppm)) // MILLION) + 1
-    return Law(-(-2 * stretched // NM_PER_MM), abs(wheel.diameter_error_ppm))
+    constant_mm = -(-2 * stretched // NM_PER_MM)
+    return ErrorLaw(kind="wheel", constant_mm=constant_mm, rate_ppm=abs(wheel.diameter_error_ppm))
 
 
 def wheel(name: str, motion: Motion, config: WheelConfig) -> Distances:
@@ -58,9 +60,9 @@ def wheel(name: str, motion: Motion, config: WheelConfig) -> Distances:
     return Distances(name, step, np.ones(len(step), dtype=np.bool_), wander)
 
 
-def radar_law(radar: RadarConfig) -> Law:
+def radar_law(radar: RadarConfig) -> ErrorLaw:
     """Return the law the radar keeps: noise as a floor, scale in proportion, and no one-off part."""
-    return Law(0, abs(radar.scale_error_ppm), radar.noise_mm_s)
+    return ErrorLaw(kind="radar", constant_mm=0, rate_ppm=abs(radar.scale_error_ppm), floor_mm_s=radar.noise_mm_s)
 
 
 def radar(name: str, motion: Motion, config: RadarConfig, rng: np.random.Generator) -> Distances:

@@ -1,4 +1,4 @@
-"""A replayed run as the pictures read it: signals by name, step by step, and where a statement was violated."""
+"""A replayed run for the pictures: signals by name, step by step, and the violated statements."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ Series = Sequence[float | None]
 
 @dataclass(frozen=True)
 class Broken:
-    """A statement that the run violates, and the step (from 1 on) at which it does so first."""
+    """A statement that the run violates, and the first step (from 1) in which it does."""
 
     name: str
     step: int
 
 
 @dataclass(frozen=True)
-class Told:
-    """A run with its recorded truth in mm, None where that is not known.
+class RecordedRun:
+    """A run with the recorded truth of each step in mm (None: unknown).
 
-    name  of the recording, without the ending of its file
+    name  name of the recording, without the suffix of its file
     """
 
     name: str
@@ -36,12 +36,13 @@ class Told:
 
     @cached_property
     def given(self) -> list[Mapping[str, Value]]:
-        """The inputs of each step; absent ones are missing."""
+        """The inputs of each step, without absent ones."""
         return [present_inputs(self.trace.system, step.inputs) for step in self.trace.steps]
 
     @cached_property
     def rows(self) -> list[Mapping[str, Value]]:
-        """Inputs, state and outputs after each step; absent ones are missing. Of one name for two of them, the later counts."""
+        """Inputs, state and outputs after each step, without absent ones. An output takes precedence over a state variable of
+        the same name, and that over an input."""
         pairs = zip(self.given, self.trace.steps, strict=True)
         return [{**given, **step.state, **self._outputs(step)} for given, step in pairs]
 
@@ -50,15 +51,15 @@ class Told:
         return {name: value for name, value in outputs.items() if value is not None}
 
     def series(self, name: str) -> list[float | None]:
-        """Return values of a signal; None where it is absent."""
+        """Return the values of a signal; None where it is absent."""
         return [None if name not in row else float(row[name]) for row in self.rows]
 
     def flags(self, name: str) -> list[bool]:
-        """Return values of a boolean; false where it is absent."""
+        """Return the values of a boolean; False where it is absent."""
         return [bool(row.get(name, False)) for row in self.rows]
 
     def words(self, name: str) -> list[str]:
-        """Return values of an enumeration by its members' names, numbers as such; empty where absent."""
+        """Return the values of a signal in words: labels of an enumeration, else numbers; "" where it is absent."""
         return [self.word(name, row[name]) if name in row else "" for row in self.rows]
 
     def word(self, name: str, value: Value) -> str:
@@ -76,7 +77,7 @@ class Told:
         return outputs[name] if name in outputs else self.trace.system.variable(name)
 
     def truth(self, ghost: str) -> list[float | None]:
-        """Return the recorded truth in mm; without a record the machine's ghost, in nm, where the run has it."""
+        """Return the true position of each step in mm: as recorded, else from the ghost of this name (in nm); None if unknown."""
         if any(value is not None for value in self.truth_mm):
             return [None if value is None else float(value) for value in self.truth_mm]
         return [None if value is None else value / NM_PER_MM for value in self.series(ghost)]

@@ -21,10 +21,10 @@ def test_a_lawful_recording(call: Call) -> None:
     assert done.code == 0
     lines = done.out.splitlines()
     assert lines[0] == f"{Path(LAWFUL).name}: 700 cycles, with the truth"
-    assert lines[1].split() == ["law", "judged", "by", "least", "distance", "cycle", "broken", "in"]
+    assert lines[1].split() == ["law", "checked", "by", "least", "distance", "cycle", "broken", "in"]
     assert [line.split()[0] for line in lines[2:9]] == [f"turn_off/A{number}" for number in range(1, 8)]
     assert "inputs" in lines[2] and " mm " in lines[2] and lines[2].endswith("-")
-    assert lines[-1] == "judged: 7, of them broken: 0; laws that this recording does not show: 1"
+    assert lines[-1] == "checked: 7, of them broken: 0; laws that this recording does not show: 1"
 
 
 def test_a_breach_is_named_in_its_cycle(call: Call) -> None:
@@ -39,7 +39,7 @@ def test_a_breach_is_named_in_its_cycle(call: Call) -> None:
     assert "(owner: supplier)" in done.out
     assert "    cycle 324: by " in done.out and "inputs show it; " in done.out
     assert "more cycles, the last of them" in done.out
-    assert "not judged: odometry/A14  the vehicle stays on the line; owner: operator; check: route setting" in done.out
+    assert "not checked: odometry/A14  the vehicle stays on the line; owner: operator; check: route setting" in done.out
 
 
 def test_as_data(call: Call) -> None:
@@ -62,7 +62,7 @@ def test_nothing_to_judge(call: Call, tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     path.write_text('{"channel_a_damped": false, "channel_b_damped": false}\n', encoding="utf-8")
     done = call("replay", "axle_head", str(path), "--assumptions")
-    assert (3, "judged: 0, of them broken: 0; laws that this recording does not show: 3") == (
+    assert (3, "checked: 0, of them broken: 0; laws that this recording does not show: 3") == (
         done.code, done.out.splitlines()[-1]
     )  # fmt: skip
 
@@ -89,4 +89,6 @@ def test_what_does_not_go_with_it(call: Call, tmp_path: Path) -> None:
     """A report has no place for it, nor have rows."""
     for more in (("--out", str(tmp_path / "drawn")), ("--format", "jsonl")):
         done = call("replay", "turn_off", LAWFUL, "--assumptions", *more)
-        assert done.code == 2 and "goes with neither --out nor --format" in " ".join(done.err.replace("│", " ").split())
+        assert done.code == 2 and "--assumptions excludes --out and --format" in " ".join(
+            done.err.replace("│", " ").split()
+        )

@@ -1,7 +1,7 @@
-"""report.json and what lies beside it: the data of a report, taken apart to be kept and put together again.
+"""The data of a report in files: splitting them for the report folder, and reading them again.
 
-report.json               verdicts, requirements, and which certificates each result rests on, by number
-machines/MACHINE.json.xz  how the page shows a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
+report.json               verdicts, requirements, and the certificates of each result, by number
+machines/MACHINE.json.xz  content of the page on a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
 traces/MACHINE.json.xz    runs in columns (safeloc.runtime.streams.columns)
 certificates/             safeloc.report.certificates
 """
@@ -24,25 +24,25 @@ from safeloc.runtime.streams.columns import Runs, read_runs
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX = ".json.xz"
-BULKY = ("parts", "pictures", "signals", "figures", "evidence")
+_BULKY = ("parts", "pictures", "signals", "figures", "evidence")
 Data = dict[str, Any]
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 
-def taken_apart(
+def split_data(
     data: Data, certificates: Mapping[str, Sequence[str]], runs: Mapping[str, int]
 ) -> tuple[Data, dict[str, bytes]]:
-    """Return what report.json holds, and the files of machines by name.
+    """Return the content of report.json, and the files of machines by name.
 
     certificates  file -> names of the texts in it
-    runs          id -> steps of the run that is kept of a result
+    runs          id of a result -> number of steps of its run in the folder of traces
     """
     numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
     places = {row["id"]: number for number, row in enumerate(data["results"])}
     files = machine_files(data)
     small = {
         **data,
-        "machines": [{key: part for key, part in one.items() if key not in BULKY} for one in data["machines"]],
+        "machines": [{key: part for key, part in one.items() if key not in _BULKY} for one in data["machines"]],
         "results": [
             {
                 **row,
@@ -54,7 +54,7 @@ def taken_apart(
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
         "certificates": {file: list(names) for file, names in certificates.items()},
     }
-    bulky = {files[one["name"]]: packed(_text({key: one[key] for key in BULKY})) for one in data["machines"]}
+    bulky = {files[one["name"]]: packed(_text({key: one[key] for key in _BULKY})) for one in data["machines"]}
     return small, bulky
 
 
@@ -62,8 +62,8 @@ def _text(data: Any) -> bytes:
     return json.dumps(data, separators=(",", ":")).encode()
 
 
-def written(small: Data) -> str:
-    """Return the text of report.json: a line for each machine, result, requirement and item."""
+def report_text(small: Data) -> str:
+    """Return the text of report.json, with a line for each machine, result, requirement and item."""
     lines = (f"{json.dumps(key)}:{_listed(value)}" for key, value in small.items())
     return "{" + ",\n".join(lines) + "}\n"
 
@@ -75,7 +75,7 @@ def _listed(value: Any) -> str:
 
 
 def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
-    """Return each machine's file, in the folder of machines and in that of traces."""
+    """Return the file name of each machine, which is the same in the folders of machines and traces."""
     names = [*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])]
     return {name: file + SUFFIX for name, file in file_names(names).items()}
 
@@ -84,9 +84,9 @@ def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
 
 
 def read_report(folder: Path) -> Data:
-    """Return what report.json holds, with certificates and results by name, and "certificates" by file.
+    """Return the content of report.json, with names instead of numbers for certificates and results.
 
-    InputError where that is no report of this version.
+    InputError if it is no report of this version.
     """
     path = folder / DATA
     try:
@@ -100,18 +100,18 @@ def read_report(folder: Path) -> Data:
     return checked(path, lambda: _named(data))
 
 
-def checked(path: Path, read: Callable[[], T]) -> T:
-    """Return what `read` gives; InputError for data that do not keep to the schema."""
+def checked(path: Path, read: Callable[[], _T]) -> _T:
+    """Return the result of `read`; InputError if it fails on data that do not fit the schema."""
     try:
         return read()
     except SafelocError:
         raise
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise InputError(f"{path}: does not keep to schema {SCHEMA}: {shortened(error)}") from error
+        raise InputError(f"{path}: does not fit schema {SCHEMA}: {shortened(error)}") from error
 
 
 def _named(data: Data) -> Data:
-    """The data with names in the place of numbers."""
+    """Return the data with names instead of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
     ids = [row["id"] for row in data["results"]]
     return {
@@ -122,14 +122,14 @@ def _named(data: Data) -> Data:
 
 
 def _at(names: Sequence[str], places: Sequence[int]) -> list[str]:
-    """IndexError for a place where there is none; -1 is no place."""
+    """Return the names at these places; IndexError for a place out of range, also below 0."""
     if any(place < 0 for place in places):
         raise IndexError("a place below 0")
     return [names[place] for place in places]
 
 
 def read_for_page(folder: Path) -> Data:
-    """Return all that the page is made of: the report, its machines, and the runs of what is violated."""
+    """Return all data of the page: the report, its machines, and the runs of violated results."""
     data = read_report(folder)
     return checked(folder / DATA, lambda: _put_together(folder, data))
 
@@ -156,6 +156,6 @@ def _machine(path: Path) -> Data:
 
     def read() -> Data:
         data = json.loads(content)
-        return {key: data[key] for key in BULKY}
+        return {key: data[key] for key in _BULKY}
 
     return checked(path, read)

@@ -1,4 +1,4 @@
-"""The inputs of `safeloc guard`: the line with the vehicle's route, the parameters, and the stream of positions."""
+"""Readers of the guard's inputs: the line, the vehicle's route on it, and the stream of positions."""
 
 from __future__ import annotations
 
@@ -10,12 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Literal
 
-from safeloc.catalogue import read_config
 from safeloc.errors import InputError
-from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns
-from safeloc.railway.guard.figures import find_vehicle, guard_config
 from safeloc.railway.guard.nmea import nmea_deliveries
 from safeloc.railway.guard.streams import csv_deliveries, jsonl_deliveries
 from safeloc.railway.map.imports.formats import SUFFIXES, importer
@@ -25,13 +22,13 @@ from safeloc.railway.map.routes import Route
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 
-FORMATS = {".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".nmea": "nmea", ".txt": "nmea"}
+_FORMATS = {".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".nmea": "nmea", ".txt": "nmea"}
 Direction = Literal["increasing", "decreasing"]
 
 
 @dataclass(frozen=True)
 class Way:
-    """The vehicle's route, if known: a file with its edges, or the edges themselves."""
+    """The vehicle's route, if known: a file with its edges, or the edges themselves; `first`: direction along the first edge."""
 
     path: Path | None = None
     edges: str | None = None
@@ -56,25 +53,10 @@ def route_of(line: Line, way: Way) -> Route | None:
     return route_over([edge.strip() for edge in way.edges.split(",")], topology, first=way.first)
 
 
-def direction(told: str | None) -> Direction | None:
-    """increasing or decreasing; InputError for anything else."""
-    match told:
-        case None | "increasing" | "decreasing":
-            return told
-        case _:
-            raise InputError(f"--first {told!r}: choose increasing or decreasing.")
-
-
-def config_of(vehicle: str | None, file: Path | None) -> GuardConfig:
-    """Return the figures: those of the configuration file before those of the vehicle."""
-    chosen = {} if file is None else read_config(GuardConfig, file).model_dump(exclude_unset=True)
-    return guard_config(None if vehicle is None else find_vehicle(vehicle), chosen)
-
-
 def form_of(stream: str, form: str | None) -> str:
-    """Return csv, jsonl or nmea, from the option or from the suffix. InputError if neither decides."""
-    chosen = FORMATS.get(Path(stream).suffix.lower()) if form is None else form
-    if chosen is None or chosen not in FORMATS.values():
+    """Return csv, jsonl or nmea: `form` if it is given, else from the suffix. InputError if neither decides."""
+    chosen = _FORMATS.get(Path(stream).suffix.lower()) if form is None else form
+    if chosen is None or chosen not in _FORMATS.values():
         raise InputError(
             f"{stream}: {'its suffix is no known format' if form is None else form!r}; name csv, jsonl or nmea."
         )
@@ -82,7 +64,7 @@ def form_of(stream: str, form: str | None) -> str:
 
 
 def deliveries(lines: IO[str], form: str, columns: Columns, sentence: str, name: str) -> Iterator[Delivery]:
-    """Return the stream's deliveries, as they come."""
+    """Return the deliveries of a stream, each as soon as its line is read."""
     match form:
         case "csv":
             return csv_deliveries(lines, columns, name)
@@ -94,7 +76,7 @@ def deliveries(lines: IO[str], form: str, columns: Columns, sentence: str, name:
 
 @contextmanager
 def opened(stream: str) -> Iterator[IO[str]]:
-    """The stream's text; `-` is standard input. What is not UTF-8 shows as a sign that no number has."""
+    """Open a stream as text; `-` is standard input. Bytes that are not UTF-8 become a character that no number contains."""
     if stream == "-":
         yield io.TextIOWrapper(sys.stdin.buffer, encoding="utf-8-sig", errors="replace", newline="")
         return

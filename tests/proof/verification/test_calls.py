@@ -1,0 +1,81 @@
+"""Verification from Python: the calls return what the commands print, and use the cache only if they get one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from safeloc.catalogue import load_target
+from safeloc.errors import InputError
+from safeloc.language.verdict import word
+from safeloc.proof.cache.store import Store
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.results import Finding
+from safeloc.proof.verification.calls import (
+    chosen_properties,
+    expected_of_proof,
+    expected_of_tests,
+    prove_target,
+    run_property_tests,
+    verify_target,
+)
+from safeloc.proof.verification.one import Plan
+from safeloc.target import Target
+
+PLAN = Plan(Limits(depth=6, seconds=20), examples=4, steps=10, seed=1)
+
+
+@pytest.fixture(scope="module")
+def emitter() -> Target:
+    """A small machine without its recordings."""
+    return replace(load_target("emitter"), streams=())
+
+
+def ids(findings: list[Finding]) -> list[str]:
+    """The ids of findings, in order."""
+    return [one.id for one in findings]
+
+
+def test_all_properties_and_obligations_are_proved(emitter: Target) -> None:
+    """Without `only` every finding is reported during the work; the estimate of their number is not too high."""
+    seen: list[Finding] = []
+    findings = prove_target(emitter, limits=PLAN.limits, jobs=1, on_finding=seen.append)
+    assert {"proved"} == {word(one.result) for one in findings}
+    assert {"property", "obligation"} <= {one.kind for one in findings}
+    assert sorted(ids(findings)) == sorted(ids(seen))
+    assert len(emitter.properties) < expected_of_proof(emitter, None) <= len(findings)
+
+
+def test_only_the_named_property_is_proved(emitter: Target) -> None:
+    """No obligation is proved; an unknown name is refused with the names that exist."""
+    name = emitter.properties[0].name
+    findings = prove_target(emitter, only=[name], jobs=1)
+    assert "obligation" not in {one.kind for one in findings}
+    assert [name] == [one.id.split("/")[-1] for one in findings if one.kind == "property"]
+    with pytest.raises(InputError, match=r"^emitter has no property 'none'; it has "):
+        chosen_properties(emitter, ["none"])
+
+
+def test_a_store_keeps_what_was_proved(emitter: Target, tmp_path: Path) -> None:
+    """The second call returns the cached findings; `fresh` ignores them."""
+    only, store = [emitter.properties[0].name], Store(tmp_path)
+    first = prove_target(emitter, only=only, jobs=1, store=store)
+    again = prove_target(emitter, only=only, jobs=1, store=store)
+    fresh = prove_target(emitter, only=only, jobs=1, store=store, fresh=True)
+    assert ids(first) == ids(again) == ids(fresh)
+    assert [False, True, False] == [all(one.kept_since for one in found) for found in (first, again, fresh)]
+
+
+def test_property_tests_alone(emitter: Target) -> None:
+    """Tests prove nothing: a property that no run violates is held."""
+    findings = run_property_tests(emitter, PLAN, jobs=1)
+    assert {"test"} == {one.kind for one in findings}
+    assert {"held"} == {word(one.result) for one in findings}
+    assert expected_of_tests(emitter) >= len(findings)
+
+
+def test_everything_of_a_target(emitter: Target) -> None:
+    """One call makes proofs, obligations and tests."""
+    assert {"property", "obligation", "test"} <= {one.kind for one in verify_target(emitter, PLAN, jobs=1)}
