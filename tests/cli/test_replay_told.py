@@ -47,7 +47,7 @@ def test_a_stream_of_another_machine(call: Call, tmp_path: Path) -> None:
     """Refused by its header; a header without a machine is for any."""
     wrong = call("replay", "odometry", without_ghosts(tmp_path, machine="balise"))
     assert (wrong.code, wrong.out) == (2, "")
-    assert ":1: a stream for machine 'balise', and 'odometry' is replayed; take the machine" in wrong.err
+    assert ":1: the stream is for machine 'balise', not for 'odometry'; replay it with that machine" in wrong.err
     assert call("replay", "odometry", without_ghosts(tmp_path, machine="")).code == 0
 
 

@@ -122,7 +122,7 @@ class Repair:
 
 
 def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:
-    """Return whether a run of the system can start there; under the assumption some starts are excluded."""
+    """Return whether `first` is a possible first state of the system, so that `initially` holds in it."""
     try:
         start(system, first)
     except InputError:

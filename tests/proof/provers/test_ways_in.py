@@ -370,7 +370,7 @@ def test_a_shared_optional_input_reaches_every_machine() -> None:
 
 
 def test_what_is_dead_in_the_whole_is_told() -> None:
-    """d25: a transition that fires in the machine alone, but never in the composition, is reported as dead in it."""
+    """d25: a transition that fires in the machine alone, but never in the composition, is violated with that reason."""
     calm, alarm = modes("CALM", "ALARM")
     heard = number("q", ONE, 0, 9)
     second = Machine("b", (calm, alarm), [heard], {}, {}, [Transition("raise", calm, alarm, heard > 5)])

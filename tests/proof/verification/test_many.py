@@ -73,7 +73,7 @@ def test_what_a_target_raises_is_raised(tmp_path: Path) -> None:
     path = tmp_path / "other.jsonl"
     path.write_text('{"schema": "safeloc-stream/1", "machine": "odometry", "first": {}}\n{"x": 1}\n', encoding="utf-8")
     wrong = replace(target("emitter"), streams=(path,))
-    with pytest.raises(StreamError, match=r"other\.jsonl:1: a stream for machine 'odometry'"):
+    with pytest.raises(StreamError, match=r"other\.jsonl:1: the stream is for machine 'odometry'"):
         verify_targets([wrong, target("delocalized")], PLAN, jobs=2, on_event=lambda _: None)
 
 
