@@ -22,22 +22,22 @@ from safeloc.report.stanford import stanford_diagram
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
 from safeloc.simulation.satellite.receiver import ReceiverConfig
-from safeloc.simulation.satellite.run import Outages, Spoofer
 
 CONFIG = ChainConfig(satellite=FINE)
 SKY = Journey(walkers=(GPS, GALILEO))
 OPEN = replace(SKY, from_m=4_150, to_m=5_900, scenes=())
 QUARTER = frozenset(f"{letter}{number:02d}" for letter in "GE" for number in range(1, 31, 4))
+DRAGGED = Fault("false place", begin=5_000, figures={"drift_m_per_s": 3.0, "gathering_m_per_s2": 0.3})
 CONDITIONS: dict[str, Journey] = {
     "open line": OPEN,
     "station hall": replace(SKY, to_m=300, speed_mm_s=14_000),
     "street": replace(SKY, from_m=600, to_m=1_800, speed_mm_s=14_000),
     "cutting": replace(SKY, from_m=2_400, to_m=3_300),
     "tunnel": replace(SKY, from_m=3_550, to_m=4_650),
-    "outages, 1 s in 10 s": replace(OPEN, outages=(Outages(10.0, 1.0),)),
-    "a quarter dragged, 3 m/s": replace(OPEN, spoofers=(Spoofer(5.0, 3.0, 0.3, QUARTER),)),
-    "all dragged, 3 m/s, odometry": replace(OPEN, spoofers=(Spoofer(5.0, 3.0, 0.3),), odometry=True, balises=False),
-    "all dragged, 3 m/s, nothing else": replace(OPEN, spoofers=(Spoofer(5.0, 3.0, 0.3),), balises=False),
+    "outages, 1 s in 10 s": replace(OPEN, faults=(Fault("silence", figures={"silent_s": 1.0}),)),
+    "a quarter dragged, 3 m/s": replace(OPEN, faults=(replace(DRAGGED, where=QUARTER),)),
+    "all dragged, 3 m/s, odometry": replace(OPEN, faults=(DRAGGED,), odometry=True, balises=False),
+    "all dragged, 3 m/s, nothing else": replace(OPEN, faults=(DRAGGED,), balises=False),
 }
 PAIR, FIVE = frozenset({"G13", "G15"}), frozenset({"G11", "G13", "G15", "E10", "E12"})
 PHONE_PAIR = frozenset({"G02", "G06"})

@@ -78,7 +78,7 @@ def test_rooms_are_read_from_the_folders() -> None:
 def test_the_page_has_a_sentence_for_each_room() -> None:
     """In the table of rooms, and for no other ones."""
     named = re.findall(r"^\| `(?:safeloc/)?([\w/<>]+?)(?:/|\.py)` \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-    names = [TARGETS if name == "models/<mode>/target" else name.replace("/", ".") for name in named]
+    names = [TARGETS if name == "models/<machine>/target" else name.replace("/", ".") for name in named]
     assert sorted(rooms()) == sorted(names)
 
 

@@ -61,7 +61,7 @@ def test_a_train_over_a_switch(call: Call, network: str, log: str, tmp_path: Pat
     [
         ([], "give the train's route: either --path or --edges."),
         (["--edges", "stem", "--path", "x"], "give the train's route: either --path or --edges."),
-        (["--edges", "stem"], "the direction along 'stem' is not told"),
+        (["--edges", "stem"], "the direction along 'stem' is unknown"),
         (["--edges", "stem", "--first", "up"], "--first 'up': choose increasing or decreasing."),
         (["--edges", "stem,west"], "the network has no element 'west'."),
         (["--edges", "north,south"], "no vehicle can run over 'north', 'south' in this order."),

@@ -72,7 +72,7 @@ def test_a_failed_write_leaves_the_file_as_it_was(call: Call, stream: Path, monk
     assert "No space left on device" in called.err
 
 
-@pytest.mark.parametrize(("name", "told"), [("run.csv", "a file of kind '.csv'"), ("gone.jsonl", "no such file")])
+@pytest.mark.parametrize(("name", "told"), [("run.csv", "files of kind '.csv'"), ("gone.jsonl", "no such file")])
 def test_other_files_are_refused(call: Call, tmp_path: Path, name: str, told: str) -> None:
     """By name and with the kinds that are known."""
     (tmp_path / "run.csv").write_text("over_mm\n3\n", encoding="utf-8")

@@ -14,7 +14,7 @@ from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place, Vector
 from safeloc.sensing.satellite.predicted import Predicted, predicted
 
-_MASK_RAD = math.radians(10)
+MASK_RAD = math.radians(10)
 """No prediction below this elevation, since the simple troposphere has errors of metres there."""
 _LINEAR_S = 0.01
 """A clock error up to this is corrected by the rate alone; accelerations of 1 m/s2 leave 0.05 mm."""
@@ -59,7 +59,7 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
 
 
 def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
-    return {name: one for name, one in every.items() if one.elevation_rad >= _MASK_RAD}
+    return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.times import gps_seconds
 
-_START_S = gps_seconds(2024, 6, 24, 8, 0, 0)
+START_S = gps_seconds(2024, 6, 24, 8, 0, 0)
 """Reference time of orbits and clocks: a Monday, in the middle of a simulated run's window."""
 _IONOSPHERE = Klobuchar((1.8626e-08, 2.2352e-08, -1.1921e-07, -5.9605e-08), (1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5))
 """The coefficients broadcast on that day."""
@@ -42,7 +42,7 @@ _GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
 """Shapes of the published constellations: GPS in six planes, Galileo, BeiDou's medium orbits and GLONASS 24/3/1."""
 
 
-def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = _START_S) -> Navigation:
+def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = START_S) -> Navigation:
     """Return ephemerides around `start_s`, and the ionosphere.
 
     The rotation of a constellation around the Earth is random; clocks, eccentricities and harmonics have usual magnitudes.
