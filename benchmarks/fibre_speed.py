@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.sensing.fibre.blocks import FibreBlock
-from safeloc.sensing.fibre.figures import Emission, Emitter, FibreConfig, Interrogator
 from safeloc.sensing.fibre.features import FibreFrame
+from safeloc.sensing.fibre.figures import Emission, Emitter, FibreConfig, Interrogator
 from safeloc.sensing.fibre.front_end import FrontEnd
 
 TARGET = 20
