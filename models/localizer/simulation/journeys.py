@@ -50,8 +50,9 @@ FREIGHT = Journey(
     length_mm=205_000,
     acceleration_mm_s2=400,
 )
-"""A freight train through a fibre-equipped area, entered over an axle counter, with a junction in it; behind its end,
-where no satellite is in view for 100 m, only balises remain. The route over the switch is changed 100 m before it: linking for the other branch is replaced."""
+"""A freight train through a fibre-equipped area, entered over an axle counter, with a junction in it. Behind its end, where no
+satellite is in view for 100 m, only balises remain. The route over the switch is changed 100 m before it: linking for the other
+branch is replaced."""
 
 OFF_THE_FIBRE = replace(
     FREIGHT, groups=[*STEM, *ASIDE], fibre=Stretch(500_000, SWITCH_MM), junction=Junction(SWITCH_MM, SET_MM, THROUGH)
