@@ -94,7 +94,7 @@ class Cycle:
 
     @cached_property
     def estimate(self) -> Num:
-        """The leader's estimate, brought into what all have in common."""
+        """The leader's estimate, moved into the intersection of all intervals."""
         *others, last = self.own.sources
         found: Num = last.position
         for source in reversed(others):

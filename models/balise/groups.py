@@ -48,7 +48,7 @@ def announcement(group: Group, *, order: Literal["ADD", "REPLACE"] = "ADD") -> d
 
 
 def telegram(group: Group, *, age_ms: int = 0, since_mm: int | None = None, place: bool = True) -> dict[str, Cell]:
-    """The inputs of a whole and undamaged reading, passed as the route has it; `place`: the map knows the group."""
+    """Return the inputs of a complete and undamaged reading in the orientation of the route; `place`: the map knows the group."""
     nominal = group.orientation != "REVERSE"
     inputs: dict[str, Cell | None] = {
         "telegram_group": group.identity,

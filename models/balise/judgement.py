@@ -1,6 +1,6 @@
 """One cycle of the balise machine: the verdict on the telegram, the supervision of linking, and the interval after it.
 
-Every term is built once and shared by all transitions, the assumption and the properties.
+Every term is built once and shared by all transitions.
 """
 
 from __future__ import annotations
@@ -31,12 +31,13 @@ from safeloc.models.vocabulary.interval import Interval
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """One announced group against this cycle's telegram.
+    """One announced group compared with this cycle's telegram.
 
-    seen    the telegram is this group's
-    opened  the max safe front end has reached the first place where the group can be read
-    closed  the min safe front end had passed the last such place before the cycle
-    over    it has passed it now
+    seen      the telegram comes from this group
+    accuracy  the group's location accuracy, mm: from linking, else the national value or its default
+    opened    the expectation window is open: the max safe front end has reached the first place where the group can be read
+    closed    the window was closed before the cycle: the min safe front end had passed the last such place
+    over      the window is closed after the cycle
     """
 
     record: Record
@@ -49,7 +50,7 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One cycle, judged. `located` and `candidate` tell in which kind of mode the machine is."""
+    """One cycle with all verdicts. `located`: the mode reports a position; `candidate`: the mode stores an unconfirmed first group."""
 
     own: v.Parts
     located: Bool
@@ -64,16 +65,16 @@ class Judged:
 
     @cached_property
     def run_on(self) -> Interval:
-        """The interval after the cycle, telegrams apart."""
+        """The interval after the cycle by the odometer alone."""
         return self.own.odometer.run_on(self.before)
 
     @cached_property
     def backwards(self) -> Bool:
-        """The vehicle runs backwards."""
+        """The vehicle runs backwards after the cycle."""
         return self.own.heading.after(self.own.odometer.distance)[0]
 
     def usable(self, interval: Interval) -> Bool:
-        """An interval may be reported."""
+        """Return whether an interval may be reported: both margins are tolerable, and the position is on the line."""
         return interval.usable(self.own.config.tolerance_mm, self.own.config.position_limit_mm)
 
     # ------------------------------------------------------------------ the telegram and the announced groups
@@ -86,7 +87,7 @@ class Judged:
 
     @cached_property
     def sightings(self) -> tuple[Sighting, ...]:
-        """Every announced group against the telegram, nearest first; at most one of them is seen."""
+        """The comparison of every announced group with the telegram, nearest first; at most one of them is seen."""
         found: list[Sighting] = []
         for record in self.own.linking.slots:
             matches = self.credible & self.located & record.held & record.group.eq(self.own.read.group.value)
@@ -106,7 +107,7 @@ class Judged:
 
     @cached_property
     def announced(self) -> Bool:
-        """The telegram is of an announced group."""
+        """The telegram is credible and comes from an announced group."""
         return any_of(one.seen for one in self.sightings)
 
     def _of_seen(self, *terms: Num, default: Num) -> Num:
@@ -115,17 +116,17 @@ class Judged:
 
     @cached_property
     def place(self) -> Num:
-        """Place of the group on the map, mm: that of linking, else the one that came with the telegram."""
+        """Place of the group on the map, mm: from linking, else from the telegram's own map data."""
         return self._of_seen(*(one.record.place for one in self.sightings), default=self.own.read.place.value)
 
     @cached_property
     def accuracy(self) -> Num:
-        """The location accuracy of the group, mm: linking, else national value, else default."""
+        """The location accuracy of the group, mm: from linking, else the national value, else the default."""
         return self._of_seen(*(one.accuracy for one in self.sightings), default=self.own.national.accuracy)
 
     @cached_property
     def orientation(self) -> Num:
-        """The orientation in which the group must be passed."""
+        """The orientation in which the group must be passed: from linking, else the one that came with the telegram."""
         expected = (one.record.orientation for one in self.sightings)
         return self._of_seen(*expected, default=self.own.read.expected_along)
 
@@ -139,23 +140,23 @@ class Judged:
 
     @cached_property
     def agrees(self) -> Bool:
-        """The fix and the interval can both be true: they share at least what the odometer's constant takes up."""
+        """The fix and the interval can both be true: they overlap by at least the odometer's one-off constant."""
         return self.run_on.overlap(self.fix) >= self.own.config.reader.constant_nm
 
     @cached_property
     def inside(self) -> Bool:
-        """The announced group that was read is read inside its expectation window."""
+        """The announced group of the telegram was read inside its expectation window."""
         return any_of(one.seen & one.opened & ~one.closed for one in self.sightings)
 
     @cached_property
     def matches(self) -> Bool:
-        """The place that came with the telegram, if one did, is the announced one within the accuracy."""
+        """The telegram came without a place, or with the announced one within the location accuracy."""
         apart = abs_(self.own.read.place.value - self.place)
         return ~self.own.read.place.present | (apart <= self.accuracy)
 
     @cached_property
     def free(self) -> Bool:
-        """The telegram is of a group that linking does not speak of, and such a group may serve."""
+        """The group may serve as a reference without linking: it is unlinked, or no group is expected; only with `free_references`."""
         if not self.own.config.free_references:
             return FALSE
         unlinked = self.own.read.link.value.eq(UNLINKED)
@@ -213,7 +214,7 @@ class Judged:
 
     @cached_property
     def _of_first(self) -> Num:
-        """While nothing is reported: a first group is a candidate, another one that agrees with it is accepted."""
+        """The verdict while no position is reported: a first group is a candidate, a second one that agrees with it is accepted."""
         confirmed = self.candidate & self.usable(self.run_on) & self.agrees
         trusted = v.ACCEPTED if self.own.config.trust_first_group else v.CANDIDATE
         return first_of(*self._unfit, (~self.usable(self.fix), v.TOO_COARSE), (confirmed, v.ACCEPTED), default=trusted)
@@ -227,13 +228,13 @@ class Judged:
 
     @cached_property
     def missed(self) -> Bool:
-        """The expected group's window closes without it, or any other announced one, having been read."""
+        """The expected group's window is closed after the cycle, and the telegram comes from no announced group."""
         expected = self.sightings[0]
         return self.located & ~self.announced & expected.record.held & expected.over
 
     @cached_property
     def done(self) -> list[Bool]:
-        """For every announced group: it is the last one that is done with, found or not."""
+        """For every announced group: it and all nearer ones leave linking in this cycle, because it was read or missed."""
         return [one.seen | (self.missed if index == 0 else FALSE) for index, one in enumerate(self.sightings)]
 
     @cached_property
@@ -256,8 +257,11 @@ class Judged:
 
     @cached_property
     def reaction(self) -> Num:
-        """The strongest of the given-up groups' reactions; a trip where the direction is wrong (3.16.2.3.2); at least
-        the service brake after two groups in a row (3.16.2.7.1.1)."""
+        """The strongest reaction of the groups given up in this cycle.
+
+        TRAIN_TRIP if an announced group is passed in the wrong direction (SUBSET-026 3.16.2.3.2); at least SERVICE_BRAKE after
+        two given-up groups in a row (3.16.2.7.1.1).
+        """
         both = list(zip(self.given_up, self.sightings, strict=True))
         trips = [gone & one.record.reaction.eq(TRAIN_TRIP) for gone, one in both]
         brakes = [gone & one.record.reaction.eq(SERVICE_BRAKE) for gone, one in both]
@@ -267,7 +271,7 @@ class Judged:
 
     @cached_property
     def left(self) -> list[Record]:
-        """The announced groups that are not done with."""
+        """The announced groups that stay in linking after the telegram, nearest first."""
         return self.own.linking.advanced(self.done)
 
     @cached_property
@@ -281,24 +285,24 @@ class Judged:
 
     @cached_property
     def narrowed(self) -> Interval:
-        """The interval after an accepted telegram: what the telegram's and the run-on interval have in common."""
+        """The interval after an accepted telegram: the intersection of the odometer's interval and the fix."""
         return self.run_on.narrowed(self.fix)
 
     @cached_property
     def given_up_after(self) -> Num:
-        """The last announced group that was given up; the farther one of two in one cycle."""
+        """Identity of the last announced group that was given up; of several in one cycle, the farthest."""
         nearest_last = reversed(list(zip(self.given_up, self.sightings, strict=True)))
         return first_of(*((gone, one.record.group) for gone, one in nearest_last), default=self.own.memory.given_up)
 
     @cached_property
     def missed_after(self) -> Num:
-        """Announced groups in a row that were given up, at most 2."""
+        """Number of announced groups given up in a row, at most 2; an accepted announced group resets it."""
         in_row = minimum(self.own.memory.missed + self.ended, 2)
         return ite(self.announced & self.accepted, as_num(0, COUNT), in_row)
 
     @cached_property
     def direction(self) -> Num:
-        """ALONG once a group was passed in the expected orientation, or a second group lies surely beyond the first."""
+        """Direction of travel: ALONG once a group with a known orientation was passed, or a second one lies surely beyond the first."""
         read, memory = self.own.read, self.own.memory
         oriented = read.passed.ne(UNKNOWN) & self.orientation.ne(UNKNOWN)
         beyond = memory.group.ne(0) & (

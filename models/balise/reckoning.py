@@ -25,10 +25,10 @@ def reckoned_nm(config: BaliseConfig, run_mm: Num, accuracy_mm: Num) -> Num:
 
 
 def as_reckoned(own: Parts) -> Bool:
-    """The margin is at most the audit's, where the whole run since the last group was measured.
+    """Return whether the margin is at most the audit's, if the whole run since the last group was measured.
 
-    The audit knows no error that grows with time, so nothing is said of an odometer that has one, nor of one that comes
-    with a charge beyond its law.
+    The audit has no error that grows with time, so nothing is claimed of an odometer with such an error, nor of one that
+    reports an error beyond its law.
     """
     if own.config.odometer.floor_mm_s or own.config.told_distance:
         return TRUE

@@ -1,6 +1,6 @@
-"""Recordings of the balise machine that ship: a service, groups faulty in every way, and two announced groups missed in a row.
+"""Shipped recordings of the balise machine: a service, groups with every kind of fault, and two announced groups missed in a row.
 
-Written by `python -m safeloc.models.balise.recordings`; the tests check that they come out the same.
+`python -m safeloc.models.balise.recordings` writes them; the tests check that it still writes the same.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Simulated balise groups, linking and odometer as step streams of the balise machine, its ghosts included.
 
-The map's side is simulated too: groups are announced to the machine as it asks for them, so each stream is made step
-by step against the machine as it runs on board. With the ghosts in it, a stream carries its own proof of being
-lawful: the interpreter checks the assumption on it.
+The map is simulated too: it announces groups when the machine asks for them, so each stream is made step by step
+together with the machine as it runs on board. Because a stream contains the ghosts, the interpreter can check on it
+that it obeys the assumption.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.sensors import Distances, measure
 
 DISPLACED_MM = 40_000
-"""Distance of a displaced group beyond both margins and twice its accuracy."""
+"""Displacement of a group beyond twice the tolerance and twice its accuracy."""
 Steps = list[dict[str, Cell]]
 KINDS = Kinds(
     "a balise group",
@@ -36,12 +36,12 @@ KINDS = Kinds(
         "other identity",
     ),
 )  # fmt: skip
-"""By identity of the group, for good. `early` and `late` displace the group farther than any interval reaches."""
+"""Each at one group, by its identity, for the whole run. `early` and `late` displace the group farther than any interval reaches."""
 
 
 @dataclass(frozen=True)
 class RouteSet:
-    """From `cycle` on the map has these groups on the route ahead, in place of those it had: linking begins anew with REPLACE."""
+    """A route set in `cycle`: from then on the map announces these groups instead, and linking begins anew with REPLACE."""
 
     cycle: int
     groups: Sequence[Group]
@@ -49,7 +49,7 @@ class RouteSet:
 
 @dataclass(frozen=True)
 class Passage:
-    """The antenna over one group: when balise 1 was passed (ms since the start), where the front end was, and balise 1 (nm)."""
+    """The antenna's passage over one group: the time at balise 1 (ms since the start), and the places of front end and balise 1 (nm)."""
 
     group: Group
     time_ms: float
@@ -59,12 +59,12 @@ class Passage:
 
 
 def vehicle_of(config: BaliseConfig) -> VehicleConfig:
-    """A vehicle that stays within the configured gates."""
+    """Return a vehicle that stays within the configured limits."""
     return VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
 
 
 def line(first_mm: int = 100_000, spacing_mm: int = 150_000, count: int = 60) -> list[Group]:
-    """Groups a fixed distance apart, of every kind: one to four balises, both orientations, with and without accuracy."""
+    """Return groups a fixed distance apart: one to four balises, both orientations, with and without an accuracy of their own."""
     reactions: tuple[Reaction, ...] = ("SERVICE_BRAKE", "TRAIN_TRIP", "NONE")
     groups = []
     for number in range(count):
@@ -98,16 +98,18 @@ def simulate(
     sensor_faults: Sequence[Fault] = (),
     measured: Distances | None = None,
 ) -> Steps:
-    """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+    """Return one run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
-    groups   those that the vehicle passes; routes: what the map announces from when on, the same ones by default. Of a group
-             that is not on the route set last the map knows no place
-    missed   the share of groups that are not read; foreign: the share of cycles with a group of another track
-    national_accuracy_mm  told in the first cycle; None: the default counts
-    motion   how the vehicle runs; instead of it legs to drive, a random service by default
+    groups   those that the vehicle passes
+    routes   the groups that the map announces from a cycle on, by default the same ones; the map knows no place of a group
+             that is not on the route set last
+    missed   the share of groups that are not read
+    foreign  the share of cycles without another telegram that bring one of another track
+    national_accuracy_mm  received in the first cycle; None: the default applies
+    motion   the vehicle's run; without it, the run over `legs`, or over a random service
     faults   named faults of groups (`KINDS`); none of them breaks the assumption
     sensor_faults  named faults of `odometer`; while one is active the assumption may be broken
-    measured  what the odometer measured, where others hear the same one; its faults are in it already
+    measured  the odometer's distances, if other machines use the same odometer; they contain its faults already
     InputError for a fault of a group that the line does not have, and for two routes that are set in one cycle.
     """
     rng = np.random.default_rng(seed)
@@ -140,7 +142,7 @@ def _spots(
     rng: np.random.Generator,
     faults: Sequence[Fault],
 ) -> list[Passage]:
-    """Return the true place of the front end at each reading: off by up to nine tenths of all accuracies."""
+    """Return the true places of balise 1 and of the front end at each reading, with up to nine tenths of the permitted errors."""
     kinds = {fault.where: fault.kind for fault in faults}
     signs = {"early": -1, "late": 1}
     spots = []
@@ -163,7 +165,7 @@ def _displaced_mm(config: BaliseConfig, group: Group, national_mm: int) -> int:
 def _passages(
     motion: Motion, spots: Sequence[Passage], period_ms: int, rng: np.random.Generator, missed: float
 ) -> Iterator[Passage]:
-    """Every passage over a group, in order of time."""
+    """Yield every passage over a group, cycle by cycle."""
     before = motion.start_nm
     for number, front in enumerate(motion.position_nm):
         after = int(front)
@@ -177,12 +179,12 @@ def _passages(
 
 @lru_cache(maxsize=8)
 def _on_board(config: str) -> Compiled:
-    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    """Return the machine without its world, compiled once for each configuration (JSON)."""
     return compile_system(without_ghosts(lower(machine(BaliseConfig.model_validate_json(config)))))
 
 
 class _Run:
-    """A run under way: the machine on board, what its map still has to announce, and telegrams on their way to it."""
+    """A run under way: the machine on board, the groups that the map still has to announce, and telegrams on their way."""
 
     def __init__(
         self, config: BaliseConfig, motion: Motion, distances: Distances, routes: Mapping[int, Sequence[Group]],
@@ -200,7 +202,7 @@ class _Run:
         self._national: dict[str, Cell] = {} if national_mm is None else {"national_accuracy_mm": national_mm}
 
     def step(self, number: int, passages: Sequence[Passage]) -> dict[str, Cell]:
-        """The inputs of one cycle, after which the machine on board has run it."""
+        """Make the inputs of one cycle, run the machine on board with them, and return them with the ghosts."""
         if number and number in self._routes:
             self._set_route(self._routes[number])
         inputs: dict[str, Cell] = (
@@ -224,14 +226,14 @@ class _Run:
         return {**told, "odometer_mm": int(self._distances.step_mm[number])}
 
     def _set_route(self, groups: Sequence[Group]) -> None:
-        """The map has these groups ahead from now on."""
+        """Let the map announce these groups from now on."""
         self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
         self._placed = {group.identity for group in groups}
         self._announced_mm: int | None = None
         self._replaces = True
 
     def _announcement(self) -> dict[str, Cell]:
-        """The next group ahead, as soon as the machine has room for it, or at once where a route was set anew."""
+        """Return the announcement of the next group ahead: when the machine asks for it, or at once after a new route was set."""
         if not self._outputs["valid"]:
             self._announced_mm, self._replaces = None, False
             return {}
@@ -247,7 +249,7 @@ class _Run:
         return announcement(ahead[0], order="REPLACE" if replaces else "ADD")
 
     def _telegram(self, number: int) -> tuple[dict[str, Cell], dict[str, Cell]]:
-        """The oldest telegram that has not been handed over, one a cycle, and what is true of it."""
+        """Return the oldest waiting telegram (one in a cycle) and its ghosts; without one, sometimes a telegram of another track."""
         while self._waiting:
             passage = self._waiting.pop(0)
             if passage.fault == "missed":
@@ -263,13 +265,13 @@ class _Run:
         return {}, quiet
 
     def _cross_talk(self, number: int) -> dict[str, Cell]:
-        """A group of another track, read whole and undamaged: only its identity tells."""
+        """Return a complete and undamaged telegram of another track: only its identity shows that."""
         identity = 900_000 + number % 1_000
         group = Group(identity, 0, 2, linked=bool(self._rng.random() < 0.8))
         return telegram(group, age_ms=int(self._rng.integers(0, self._config.period_ms)), place=False)
 
     def _read(self, passage: Passage, number: int) -> tuple[dict[str, Cell], dict[str, Cell]]:
-        """Age and latched counter rounded outward; the counter's error is put on the wander at the reading."""
+        """Return the telegram and its ghosts; the age is rounded up, and the latched counter's error is part of the ghost's wander."""
         front = int(self._motion.position_nm[number])
         run = front - passage.front_nm
         age = int(np.ceil((number + 1) * self._config.period_ms - passage.time_ms))
@@ -301,10 +303,10 @@ def _with_fault(read: dict[str, Cell], fault: str) -> dict[str, Cell]:
         case "other identity":
             return {**read, "telegram_group": 900_001}
         case _:
-            return read  # in time and place, if at all: it is seen to elsewhere
+            return read  # other kinds change the time, place or number of passages, not the telegram
 
 
 def _incomplete(read: dict[str, Cell]) -> dict[str, Cell]:
-    """Only balise 1 of the group was read."""
+    """Return the telegram with only balise 1 of the group read."""
     total = max(2, int(read["telegram_total"]))
     return {**read, "telegram_total": total, "telegram_read": 1, "telegram_first": 1, "telegram_last": 1}

@@ -155,7 +155,7 @@ def telegram(
 
 
 def chosen(name: str, of: tuple[Lit, ...]) -> Optional:
-    """Make an input that holds a member of an enumeration and may be absent."""
+    """Return an input whose value is a member of an enumeration, or absent."""
     return Optional(choice(name, enumeration(of)), boolean(f"{name}.present"))
 
 

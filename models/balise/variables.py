@@ -33,7 +33,7 @@ from safeloc.models.balise.telegram import Reader, telegram
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.measured import Limits
-from safeloc.models.vocabulary.odometer import Heading, Odometer, odometer
+from safeloc.models.vocabulary.odometer import Heading, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
 READ = members(
@@ -276,7 +276,7 @@ class Parts:
         self.config, limits = config, config.limits
         lines = {"last_identity": config.last_group_identity, "position_limit_mm": config.position_limit_mm}
         self.held = _held(declared, config)
-        self.odometer = _odometer(declared, config)
+        self.odometer = odometer(config.odometer, config.limits, told=config.told_distance).declare(declared)
         self.heading = Heading(
             declared.state(boolean("backwards"), first=False),
             declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0),
@@ -309,15 +309,6 @@ def _held(declared: Declared, config: BaliseConfig) -> StoredInterval:
         declared.state(number("margin_above_nm", NM, 0, tolerance), first=0),
         declared.state(number("margin_below_nm", NM, 0, tolerance), first=0),
     )
-
-
-def _odometer(declared: Declared, config: BaliseConfig) -> Odometer:
-    found = odometer(config.odometer, config.limits, told=config.told_distance)
-    for var in found.inputs:
-        declared.sensor(var)
-    for kept, first in found.state().items():
-        declared.state(kept, first=first)
-    return found
 
 
 def _memory(declared: Declared, config: BaliseConfig) -> Memory:

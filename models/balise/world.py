@@ -127,7 +127,7 @@ def _odometer_law(own: Parts) -> Law:
 
 
 def _lawful_thousandths(own: Parts) -> Num:
-    """Rate and floor of a cycle, thousandths of a nm: the rate counts what lies above the knee."""
+    """Return the error law's bound for a cycle, thousandths of a nm: the floor, and the rate times the distance above the knee."""
     law, period = own.config.odometer, own.config.period_ms
     measured, knee = own.odometer.step.value * THOUSAND, law.knee_mm_s * period
     above = maximum(maximum(measured - knee, -measured - knee), 0)
@@ -170,14 +170,14 @@ def _runs_back(own: Parts) -> Bool:
 
 
 def read_rightly(own: Parts) -> Bool:
-    """A whole group was read with right check bits."""
+    """Return whether every balise of a group was read, with right check bits."""
     read = own.read
     parts = (read.check, read.group, read.link, read.read, read.total, read.last, read.first, read.age)
     return all_of([*(one.present for one in parts), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
 
 
 def _against(own: Parts, mapped: Num) -> Bool:
-    """It was passed in the other orientation than the map has it."""
+    """Return whether the group was passed in the other orientation than the map gives."""
     first, last = own.read.first.value, own.read.last.value
     return ((last > first) & mapped.eq(REVERSE)) | ((first > last) & mapped.eq(NOMINAL))
 
@@ -291,14 +291,14 @@ def _announced_law(own: Parts) -> Law:
 
 
 def _placed(own: Parts) -> Bool:
-    """A whole group was read that comes with a place of its own, passed as it is to be."""
+    """Return whether a complete group was read that came with a place, and not in the wrong orientation."""
     orientation = own.read.orientation
     mapped = ite(~orientation.present, UNKNOWN, orientation.value)
     return all_of([read_rightly(own), own.read.place.present, ~_against(own, mapped)])
 
 
 def far_off(own: Parts) -> Bool:
-    """It is far from the place that it comes with."""
+    """Return whether the group is far from the place that came with it."""
     return _placed(own) & _is_far(own, own.read.place.value, national(own))
 
 

@@ -53,7 +53,7 @@ class Guard:
 
     @property
     def holding(self) -> Bool:
-        """An interval is held that has the truth in it."""
+        """An interval is stored that contains the true place."""
         return self.machine.mode.one_of(*self.machine.modes[2:])
 
 
@@ -113,14 +113,14 @@ def _heard(cycle: Judged, row: Transition) -> Transition:
 
 
 def _new_start(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Transition:
-    """The host orders a new start: nothing known before is used any more, nor a fix of the same step."""
+    """Return the transition of the host's new start: it forgets everything known before, and uses no fix of the same step."""
     judged = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
     nothing = together(become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.judged: judged})
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
 
 
 def _nowhere(own: Parts) -> Updates:
-    """No fix has come near the way, and nothing is known of the vehicle: it may be anywhere on the line."""
+    """Return updates after which no fix near the way and no place of the vehicle is known: both may be anywhere on the line."""
     low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
     return {
         own.near_low: low, own.near_high: high, own.known_low: low, own.known_high: high, own.fair: as_num(0, COUNT),
@@ -164,7 +164,7 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
 
 
 def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Transitions while no interval contains the truth for sure: fixes are only compared with each other."""
+    """Transitions while no stored interval is known to contain the true place: fixes are only compared with each other."""
     lost, recovering, passing, _ = table
     fresh, config = cycle.fresh, own.config
     none, one = as_num(0, COUNT), as_num(1, COUNT)
@@ -189,7 +189,7 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
 
 
 def _carried(own: Parts, box: Box) -> Updates:
-    """The box of the last fix, moved; it is no anchor."""
+    """Return updates that store the moved box of the last fix, as its own anchor."""
     return become(own, begun(box))
 
 

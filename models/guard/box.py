@@ -1,4 +1,4 @@
-"""Place of a vehicle along its way and its speed, an interval each: widened by the vehicle's possible motion, narrowed by a fix."""
+"""Intervals of the vehicle's place along the way and of its speed: possible motion widens them, a fix narrows them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from safeloc.models.guard.variables import GuardConfig, Parts, reach_nm
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Place from `low` to `high` (nm), speed from `slow` to `fast` (um/s, negative against the way's direction)."""
+    """Interval of places `low` to `high` (nm) and of speeds `slow` to `fast` (um/s, negative against the way's direction)."""
 
     low: Num
     high: Num
@@ -35,22 +35,22 @@ class Box:
 
     @property
     def possible(self) -> Bool:
-        """Some place and some speed are left."""
+        """Neither interval is empty."""
         return (self.low <= self.high) & (self.slow <= self.fast)
 
     @property
     def width(self) -> Num:
-        """Of the place, nm."""
+        """Width of the interval of places, nm."""
         return self.high - self.low
 
     def holds(self, place: Num, speed: Num) -> Bool:
-        """Return whether a place and a speed lie in it."""
+        """Return whether the place (nm) and the speed (um/s) lie in their intervals."""
         return (self.low <= place) & (place <= self.high) & (self.slow <= speed) & (speed <= self.fast)
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """Place of the vehicle some steps ago."""
+    """Interval of the vehicle's places `steps` steps ago, nm."""
 
     low: Num
     high: Num
@@ -59,7 +59,7 @@ class Anchor:
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A box, and the anchor that its speed is told from."""
+    """A box, and the anchor from which its speed is computed."""
 
     box: Box
     anchor: Anchor
@@ -71,7 +71,7 @@ def held(own: Parts) -> Held:
 
 
 def moved(own: Parts, box: Box) -> Box:
-    """After the step, if nothing is delivered in it: whatever a vehicle can do (no more, no less)."""
+    """Return the box after a step without a delivery: every place and speed that the vehicle can have by then."""
     config = own.config
     period, way = Lit(config.period_ms, MS), as_num(config.way_nm, NM)
     gain, change, most = config.speed_rise_um_s, config.speed_change_um_s, config.max_speed_mm_s * 1_000
@@ -86,7 +86,7 @@ def moved(own: Parts, box: Box) -> Box:
 
 
 def half_nm(own: Parts) -> Num:
-    """The error a fix is charged on either side: its own, more the farther off the track, and its age at full speed."""
+    """Return the error bound of a fix on either side, nm: its own error, a share of its distance off the track, and its age times the highest speed."""
     config = own.config
     aged = exact_to(Lit(config.max_speed_mm_s * 1_000, UM_S) * own.age, NM)
     off = with_unit(own.offset * (config.offset_charge_permille * NM_PER_MM // 1_000), NM)
@@ -94,14 +94,14 @@ def half_nm(own: Parts) -> Num:
 
 
 def of_fix(own: Parts) -> Box:
-    """Return the box by a fix alone; its speed has no direction."""
+    """Return the box of a fix alone; the receiver's speed has no direction, so the box allows both."""
     place, half, fast = exact_to(own.fix.value, NM), half_nm(own), as_num(own.config.max_speed_mm_s * 1_000, UM_S)
     most = ite(own.speed.present, minimum(_speed(own) + own.config.speed_error_mm_s * 1_000, fast), fast)
     return Box(place - half, place + half, -most, most)
 
 
 def near_now(own: Parts) -> tuple[Num, Num]:
-    """Return the place of the vehicle by now if the last fix near the way is true, at any permitted speed: from, to; nm."""
+    """Return the vehicle's possible places by now if the last fix near the way is true, at any speed either way: from, to; nm."""
     config = own.config
     ran, reach = as_num(config.max_speed_mm_s * config.period_ms * UM_PER_MM + config.way_nm, NM), reach_nm(config)
     return (
@@ -111,7 +111,7 @@ def near_now(own: Parts) -> tuple[Num, Num]:
 
 
 def known_now(own: Parts) -> tuple[Num, Num]:
-    """Return the place of the vehicle by now from its last known place, at any speed in a permitted direction: from, to; nm."""
+    """Return the vehicle's possible places by now, from its last known place at any speed in a permitted direction: from, to; nm."""
     config = own.config
     ran, reach = as_num(config.max_speed_mm_s * config.period_ms * UM_PER_MM + config.way_nm, NM), reach_nm(config)
     back = own.advance & ~own.forwards_only
@@ -122,7 +122,7 @@ def known_now(own: Parts) -> tuple[Num, Num]:
 
 
 def narrowed(own: Parts, box: Box) -> Box:
-    """Return the common part of the box and the fix. The receiver's speed has the direction that the box allows."""
+    """Return the intersection of the box and the fix's box; if the box allows one direction only, the receiver's speed gets that one."""
     fix, error = of_fix(own), own.config.speed_error_mm_s * 1_000
     least = ite(own.speed.present, _speed(own) - error, as_num(-error, UM_S))
     slow, fast = maximum(box.slow, fix.slow), minimum(box.fast, fix.fast)
@@ -139,7 +139,7 @@ def _speed(own: Parts) -> Num:
 
 
 def told(own: Parts, box: Box, anchor: Anchor) -> Held:
-    """The box with its speed told from the distance since the anchor, once in a window; then it is the new anchor."""
+    """Return the box and its anchor; once in a window, narrow the speed by the distance since the anchor and set a new anchor."""
     config = own.config
     steps = anchor.steps + ite(own.advance, as_num(1, COUNT), 0)
     due, duration = due_now(own), config.window_steps * config.period_ms
@@ -154,12 +154,12 @@ def told(own: Parts, box: Box, anchor: Anchor) -> Held:
 
 
 def due_now(own: Parts) -> Bool:
-    """The window since the anchor is complete with this step."""
+    """Return whether this step completes the window since the anchor."""
     return own.advance & own.anchor_steps.eq(own.config.window_steps - 1)
 
 
 def usable(config: GuardConfig, box: Box) -> Bool:
-    """It can be held: not wider than the window's limit, on the line, and not empty."""
+    """Return whether a box can be stored: not empty, no wider than the window's limit, and on the line."""
     reach = reach_nm(config)
     return all_of(
         [
@@ -172,12 +172,12 @@ def usable(config: GuardConfig, box: Box) -> Bool:
 
 
 def tolerable(config: GuardConfig, box: Box) -> Bool:
-    """Either side is within the tolerance, also when rounded outward to whole mm."""
+    """Return whether both margins stay within the tolerance, also when rounded outward to whole mm."""
     return box.width <= (2 * config.tolerance_mm - 3) * NM_PER_MM
 
 
 def become(own: Parts, now: Held) -> dict[Var, Expr]:
-    """Updates that make the state hold it."""
+    """Return updates that store the box and its anchor."""
     box, anchor = now.box, now.anchor
     return {
         own.low: box.low, own.high: box.high, own.slow: box.slow, own.fast: box.fast,
@@ -186,5 +186,5 @@ def become(own: Parts, now: Held) -> dict[Var, Expr]:
 
 
 def begun(box: Box) -> Held:
-    """A box that nothing is known before."""
+    """Return the box with itself as the new anchor."""
     return Held(box, Anchor(box.low, box.high, as_num(0, COUNT)))

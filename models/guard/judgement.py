@@ -1,4 +1,4 @@
-"""One delivery judged: which gate it fails, and what the guard holds with it and without it."""
+"""The verdict on one delivery: the check it fails, and the intervals that the guard stores with it and without it."""
 
 from __future__ import annotations
 
@@ -43,16 +43,16 @@ from safeloc.models.guard.variables import (
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """The terms of one step, built once and shared by table, law and properties.
+    """The terms of one step, built once for all transitions.
 
-    coasted    what is held without the delivery
-    with_fix   what is held with it, where it keeps every gate
-    fresh      what the fix says by itself, as a beginning
-    verdict    of a delivery that is judged against what is held
-    alone      of one that is judged by map and vehicle only
-    fair       of one that is judged by its course and by the place last known besides
-    near       where the vehicle is by now if the last fix near the way is true: from, to
-    known      where the vehicle is by now by what was last known of it: from, to
+    coasted    the stored intervals moved on, without the delivery
+    with_fix   the stored intervals moved on and narrowed by the fix
+    fresh      the intervals of the fix alone, with a new anchor
+    verdict    the verdict by all checks, those against the stored intervals included
+    alone      the verdict by map and vehicle limits only
+    fair       the verdict by map, vehicle limits, course and the last known place
+    near       where the vehicle is by now if the last fix near the way is true: from, to; nm
+    known      where the vehicle is by now, starting from its last known place: from, to; nm
     """
 
     own: Parts
@@ -67,30 +67,30 @@ class Judged:
 
     @property
     def agrees(self) -> Bool:
-        """It keeps every gate: map, place and speed."""
+        """The fix passes every check."""
         return self.verdict.eq(PASSED)
 
     @property
     def begins(self) -> Bool:
-        """By map, vehicle, course and the place last known it might be true."""
+        """Map, vehicle limits, course and the last known place do not contradict the fix, so it can begin a row."""
         return self.fair.eq(PASSED)
 
     @property
     def follows(self) -> Bool:
-        """A vehicle can have run from the last fix near the way to this one, whatever became of that one."""
+        """The vehicle can have run from the last fix near the way to this one, whatever the verdict on that one was."""
         fix, (low, high) = of_fix(self.own), self.near
         return (fix.low <= high) & (low <= fix.high)
 
     @property
     def near_after(self) -> dict[Var, Expr]:
-        """The updates that hold this fix as the last one near the way, if it is one."""
+        """The updates that store this fix as the last one near the way, if it is one; otherwise the stored places are moved on."""
         own, fix, (low, high) = self.own, of_fix(self.own), self.near
         heard = self.alone.eq(PASSED)
         return {own.near_low: ite(heard, fix.low, low), own.near_high: ite(heard, fix.high, high)}
 
     @property
     def known_after(self) -> dict[Var, Expr]:
-        """The updates that count fixes in a row, and hold the place of one that fills the row as the place last known."""
+        """The updates that count fair fixes in a row, and narrow the last known place to a fix that fills the row."""
         own, fix, (low, high), full = self.own, of_fix(self.own), self.known, self.own.config.confirmations
         ends = (self.alone.eq(PASSED) & ~self.begins) | self.alone.eq(OFF_TRACK)
         longer = ite(self.follows & ~own.elsewhere, minimum(own.fair + 1, full), as_num(1, COUNT))
@@ -104,22 +104,22 @@ class Judged:
 
     @property
     def confirmed(self) -> Bool:
-        """With it, as many fixes in a row agree as are asked for."""
+        """With this fix, the row of agreeing fixes is full."""
         return self.own.agreed + 1 >= self.own.config.confirmations
 
     @property
     def more(self) -> Num:
-        """Fixes in a row with this one."""
+        """Number of agreeing fixes in a row with this one, up to the configured number."""
         return minimum(self.own.agreed + 1, self.own.config.confirmations)
 
     @property
     def implausible(self) -> Bool:
-        """It contradicts the map, or what a vehicle can do: the receiver is in doubt."""
+        """The fix contradicts the map or the vehicle's possible motion, which ends the trust in the receiver."""
         return self.verdict.one_of(OFF_TRACK, JUMP, SPEED_DISAGREES, ACROSS, AGAINST, OUT_OF_REACH)
 
 
 def judge(own: Parts) -> Judged:
-    """The terms of one step."""
+    """Build the terms of one step."""
     before = held(own)
     ahead = moved(own, before.box)
     with_fix = told(own, narrowed(own, ahead), before.anchor)
@@ -131,7 +131,7 @@ def judge(own: Parts) -> Judged:
 
 
 def _alone(own: Parts) -> Num:
-    """Faults, then the map, then what the vehicle can do at all; PASSED where nothing speaks against it."""
+    """Return the verdict by fault, map and vehicle limits, in this order; PASSED if none of them contradicts the fix."""
     config = own.config
     fresh = of_fix(own)
     coarse = half_nm(own) > (config.tolerance_mm - 2) * NM_PER_MM
@@ -143,7 +143,7 @@ def _alone(own: Parts) -> Num:
 
 
 def _of_fault(own: Parts) -> Num:
-    """The fault's own name among the reasons."""
+    """Return the reason that has the fault's name."""
     named: Num = NOTHING
     for fault in FAULT[1:]:
         named = ite(own.fault.eq(fault), next(reason for reason in JUDGED if reason.label == fault.label), named)
@@ -151,7 +151,7 @@ def _of_fault(own: Parts) -> Num:
 
 
 def _fair(own: Parts, known: tuple[Num, Num]) -> Num:
-    """Return the verdict on a fix near the way by course and reach: it crosses the way, runs against it, or is out of reach."""
+    """Return the verdict on a fix near the way by its course and by the last known place: ACROSS, AGAINST, OUT_OF_REACH or PASSED."""
     fix, (low, high), limit = of_fix(own), known, own.config.course_limit_mrad
     back = own.course.value >= HALF_TURN_MRAD - limit
     along = (own.course.value <= limit) | (back & ~own.forwards_only)
@@ -163,9 +163,9 @@ def _fair(own: Parts, known: tuple[Num, Num]) -> Num:
 
 
 def _verdict(own: Parts, fair: Num, ahead: Box, after: Box) -> Num:
-    """Return the verdict by the held interval as well: the places and speeds that the vehicle can have now.
+    """Return the verdict by the stored intervals as well: the places and speeds that the vehicle can have now.
 
-    A fix whose charge only just reaches where the vehicle can be might be true, and is withheld all the same.
+    A fix outside the moved interval is DOUBTFUL if its error bound reaches into it: it might be true, but is withheld.
     """
     fix, place = of_fix(own), exact_to(own.fix.value, NM)
     meets = (fix.low <= ahead.high) & (ahead.low <= fix.high)

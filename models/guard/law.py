@@ -1,14 +1,15 @@
-"""The world of the guard: how a vehicle moves, what its host does, and when a receiver's fixes are true.
+"""The world of the guard: the vehicle's motion, the host's choice of an origin, and the receiver's errors.
 
-    the vehicle   moves within its figures
-    the host      may count places from another origin while the guard holds nothing
-    the receiver  may say anything for fewer fixes than are asked for; but a row of fixes near the way, each of which a
-                  vehicle can have reached from the one before, on a course along the way in a permitted direction, and from
-                  where the last row of that kind left it, is not false when it has become as long as asked for
+    the vehicle   moves within its configured speed, acceleration and brake
+    the host      may count places from another origin while the guard stores no interval
+    the receiver  may report anything in a row shorter than `confirmations`. A row consists of fixes near the way, each on a
+                  course along the way in a permitted direction, each reachable from the one before, and each reachable from
+                  the vehicle's place when such a row was last full. The fix that fills a row, and every further one in it, is
+                  wrong by no more than its error bound
 
 Nothing is assumed of a fix in a shorter row, of one that runs across or against the way, of one at a place that the vehicle
-cannot have come to since a row was last true, nor of quality flags. What a fix may be wrong by, and how far a vehicle runs, is
-written here in figures of its own: the machine's terms are not used.
+cannot have reached since a row was last full, nor of quality flags. The error of a fix and the distance that a vehicle can run
+are computed here independently: the machine's terms are not used.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
 
 
 def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
-    """The vehicle's motion, and the receiver's place and speed when a row has become long enough."""
+    """Return the laws: the vehicle's motion, and the receiver's place and speed once a row is full."""
     long_enough = _promised(own)
     return {
         "the vehicle moves within its figures": Law(
@@ -75,7 +76,7 @@ def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
 
 
 def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
-    """Return the moves of the ghosts. `run` counts from the machine's anchor; while no interval is held it rests."""
+    """Return the moves of the ghosts. `run` is the distance since the machine's anchor; it is 0 while no interval is stored."""
     ran = own.run + own.next_truth - own.truth
     anchored = own.advance & (own.anchor_steps + 1).eq(own.config.speed_window_ms // own.config.period_ms)
     return {
@@ -90,7 +91,7 @@ def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
 
 
 def _heard(own: Parts) -> dict[Var, Num]:
-    """The ghosts of what the receiver said, after the step."""
+    """Return the next values of the ghosts that record the receiver's fixes."""
     (low, high), (surely, at_most) = _reach(own), _sure_reach(own)
     place, error, promised = _place(own), _error(own), _promised(own)
     return {
@@ -103,7 +104,7 @@ def _heard(own: Parts) -> dict[Var, Num]:
 
 
 def _unheard(own: Parts) -> tuple[Num, ...]:
-    """The same after a new start: as if it had said nothing yet."""
+    """Return their values after a new start, in the same order: as if no fix had come yet."""
     low, high = as_num(own.heard_low.low, NM), as_num(own.heard_low.high, NM)
     return low, high, as_num(0, COUNT), low, high
 
@@ -112,7 +113,7 @@ def _unheard(own: Parts) -> tuple[Num, ...]:
 
 
 def near(own: Parts) -> Bool:
-    """A fix is delivered that lies near the way, clearly on one track, with a speed that a vehicle can have."""
+    """Return whether a fix comes that lies near the way, clearly on one track, with a speed that the vehicle can have."""
     config = own.config
     possible = own.speed.value <= config.max_speed_mm_s + config.speed_error_mm_s
     return all_of(
@@ -132,7 +133,7 @@ def _place(own: Parts) -> Num:
 
 
 def _error(own: Parts) -> Num:
-    """Return the error bound of a fix: its own, that by its distance off the track, and the run at the highest speed in its age."""
+    """Return the error bound of a fix, nm: its own error, a share of its distance off the track, and its age times the highest speed."""
     config = own.config
     beside = with_unit(own.offset * config.offset_charge_permille, UM)
     aged = with_unit(own.age * config.max_speed_mm_s, UM)
@@ -140,7 +141,7 @@ def _error(own: Parts) -> Num:
 
 
 def _reach(own: Parts) -> tuple[Num, Num]:
-    """Return the place of a vehicle for which the last fix near the way was true: from, to."""
+    """Return the places that the vehicle can have reached by now if the last fix near the way was true: from, to; nm."""
     fastest = with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM)
     ran = exact_to(fastest, NM) + _bend_nm(own.config)
     return (
@@ -150,14 +151,14 @@ def _reach(own: Parts) -> tuple[Num, Num]:
 
 
 def _along(own: Parts) -> Bool:
-    """Its course, if it has one, is along the way, forwards or, where that is permitted, backwards."""
+    """Return whether the fix has no course, or one along the way: forwards, or backwards where that is permitted."""
     off, limit = own.course.value, own.config.course_limit_mrad
     backwards = ~own.forwards_only & (HALF_TURN_MRAD - off <= limit)
     return own.course.present.implies((off <= limit) | backwards)
 
 
 def _sure_reach(own: Parts) -> tuple[Num, Num]:
-    """Return the place of the vehicle since a row was last true: from, to; at any speed, and back only where that is permitted."""
+    """Return the places that the vehicle can have reached since a row was last full, backwards only where permitted: from, to; nm."""
     ran = exact_to(with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM), NM) + _bend_nm(own.config)
     least = ite(own.forwards_only, own.sure_low, maximum(own.sure_low - ran, own.sure_low.low))
     most = minimum(own.sure_high + ran, own.sure_high.high)
@@ -165,25 +166,28 @@ def _sure_reach(own: Parts) -> tuple[Num, Num]:
 
 
 def _come(own: Parts) -> Bool:
-    """The fix may mean a place where the vehicle can be since then, or as far behind as one may roll back."""
+    """Return whether the vehicle can have reached the fix, within its error, since a row was last full, or by rolling back."""
     (low, high), place, error = _sure_reach(own), _place(own), _error(own)
     back = as_num(own.config.rollback_mm * NM_PER_MM, NM)
     return (place + error + back >= low) & (place - error <= high)
 
 
 def _fair(own: Parts) -> Bool:
-    """It is near the way, runs along it, and lies where the vehicle can have come."""
+    """Return whether the fix is fair: near the way, along it, and within the vehicle's reach."""
     return near(own) & _along(own) & _come(own)
 
 
 def _promised(own: Parts) -> Bool:
-    """The fix that makes a row as long as asked for, or a further one in it."""
+    """Return whether the law bounds the error of this fix: it completes a row, or continues a full one."""
     return _fair(own) & (_row_after(own) >= own.config.confirmations) & ~own.start_anew
 
 
 def _row_after(own: Parts) -> Num:
-    """Return the number of fair fixes in a row; one off the track, across it or out of reach ends the row, one elsewhere
-    begins it anew."""
+    """Return the number of fair fixes in a row after the step.
+
+    A fix off the track, across or against the way, or out of reach ends the row. A fair fix that does not follow from the one
+    before, or to which no way leads, begins a new one.
+    """
     (low, high), place, error = _reach(own), _place(own), _error(own)
     follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)
     longer = minimum(own.row + 1, own.config.confirmations)
@@ -207,7 +211,7 @@ def _speed_true(own: Parts) -> Bool:
 
 
 def _motion(own: Parts) -> Bool:
-    """Speed changes by no more than the vehicle can; the way follows from speed. In one instant nothing moves."""
+    """Return whether the vehicle changes its speed within its rates and runs as its speed says; without `advance` neither place nor speed changes."""
     config = own.config
     gain, change = (rate * config.period_ms for rate in (config.acceleration_mm_s2, _strongest(config)))
     ran, sped = own.next_truth - own.truth, own.next_speed - own.true_speed
@@ -224,12 +228,12 @@ def _motion(own: Parts) -> Bool:
 
 
 def _strongest(config: GuardConfig) -> int:
-    """The stronger of traction and brake, mm/s2."""
+    """Return the greater rate of traction and brake, mm/s2."""
     return max(config.acceleration_mm_s2, config.brake_mm_s2)
 
 
 def _bend_nm(config: GuardConfig) -> int:
-    """Return the most that a change of speed adds to the distance of a period: a T^2 / 2."""
+    """Return the greatest distance that a change of speed adds in a period, nm: a T^2 / 2."""
     return _strongest(config) * config.period_ms**2 // 2
 
 
@@ -237,7 +241,7 @@ def _bend_nm(config: GuardConfig) -> int:
 
 
 def lemmas(own: Parts, holding: Bool, free: Bool, recovering: Bool) -> dict[str, Bool]:
-    """The truth is inside, at the anchor as well; distance since then lags speed times duration; the row and the place last known are the world's."""
+    """Return the lemmas of containment now and at the anchor, of the distance since the anchor, and of rows and places that equal the world's."""
     config = own.config
     inside = between(own.low, own.truth, own.high) & between(own.slow, own.true_speed, own.fast)
     begun = own.truth - own.run

@@ -1,7 +1,7 @@
 """A made-up receiver on a made-up junction: a map with courses, positions once a second, and the truth beside them.
 
 `models/positions` holds what this makes: `junction.toml`, `junction.csv` and `junction.nmea`, for `safeloc guard`.
-The receiver calls every position FIXED, whatever becomes of it: off the track, frozen, displaced, or wrong in speed.
+The receiver calls every position FIXED, even if it is off the track, frozen, displaced, or wrong in speed.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ FAULTS = {
     range(92, 96): "no fix",
     range(110, 114): "wrong speed",
 }
-"""Seconds in which something is wrong."""
+"""Faults of the receiver, by the seconds in which they act."""
 
 
 @dataclass(frozen=True)
 class Told:
-    """Report of the receiver at a second, and the place of the vehicle: mm along stem and main."""
+    """Report of the receiver at a second, and the true place of the vehicle along stem and main track."""
 
     second: int
     truth_mm: int
@@ -46,7 +46,7 @@ class Told:
 
 
 def degrees(east_m: float, north_m: float) -> tuple[float, float]:
-    """Longitude and latitude of a place beside the junction's west end."""
+    """Return longitude and latitude of a place that lies so far east and north of the junction's west end."""
     sine = math.sin(math.radians(LATITUDE_DEG))
     across = EARTH_AXIS_M / math.sqrt(1 - ECCENTRICITY_2 * sine**2)
     along = across * (1 - ECCENTRICITY_2) / (1 - ECCENTRICITY_2 * sine**2)
@@ -55,7 +55,7 @@ def degrees(east_m: float, north_m: float) -> tuple[float, float]:
 
 
 def junction() -> Line:
-    """A stem of 1 km, straight on for 2 km, and a side track that goes off to the left by 40 m."""
+    """Return a line with a stem of 1 km, a main track straight on for 2 km, and a side track 40 m to the left."""
     side = ((1_000, 0), (1_200, 10), (1_400, 40), (1_900, 40))
     return sealed(
         Line(
@@ -81,7 +81,7 @@ def _edge(name: str, begin: str, end: str, length_mm: int, points: tuple[tuple[f
 
 
 def told(seed: int = 1) -> Iterator[Told]:
-    """The run, second by second: from rest at 100 m to 20 m/s and on over the main track."""
+    """Yield the receiver's reports second by second: the vehicle starts at 100 m, reaches 20 m/s and runs on along the main track."""
     random, frozen = Random(seed), (0.0, 0.0)
     for second in range(SECONDS):
         fault = next((name for when, name in FAULTS.items() if second in when), "")
@@ -104,14 +104,14 @@ def _shown(fault: str, place: tuple[float, float], frozen: tuple[float, float]) 
 
 
 def _motion_mm(second: int) -> tuple[int, int]:
-    """Place and speed at a second."""
+    """Return place (mm) and speed (mm/s) at a second."""
     until = FASTEST_MM_S // GAIN_MM_S2
     gaining, steady = min(second, until), max(0, second - until)
     return 100_000 + GAIN_MM_S2 * gaining**2 // 2 + FASTEST_MM_S * steady, GAIN_MM_S2 * gaining
 
 
 def csv_text() -> str:
-    """The run as CSV, with a line that is not finite, one that is repeated, one that is late, and one that is cut off."""
+    """Return the run as CSV, with a line that is not finite, one that is repeated, one that is late, and one that is cut off."""
     lines = ["timestamp,longitude,latitude,speed_m_s,quality"]
     for one in told():
         lines.append(_csv_line(one))
@@ -136,7 +136,7 @@ def _csv_line(one: Told) -> str:
 
 
 def nmea_text() -> str:
-    """The run as RMC sentences."""
+    """Return the run as RMC sentences."""
     return "".join(f"${body}*{_checksum(body):02X}\r\n" for body in map(_rmc, told()))
 
 
@@ -150,7 +150,7 @@ def _rmc(one: Told) -> str:
 
 
 def _angle(value: float, digits: int) -> str:
-    """Degrees and minutes in one number, as NMEA 0183 has them."""
+    """Return degrees and minutes as one number in the format of NMEA 0183."""
     return f"{int(value):0{digits}d}{(value - int(value)) * 60:010.7f}"
 
 

@@ -1,8 +1,8 @@
-"""Simulated deliveries of a receiver on a vehicle that obeys the guard's law, with the truth beside them.
+"""Simulated deliveries of a receiver and its vehicle, which obey the guard's law, with the true place and speed.
 
-Fixes come every few steps, wrong along the track by as much as they are charged, most often at the ends of it. Faults come
-in spells: positions off the track, jumps along it for fewer fixes than are asked for, courses across it and against its
-direction, silence, and what is no fix. The way is run in its own direction only; once the host gives a new start.
+Fixes come every few steps, with errors along the track up to their bound, mostly equal to it. Faults come in spells:
+positions off the track, jumps along it that last fewer than `confirmations` fixes, courses across it or against its
+direction, silence, and records without a fix. The vehicle never runs backwards; the host gives one new start.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ FIX_EVERY_MS = 400
 SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous", "across", "backwards")
 OFF_BY_MM, JUMP_MM, ACROSS_MRAD, BACKWARDS_MRAD = 150_000, 180_000, 600, 3_000
 START_ANEW_MS = 50_000
-"""The host gives a new start so long after the beginning."""
+"""Time of the host's new start after the beginning."""
 NO_FIX = next(number for number, fault in enumerate(FAULT) if fault.label == "NO_FIX")
 
 
 @dataclass
 class _Vehicle:
-    """True movement: nm, um/s, and the acceleration that holds for some steps."""
+    """True movement: place, speed, and the change of speed in each of the next `steps` steps."""
 
     place_nm: int
     speed_um_s: int
@@ -38,7 +38,7 @@ FIRST_TRUTH: Mapping[str, Value] = {"truth_nm": 0, "true_speed_um_s": 0}
 
 
 def simulate(config: GuardConfig | None = None, *, seed: int, seconds: int = 240) -> list[dict[str, Value]]:
-    """Steps with the inputs of the machine and its ghosts', from rest at 0; the first spell is sound."""
+    """Return steps with the inputs of the machine and its world, from rest at place 0; the first spell is sound."""
     config = config or GuardConfig()
     random, vehicle = Random(seed), _Vehicle(0, 0)
     every = max(1, FIX_EVERY_MS // config.period_ms)
@@ -66,7 +66,7 @@ class _Spell:
 
 
 def _spells(config: GuardConfig, random: Random) -> Iterator[_Spell]:
-    """Sound spells and others by turns; a jump along the track lasts fewer fixes than are asked for."""
+    """Yield sound and faulty spells by turns; a jump along the track lasts fewer than `confirmations` fixes."""
     while True:
         yield _Spell("sound", random.randint(3 * config.confirmations, 12 * config.confirmations), 0)
         kind = random.choice(SPELLS[1:])
@@ -75,7 +75,7 @@ def _spells(config: GuardConfig, random: Random) -> Iterator[_Spell]:
 
 
 def _move(vehicle: _Vehicle, config: GuardConfig, random: Random) -> None:
-    """A step of the vehicle: at rest, or towards some speed within what it can do."""
+    """Move the vehicle by one step: it keeps its speed, accelerates or brakes for a random time."""
     if not vehicle.steps:
         vehicle.change_um_s = random.choice((-config.speed_change_um_s, 0, config.speed_rise_um_s))
         vehicle.steps = random.randint(1, 10_000 // config.period_ms)
@@ -94,7 +94,7 @@ def _quiet(vehicle: _Vehicle) -> dict[str, Value]:
 
 
 def _delivered(vehicle: _Vehicle, config: GuardConfig, random: Random, spell: _Spell) -> dict[str, Value]:
-    """Return the receiver's report of the vehicle's place."""
+    """Return the inputs of one delivery, as the spell demands; none while the receiver is silent."""
     if spell.kind in ("silence", "no fix"):
         return {} if spell.kind == "silence" else {"fault": NO_FIX}
     offset = random.choice((0, random.randint(0, config.offset_limit_mm), config.offset_limit_mm))

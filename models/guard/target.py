@@ -14,7 +14,7 @@ from safeloc.target import Entry, Family, Target, single
 
 
 def target(config: GuardConfig) -> Target:
-    """Make the machine."""
+    """Return the guard with its properties, as verification and simulation use it."""
     model = guard.build(parts(config))
     properties = claims.properties(model)
     return single(

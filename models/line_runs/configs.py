@@ -1,4 +1,4 @@
-"""Configurations of the machines for one vehicle: from its figures for the audit, and from its movement."""
+"""Configurations of the machines for one vehicle, made from its figures for the audit and from its movement."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.motion import VehicleConfig
 
 SPEED_SHARE = 0.9
-"""Share of the speed limit that a vehicle uses; the rest is for what the odometer measures too much."""
+"""Share of the speed limit that a vehicle uses; the rest leaves room for distances that the odometer measures too long."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class LineVehicle:
 
     layout       its figures for the audit; None: every machine has its defaults
     in_time      radar and balise reader extrapolate their measurements to the end of the cycle: their latency adds no error
-    trust_first  the first balise group of a run is known to be right. A line with one group on a route needs that: otherwise the
-                 machines that locate on groups alone never report anything
+    trust_first  the first balise group of a run is trusted without a second one. A route with a single group needs that: otherwise
+                 the machines that locate by groups alone never report a position
     """
 
     name: str = "default figures"
@@ -137,7 +137,7 @@ class LineVehicle:
         )
 
     def turn_off(self) -> TurnOffConfig:
-        """Return the defaults: nothing of it depends on the vehicle's figures."""
+        """Return the default configuration, which does not depend on the vehicle's figures."""
         return TurnOffConfig()
 
     def _law(self, kind: str) -> ErrorLaw:

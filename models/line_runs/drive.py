@@ -66,10 +66,10 @@ class Journey:
 
 @dataclass(frozen=True)
 class Stream:
-    """The steps of one machine on one journey, and the configuration that they were made with.
+    """The steps of one machine on one journey, and the machine's configuration.
 
-    stop     the stop point that the steps lead to; empty for all machines but that of stop points
-    struck   the faults that were put in, with their places
+    stop     the stop point to which the steps lead; empty for all machines except `stop_point`
+    struck   the injected faults, with their places
     """
 
     machine: str
@@ -105,7 +105,7 @@ def _struck(journey: Journey, machine: str, motion: Motion, reflector: str = "")
     return [found for one in asked if (found := placed(one, journey.route, motion)) is not None]
 
 
-# ------------------------------------------------------------------ one function a machine
+# ------------------------------------------------------------------ one function for each machine
 
 
 def _odometry(journey: Journey) -> Iterator[Stream]:

@@ -1,8 +1,8 @@
 """Named faults for runs along a line: the fault, its place, and the reaction that each machine has to show.
 
-A machine is offered only faults that it withstands: either the assumption still holds, or the machine notices the fault before
-it does harm. A machine with one odometer cannot notice a wheel that slips for long: that its odometer keeps the law is an
-assumption. The odometry machine has two units for that.
+Each machine gets only faults that it withstands: either its assumption still holds, or it notices the fault before it
+reports anything wrong. A machine with one odometer cannot notice a long slip of the wheel, since it assumes the odometer's error
+law. The odometry machine has two units for that.
 """
 
 from __future__ import annotations

@@ -46,8 +46,10 @@ class Struck:
         return [Fault(kind, "front_marker", self.begin, self.end) for kind in self._kinds("reader")]
 
     def of_distance(self, sensor: str, max_step_mm: int) -> list[Fault]:
-        """Return the fault for a distance sensor. A jump is farther than the vehicle can run in a cycle, and within the
-        input's range: farther ones would be stopped at the border."""
+        """Return the fault for a distance sensor.
+
+        A jump is farther than the vehicle can run in a cycle, but within the input's range: the border would refuse a farther one.
+        """
         figures = {"by_mm": max_step_mm + 500} if self.name == "distance-jump" else {}
         return [Fault(kind, sensor, self.begin, self.end, figures) for kind in self._kinds("distance")]
 
@@ -61,7 +63,7 @@ class Struck:
         return [Fault(kind, "", self.begin, self.end, more) for kind in self._kinds("radar")]
 
     def _kinds(self, simulation: str) -> list[str]:
-        """Return the fault's name in that simulation, if that makes it."""
+        """Return the fault's name in that simulation, or no name if it does not simulate the fault."""
         kind = FAULTS[self.name].kinds.get(simulation)
         return [] if kind is None else [kind]
 

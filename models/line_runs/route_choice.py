@@ -17,14 +17,14 @@ MOST_RIVALS = 16
 
 @dataclass(frozen=True)
 class Chosen:
-    """A route to drive, and the routes among which it has to be recognised, itself among them."""
+    """A route to drive, and the routes among which the route machine has to recognise it; they include the route itself."""
 
     route: Route
     rivals: tuple[Route, ...]
 
 
 def chosen_routes(topology: Topology, routes: Sequence[str], start: str | None, end: str | None) -> list[Chosen]:
-    """Return the routes asked for. InputError where there is none, or more than can be driven one by one."""
+    """Return the requested routes. InputError if there is none, or more than `MOST_ROUTES`."""
     if (start is None) != (end is None):
         raise InputError("--from and --to belong together: EDGE@MM each.")
     if start is not None and end is not None:
@@ -67,7 +67,7 @@ def _check_number(found: Sequence[Route], topology: Topology, start: str | None,
 
 
 def _rivals(route: Route, every: Sequence[Route]) -> tuple[Route, ...]:
-    """Routes that begin the same way along their edges, as from a common start; where those are too many, on its edge."""
+    """Return the routes with the same first direction, or only those with the same first edge if there are too many."""
     same = [one for one in every if one.runs[0].direction == route.runs[0].direction]
     if len(same) > MOST_RIVALS:
         same = [one for one in every if one.runs[0] == route.runs[0]]

@@ -1,6 +1,6 @@
-"""Data of a way for the simulations, taken from the map: markers, groups, reflectors, stop points, switches.
+"""Data of a route for the simulations, taken from the map: markers, groups, reflectors, stop points, switches.
 
-All places are mm along the route, for a vehicle that begins it with its front end at 0.
+All places are in mm along the route; the vehicle starts with its front end at 0.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from safeloc.railway.map.walk import Seen, Walk
 from safeloc.simulation.speed_profile import Limit
 
 FARTHEST_CLEAR_MM = 1_000_000
-"""Two reflectors of one model farther apart than this are apart enough for every machine."""
+"""Distance beyond which no machine confuses two reflectors of one model."""
 MODELS = tuple(one.label for one in MODEL if one is not NO_MODEL)
 
 
@@ -39,12 +39,12 @@ def identities(line: Line) -> dict[str, int]:
 
 
 def balise_groups(route: Route) -> list[tuple[Met, elements.BaliseGroup]]:
-    """Return the groups on the way, in order."""
+    """Return the balise groups on the route, in order."""
     return [(met, met.element) for met in route.objects() if isinstance(met.element, elements.BaliseGroup)]
 
 
 def reflectors(route: Route) -> list[tuple[int, elements.Reflector]]:
-    """Return the reflectors on the way, in order; InputError for a model that no radar of the machines distinguishes."""
+    """Return the reflectors on the route, in order; InputError for a model that no radar of the machines distinguishes."""
     found = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, elements.Reflector)]
     for _, one in found:
         if one.model not in MODELS:
@@ -72,7 +72,7 @@ def _accuracy_mm(group: elements.BaliseGroup, national_mm: int) -> int:
 
 
 def groups(route: Route) -> list[Group]:
-    """Return the groups as the balise machine's map has them; the reflector in a telegram is that of this direction."""
+    """Return the groups of the balise machine's map; a telegram gives the reflector for the route's direction."""
     known = identities(route.topology.line)
     return [_group(met, group, known[group.id]) for met, group in balise_groups(route)]
 
@@ -164,7 +164,7 @@ def _placed(found: Iterator[Seen], junction_mm: int, sign: int) -> Iterator[tupl
 
 
 def platforms(route: Route) -> list[list[tuple[int, elements.StopPoint]]]:
-    """Return the stop points of each platform on the way, in order; one that names no platform is a platform by itself."""
+    """Return the stop points of each platform on the route, in order; one that names no platform is a platform by itself."""
     found: dict[str, list[tuple[int, elements.StopPoint]]] = {}
     for met in route.objects():
         if isinstance(met.element, elements.StopPoint):
@@ -174,7 +174,7 @@ def platforms(route: Route) -> list[list[tuple[int, elements.StopPoint]]]:
 
 
 def stop_places(platform: Sequence[tuple[int, elements.StopPoint]]) -> tuple[StopPlace, ...]:
-    """Return the stop points of one platform as the machine's map has them."""
+    """Return the stop points of one platform in the form of the machine's map."""
     return tuple(StopPlace(place, stop.window_before_mm, stop.window_after_mm) for place, stop in platform)
 
 
@@ -191,7 +191,7 @@ def switches_ahead(route: Route) -> list[SwitchAhead]:
 
 
 def _course(route: Route, switch: elements.Switch, side: str) -> str:
-    """Return the course at a switch: the branch of the stem's track, or the only one of a named track, is straight."""
+    """Return the course at a switch: straight on the branch with the stem's track name, or on the only branch with a track name."""
     edges = route.topology.edges
     tracks = {name: edges[branch].track for name, branch in (("left", switch.left), ("right", switch.right))}
     stem = edges[switch.stem].track

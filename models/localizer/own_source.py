@@ -58,7 +58,7 @@ class Vehicle:
 
     @property
     def truth_after(self) -> Num:
-        """The front end's true place at the end of the cycle, nm: what an interval has to hold."""
+        """The front end's true place at the end of the cycle, nm; every reported interval has to contain it."""
         return self.truth + self.true_step
 
     @property

@@ -16,7 +16,7 @@ ODOMETERS = ("front_wheel", "front_radar", "rear_wheel", "rear_radar")
 
 
 def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
-    """The picture of a localizer with the sources that it has; `says` tells what a recording is of."""
+    """Return the picture of a localizer with its configured sources; `says` gives the description of a recording."""
     used = config.arbitration.sources
     refusals = [Refusals("odometer", "motion.measured", ("ADMITTED",))]
     refusals += [one for name in used for one in _REFUSALS[name]]

@@ -1,6 +1,6 @@
 """A train that locates itself on board and runs through a line area with virtual sections, as step streams.
 
-Written by `python -m safeloc.models.localizer_sections.simulate`; the tests check that they come out the same.
+`python -m safeloc.models.localizer_sections.simulate` writes them; the tests check that it still writes the same.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ FOLDER, SEED = Path(__file__).parents[1] / "streams", 3
 class Scene:
     """A journey through an area: places in mm, times in cycles.
 
-    ends_mm      the axle counters; clear: when they report the area empty, before the train comes
-    sections_mm  the cuts, one for each section of the configuration
-    parts        cycle from which the rear part stands and the train is not confirmed to be whole any more
-    says         what is to come of it
+    ends_mm      places of the axle counters
+    sections_mm  begin and end of each section of the configuration
+    clear        cycle in which the axle counters report the area empty, before the train comes
+    parts        cycle from which the rear part stands still and train integrity is no longer confirmed; None: never
+    says         the expected outcome in words
     """
 
     journey: Journey
@@ -66,11 +67,11 @@ SCENES: Mapping[str, Scene] = {
         "is not FREE again.",
     ),
 }  # fmt: skip
-"""By the end of the recording's name."""
+"""The scenes, by the end of the recordings' names."""
 
 
 def simulate(config: LocalizerSectionsConfig, scene: Scene, *, seed: int) -> Steps:
-    """The scene as steps, ghosts included. InputError for a scene with another number of sections than configured."""
+    """Return the scene as steps, ghosts included. InputError for a scene with another number of sections than configured."""
     if len(scene.sections_mm) != config.sections.sections:
         raise InputError(
             f"the scene has {len(scene.sections_mm)} sections; the configuration has {config.sections.sections}."
@@ -100,7 +101,7 @@ def _train(whole: bool, far_nm: int) -> dict[str, Cell]:
 
 
 def _area(config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: int, front_nm: int) -> dict[str, Cell]:
-    """Undisturbed counters: clear at first, then the train is counted in as its front end passes; nothing else comes."""
+    """Return the inputs of undisturbed axle counters: clear once, then they count the train in as its front end passes."""
     low = scene.ends_mm[0] * NM_PER_MM
     step: dict[str, Cell] = {
         "area.counters_healthy": True, "area.counters_clear": cycle == scene.clear,
@@ -117,7 +118,7 @@ def _area(config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: 
 
 
 def first_state(config: LocalizerSectionsConfig, scene: Scene) -> dict[str, Value]:
-    """Return first values of the open variables: the vehicle, its train, the area's ends and cuts."""
+    """Return first values of the open variables: the vehicle, its train, the ends of the area and of its sections."""
     far = _first_far_nm(config)
     first: dict[str, Value] = {
         **localizer_first(config.localizer, scene.journey),
@@ -134,7 +135,7 @@ def first_state(config: LocalizerSectionsConfig, scene: Scene) -> dict[str, Valu
 
 
 def write(folder: Path = FOLDER) -> list[Path]:
-    """Write all of them, each with its first state; the paths."""
+    """Write all recordings, each with its first state; return their paths."""
     config, paths = LocalizerSectionsConfig(), list[Path]()
     for name, scene in SCENES.items():
         paths.append(folder / f"{NAME}-{name}.jsonl.gz")

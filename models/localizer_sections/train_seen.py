@@ -68,7 +68,7 @@ class Heard:
         return [self.valid, self.position, self.below, self.above]
 
     def holds(self) -> Bool:
-        """The interval that the link gives out holds the true place."""
+        """Return whether the interval that the link reports, if it is valid, contains the true place."""
         return self.valid.implies(between(exact_to(self.low, NM), self.next_truth, exact_to(self.high, NM)))
 
 

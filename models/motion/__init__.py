@@ -27,11 +27,12 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM
 from safeloc.models.motion.told_error import lemmas, with_told_error
-from safeloc.models.motion.unit_check import UnitCheck, measuring_unit, told_law, unit_check
+from safeloc.models.motion.unit_check import UnitCheck, told_law, unit_check
 from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, Limits
 from safeloc.models.vocabulary.measuring_world import Physics
+from safeloc.models.vocabulary.odometer import odometer
 
 __all__ = ["Motion", "MotionConfig", "Parts", "build", "parts"]
 REQUIREMENTS = ("MRK-4", "MRK-D1")
@@ -115,7 +116,7 @@ class Parts:
         self.declared = declared = Declared()
         self.config, limits = config, config.limits
         farthest, check = limits.max_step_mm, config.check
-        self.odometer = measuring_unit(declared, config.odometer, limits)
+        self.odometer = odometer(config.odometer, limits).declare(declared)
         self.check = None
         if check is not None:
             self.check = unit_check(declared, self.odometer, check, config.band_mm, config.creep)

@@ -1,4 +1,4 @@
-"""Simulated distances of a vehicle's units, and the distance that motion reports of them: run through the machine itself."""
+"""Simulated distances of a vehicle's units, and the distances that the machine `motion` reports for them."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from safeloc.simulation.sensors import Distances, measure
 
 @lru_cache(maxsize=8)
 def _on_board(config: str) -> Compiled:
-    """The machine without its environment, by its configuration (JSON)."""
+    """Return the machine without its world, compiled once for each configuration (JSON)."""
     return compile_system(without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine)))
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Distances of the vehicle's units, and the distances for the machines that share the odometer."""
+    """Distances of the vehicle's units, and those that motion reports to the machines that share the odometer."""
 
     odometer: Distances
     check: Distances | None
@@ -34,7 +34,7 @@ class Measured:
 def measured_by(
     name: str, config: MotionConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault]
 ) -> Measured:
-    """Both units along a drive; `faults` are those of the odometer, which is called so."""
+    """Return the distances of both units along a drive; `name` and `faults` are those of the odometer."""
     odometer, check = measure(name, motion, config.odometer, rng, faults=faults), None
     if config.check is not None:
         check = measure("check", motion, config.check, rng)
@@ -42,7 +42,7 @@ def measured_by(
 
 
 def told(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:
-    """The distances that those hear who share the odometer; without a check unit, those that it measured."""
+    """Return the distances that motion reports; without a check unit, those that the odometer measured."""
     if config.check is None or check is None:
         return odometer
     board = _on_board(config.model_dump_json())

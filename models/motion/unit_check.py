@@ -45,9 +45,8 @@ from safeloc.language.expr import (
 )
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.models.vocabulary.error_law import ErrorLaw
-from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Odometer, most_told_nm
-from safeloc.models.vocabulary.odometer import odometer as a_unit
+from safeloc.models.vocabulary.odometer import odometer as measuring_unit
 
 
 def told_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
@@ -173,7 +172,7 @@ def unit_check(
     creep = None if creep_mm_s is None else creep_mm_s * limits.period_ms * (NM_PER_MM // 1_000)
     return UnitCheck(
         odometer,
-        measuring_unit(declared, law, limits, "check"),
+        measuring_unit(law, limits, "check").declare(declared),
         band,
         creep,
         apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
@@ -181,12 +180,3 @@ def unit_check(
         more=declared.state(number("told_more_nm", NM, 0, most_told_nm(limits.max_step_mm)), first=0),
         unheard=declared.state(number("unheard_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
     )
-
-
-def measuring_unit(declared: Declared, law: ErrorLaw, limits: Limits, name: str = "odometer") -> Odometer:
-    """Declare the variables of a unit that measures distance, named `name_...`."""
-    unit = a_unit(law, limits, name)
-    declared.sensor(unit.step)
-    for var, first in unit.state().items():
-        declared.state(var, first=first)
-    return unit

@@ -37,13 +37,14 @@ from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.cycle import Judged, Reading, Remembered, Situation, judge
-from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, choose, nothing
+from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, nothing
 from safeloc.models.odometry.hidden_faults import with_hidden
 from safeloc.models.odometry.lemmas import lemmas
 from safeloc.models.odometry.marker_reading import ACCEPTED
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.odometry.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
+from safeloc.models.vocabulary.choose import choose
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
 
 VALUES = members("values", "NONE", "M1", "M2")

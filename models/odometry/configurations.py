@@ -12,7 +12,6 @@ NEVER = {
     "models/odometry/__init__.py: ite(values.alive, values.above, 0) from _becomes(device, nothing(device))": "a device without a position: the row says so",
     "models/odometry/__init__.py: ite(values.alive, values.below, 0) from _becomes(device, nothing(device))": "a device without a position: the row says so",
     "models/odometry/__init__.py: ite(values.alive, values.position, 0) from _becomes(device, nothing(device))": "a device without a position: the row says so",
-    "models/odometry/distance_device.py: ite(condition, then.position, other.position) from choose(second.better_than(first), second, first)": "both units are set to the same place, only their margins differ",
     "models/odometry/hidden_faults.py: not hidden": "a world with a fault that may hide is no shipped target: tests/models/test_odometry_faults.py proves it",
     "models/odometry/lemmas.py: as_num(0, NM).eq(0) from _set_no_earlier(own, index, device)": "true, of a unit that does not drift",
     "models/odometry/lemmas.py: half - unit.below - more from _inside(own, unit, checker, unseen)": "zero where no fault may hide",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Num, abs_, all_of, any_of, as_num, ite, maximum
 from safeloc.language.units import COUNT, MM
-from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, best, choose, cycle
+from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, best, cycle
 from safeloc.models.odometry.marker_reading import (
     ACCEPTED,
     CANDIDATE,
@@ -27,6 +27,7 @@ from safeloc.models.odometry.marker_reading import (
     fix,
 )
 from safeloc.models.odometry.variables import Parts
+from safeloc.models.vocabulary.choose import choose
 from safeloc.models.vocabulary.first_of import first_of
 
 

@@ -44,6 +44,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.units import COUNT, MM, MS, NM, PPM, PPM_PER_ONE
+from safeloc.models.vocabulary.choose import choose
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 
@@ -82,16 +83,6 @@ class Values:
     def better_than(self, other: Values) -> Bool:
         """Return whether it is alive and the other one is dead or has a greater margin."""
         return self.alive & (~other.alive | (self.margin < other.margin))
-
-
-def choose(condition: Bool, then: Values, other: Values) -> Values:
-    """Return `then` where the condition holds, else `other`."""
-    return Values(
-        ite(condition, then.alive, other.alive),
-        ite(condition, then.position, other.position),
-        ite(condition, then.above, other.above),
-        ite(condition, then.below, other.below),
-    )
 
 
 NOTHING = Values(as_num(1, MM) <= 0, as_num(0, MM), as_num(0, NM), as_num(0, NM))

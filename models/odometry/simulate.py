@@ -1,6 +1,6 @@
 """Simulated sensors as step streams of the odometry machine, its ghosts included.
 
-With the ghosts in it, a stream carries its own proof of being lawful: the interpreter checks the assumption on it.
+Because a stream contains the ghosts, the interpreter can check on it that it obeys the assumption.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _NO_MARKERS = {f"{name}_{what}": nothing for name in READERS for what, nothing i
 
 
 def vehicle_of(config: OdometryConfig) -> VehicleConfig:
-    """A vehicle that stays within the configured gates."""
+    """Return a vehicle that stays within the configured limits."""
     return VehicleConfig(
         length_mm=max(1_000, config.vehicle_length_mm), max_speed_mm_s=int(config.max_speed_mm_s * 0.9)
     )
@@ -47,14 +47,14 @@ def simulate(
     first_unit: Distances | None = None,
     second_unit: Distances | None = None,
 ) -> Steps:
-    """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+    """Return one run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
     markers  (identity, place in mm) in order of place; every 250 m by default
     marker_accuracy_mm  of all markers, or of each by its identity
-    motion   how the vehicle runs; instead of it legs to drive, a random service by default
+    motion   the vehicle's run; without it, the run over `legs`, or over a random service
     faults   named faults of `front_wheel`, `front_radar`, ... (`sensors.KINDS`) and of `front_marker`, `rear_marker`
              (`reader_faults.KINDS`); while one is active the assumption may be broken
-    first_unit, second_unit  what the front end's units measured, where others hear the same; their faults are in it already
+    first_unit, second_unit  distances of the front end's units, if other machines use the same; they contain their faults already
     """
     rng = np.random.default_rng(seed)
     vehicle = vehicle_of(config)
@@ -106,7 +106,7 @@ def _steps(
 
 
 def _marker(config: OdometryConfig, reading: Reading, truth_nm: int) -> dict[str, int | bool]:
-    """The ghosts of a reading: where its marker really lies, or that it is not under the reader at all."""
+    """Return the ghosts of a reading: the true place of its marker, and whether the marker's map place is far away from it."""
     if reading.place_mm is None:
         return {}
     name, length_mm = READERS[reading.end], config.vehicle_length_mm if reading.end else 0

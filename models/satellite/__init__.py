@@ -207,7 +207,7 @@ def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transiti
     every: Updates = {own.judged: judged, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
 
     def become(state: State, anchor: Anchor, coasted: Num, change: Num) -> Updates:
-        """The state, what follows from odometry, and the cycles since a solution or a reference was used."""
+        """Return updates that store state, anchor, change of speed, and the cycles since a solution or a reference was used."""
         rest: Updates = {own.coasted: coasted, own.change: change, own.reason: LOCATED}
         return together(every, _state(own, state), _anchor(own, anchor), rest)
 

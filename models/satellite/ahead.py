@@ -56,7 +56,7 @@ class Ahead:
 
 
 def ahead(state: Mapping[str, Value], config: SatelliteConfig) -> Ahead:
-    """E*(t) from the machine's state before the step, the same whole numbers as in `motion.predicted`."""
+    """Return the prediction E*(t) from the machine's state before the step, in the same whole numbers as `motion.predicted`."""
     names = ("position_nm", "low_nm", "high_nm", "speed_um_s", "slowest_um_s", "fastest_um_s", "change_um_s")
     place, low, high, speed, slowest, fastest, change = (int(state[f"position.{name}"]) for name in names)
     fast, gained, period = config.max_speed_mm_s * 1_000, config.speed_change_um_s, config.period_ms

@@ -121,9 +121,9 @@ UNLOCATED = 0
 
 @lru_cache(maxsize=8)
 def _programs(figures: str) -> tuple[Compiled, Compiled]:
-    """Both machines in one step, and the selection by itself, of a configuration told as JSON.
+    """Return the compiled composition and the compiled selection alone, for a configuration in JSON.
 
-    Seconds for 32 channels, and so made once.
+    Compiling takes seconds for 32 channels, so each configuration is compiled once.
     """
     whole = compose_machines(SatelliteConfig.model_validate_json(figures))
     selection = lower(whole.selection.machine)
@@ -201,7 +201,7 @@ class EpochChain:
     # ------------------------------------------------------------------ what becomes of it
 
     def _standings(self, heard: Heard) -> dict[str, str]:
-        """The selection machine's step: what every satellite on a channel is."""
+        """Run one step of the selection machine; return the standing of every satellite on a channel."""
         self._selected, _ = self._select.step(self._selected, self._select.read(heard.inputs))
         state = dict(zip(self._select.state_names, self._selected, strict=True))
         return {
@@ -211,7 +211,7 @@ class EpochChain:
     def _solution(
         self, predicted: Ahead | None, seen: Sighting, heard: Heard, usable: frozenset[str]
     ) -> tuple[Solution | None, str]:
-        """From usable satellites only; else why there is none."""
+        """Return the solution from usable satellites only, or None with the reason."""
         if predicted is None or seen.missing:
             return None, seen.missing
         if not usable:

@@ -1,7 +1,7 @@
-"""Simulated runs along the worked line `valley` through the satellite chain, and as step streams of its machines.
+"""Simulated runs along the example line `valley` through the satellite chain, and as step streams of its machines.
 
-What stands beside the line: a station hall, a street between houses, a cutting, a tunnel. References are the line's balise
-groups, with the speed that odometry has there; the first one is where a run begins.
+Beside the line stand a station hall and the houses of a street; it leads through a cutting and a tunnel. References are the
+line's balise groups, with the speed that odometry has there; a run begins at the first one.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ FINE = SatelliteConfig(
 class Journey:
     """One run along the line.
 
-    from_m, to_m   the part of the run that is told; the train has come from the line's beginning
+    from_m, to_m   the recorded part of the run; the train has come from the line's beginning
     balises        the line's groups are references; without them only the beginning is one
-    odometry       the run is told to the machine, which holds a common drift against it
-    lawful         nothing breaks what is assumed: the ghosts are told with it
+    odometry       the machine gets the distance run, and checks a common drift of all satellites by it
+    lawful         nothing breaks the assumption, so the steps contain the ghosts
     """
 
     from_m: float = 0.0
@@ -73,7 +73,7 @@ class Journey:
 
 
 def false_place(begin_ms: int, drift_m_per_s: float, gathering_m_per_s2: float) -> Fault:
-    """Return spoofed signals of all satellites, of a place that leaves the true one from then on."""
+    """Return the spoofed signals of all satellites: their place moves away from the true one from then on."""
     figures = {"drift_m_per_s": drift_m_per_s, "gathering_m_per_s2": gathering_m_per_s2}
     return Fault("false place", begin=begin_ms, figures=figures)
 
@@ -95,7 +95,7 @@ SHIPPED: Mapping[str, tuple[Journey, int]] = {
 
 @dataclass(frozen=True)
 class Passed:
-    """One cycle: what was true of train and signals, what came, and what the chain made of it."""
+    """One cycle: the truth of train and signals, the receiver's output, and the chain's result."""
 
     truth: Truth
     cycle: Cycle
@@ -103,18 +103,18 @@ class Passed:
 
 
 def worked_line() -> Line:
-    """The map."""
+    """Return the map of the example line."""
     return find_line(LINE)
 
 
 @cache
 def track() -> LineTrack:
-    """The line's one route. InputError without pyproj (extra `geo`)."""
+    """Return the track of the line's only route. InputError without pyproj (extra `geo`)."""
     return LineTrack(through_routes(Topology(worked_line()), 1), START_HEIGHT_M)
 
 
 def motion(journey: Journey, config: SatelliteConfig, vehicle: VehicleConfig | None = None) -> Motion:
-    """From standstill at the line's beginning to a halt at the journey's end, from where the journey begins."""
+    """Return the motion from standstill at the line's beginning to a halt at the journey's end, cut to the recorded part."""
     whole = drive(
         vehicle or VehicleConfig(),
         [Halt(round(journey.to_m * MM_PER_M), 3.0, journey.speed_mm_s)],
@@ -135,7 +135,7 @@ def signals(journey: Journey, config: SatelliteConfig, *, seed: int) -> Simulate
 
 
 def passed(config: ChainConfig, journey: Journey, *, seed: int) -> Iterator[Passed]:
-    """The journey through the chain, cycle by cycle."""
+    """Yield the cycles of the journey through the chain."""
     run = signals(journey, config.satellite, seed=seed)
     chain = EpochChain(config, run.navigation, track().portions)
     rng = np.random.default_rng([seed, 1])
@@ -168,7 +168,7 @@ def _run(truth: Truth, before: Truth, rng: np.random.Generator) -> Run:
 
 
 def simulate(config: SatelliteConfig, *, seed: int, journey: Journey | None = None) -> Steps:
-    """One journey as steps of both machines: inputs, ghost inputs where it is lawful, and the remark `truth_mm`."""
+    """Return one journey as steps of both machines: inputs, ghost inputs if it is lawful, and the remark `truth_mm`."""
     chosen = journey or Journey()
     steps: Steps = []
     for one in passed(ChainConfig(satellite=config), chosen, seed=seed):
@@ -178,14 +178,14 @@ def simulate(config: SatelliteConfig, *, seed: int, journey: Journey | None = No
 
 
 def first_of(config: SatelliteConfig, journey: Journey) -> dict[str, int]:
-    """The ghosts before the first step of a lawful journey."""
+    """Return first values of the ghosts of a lawful journey."""
     start, begun = motion(journey, config), journey.from_m > 0
     speed = round(float(start.speed_mm_s[0]) * MM_PER_M) if begun else 0
     return {"position.truth_nm": start.start_nm, "position.true_speed_um_s": speed} if journey.lawful else {}
 
 
 def simulate_selection(config: SelectionConfig, *, seed: int, journey: Journey | None = None) -> Steps:
-    """The same as steps of the selection alone."""
+    """Return the same journey as steps of the selection alone."""
     steps = simulate(SatelliteConfig(selection=config), seed=seed, journey=journey or STREET)
     prefix = "selection."
     return [{key.removeprefix(prefix): step[key] for key in step if key.startswith(prefix)} for step in steps]
@@ -219,7 +219,7 @@ def _split(
     healthy: Mapping[str, float],
     added: Mapping[str, float],
 ) -> dict[str, Cell]:
-    """A difference as the signal's own error, and what prediction and clock make of it."""
+    """Return a difference split into the signal's own error and the parts of prediction and clock."""
     error = 0 if name is None else round((healthy[name] + added[name]) * MM_PER_M)
     told = inputs.get(f"{channel}_speed_off_mm_s" if kind else f"{channel}_range_off_mm", error)
     own = f"{channel}_speed_error_mm_s" if kind else f"{channel}_error_mm"

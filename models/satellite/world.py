@@ -153,13 +153,13 @@ def hidden_errors(config: SelectionConfig) -> tuple[int, int]:
 
 
 def signal_errors(config: SelectionConfig) -> tuple[int, int]:
-    """The bound that a usable satellite's error is proved to keep: the threshold, and what may be hidden."""
+    """Return the proved bounds of a usable satellite's range and speed errors: the threshold, and the error that may be hidden."""
     hidden, hidden_speed = hidden_errors(config)
     return config.range_threshold_mm + hidden, config.speed_threshold_mm_s + hidden_speed
 
 
 def _solution_holds(own: Parts) -> Bool:
-    """Place and speed hold the true ones within what their signals make of it, for a solution that can be solved at all."""
+    """Return whether a solution from enough bounded signals is wrong by no more than their bounds and its dilution imply."""
     satellites, solvable = as_num(0, COUNT), own.unknowns
     for used in own.used:
         satellites = satellites + ite(~used, as_num(0, COUNT), 1)

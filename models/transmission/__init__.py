@@ -262,7 +262,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _sent_truly(own: Parts) -> Bool:
-    """The interval that the sender states holds the true position of that cycle."""
+    """Return whether a valid interval that is sent contains the true position of its cycle."""
     low, high = own.position - own.below, own.position + own.above
     return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import Bool, Expr, Num, NumVar, Var, as_num, between, exact_to, maximum, minimum
-from safeloc.language.machine import Initial
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.vocabulary.choose import choose
 
@@ -110,10 +109,6 @@ class StoredInterval:
     def interval(self) -> Interval:
         """The interval before the step."""
         return Interval(self.position, self.above, self.below)
-
-    def state(self) -> dict[Var, Initial]:
-        """Return the state variables with their first values: no interval."""
-        return {self.position: 0, self.above: 0, self.below: 0}
 
     def become(self, interval: Interval) -> dict[Var, Expr]:
         """Return updates that store the interval."""

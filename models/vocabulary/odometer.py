@@ -27,7 +27,6 @@ from safeloc.language.expr import (
     optional,
     with_unit,
 )
-from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.measured import (
@@ -73,16 +72,13 @@ class Odometer(MeasuredDistance):
         """This cycle's distance is used."""
         return self.verdict.eq(ADMITTED)
 
-    def state(self) -> dict[Var, Initial]:
-        """Return the state variables with their first values: no distance was measured yet."""
-        return {self.last: 0, self.gap: self.limits.gap_limit + 1, self.judged: MISSING}
-
     def declare(self, declared: Declared) -> Odometer:
-        """Give inputs and state their roles in a machine; return the odometer itself."""
+        """Declare inputs and state, in which no distance was measured yet; return the odometer itself."""
         for one in self.inputs:
             declared.sensor(one)
-        for var, first in self.state().items():
-            declared.state(var, first=first)
+        declared.state(self.last, first=0)
+        declared.state(self.gap, first=self.limits.gap_limit + 1)
+        declared.state(self.judged, first=MISSING)
         return self
 
     @cached_property
@@ -121,10 +117,6 @@ class Heading:
     backwards: BoolVar
     rolled: NumVar
     reversal_mm: int
-
-    def state(self) -> dict[Var, Initial]:
-        """Return the state variables with their first values: forwards."""
-        return {self.backwards: False, self.rolled: 0}
 
     def after(self, distance: Num) -> tuple[Bool, dict[Var, Expr]]:
         """Return whether the vehicle runs backwards after the cycle, and the updates."""

@@ -38,6 +38,7 @@ def properties(model: Balise) -> list[Property]:
     """Every property of the balise machine."""
     makers = (
         _safety,
+        _invalid,
         _references,
         _charged,
         _facing,
@@ -52,6 +53,7 @@ def properties(model: Balise) -> list[Property]:
 
 
 def _safety(model: Balise) -> Iterator[Property]:
+    """Properties of the reported interval: it contains the true position, and is not wider than tolerable."""
     machine, own = model.machine, model.own
     valid, tolerance = machine.flag("valid"), own.config.tolerance_mm
     position, above, below = (
@@ -71,6 +73,12 @@ def _safety(model: Balise) -> Iterator[Property]:
         ),
         statement="a reported interval is never wider than the tolerable error, on either side",
     )
+
+
+def _invalid(model: Balise) -> Iterator[Property]:
+    """Properties of an invalid position: when it is invalid, and that nothing is reported then."""
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
     nothing = [
         no_interval(machine),
         *(machine.output(name).eq(0) for name in ("reflector_mm", "search_mm")),
@@ -179,7 +187,7 @@ def _facing(model: Balise) -> Iterator[Property]:
 
 
 def _entitled(step: Step, slot: Record) -> Bool:
-    """The group that was in a slot was read, rightly and in its window."""
+    """The group that was in a slot was read in the announced orientation and inside its window."""
     held = earlier_num(slot.group).ne(0)
     return all_of([held, step.read_of(slot), ~step.against(slot), step.inside(slot)])
 
@@ -273,7 +281,7 @@ def _rejection(model: Balise) -> Iterator[Property]:
 
 
 def _faults(step: Step) -> dict[str, Bool]:
-    """Telegrams that are never believed, in terms of what was read."""
+    """Return the kinds of telegrams that are never accepted, in terms of the reading."""
     own, expected = step.model.own, step.model.own.linking.slots[0]
     read = own.read
     known = any_of(step.read_of(slot) for slot in own.linking.slots)

@@ -1,6 +1,6 @@
-"""One step of the balise machine as properties see it: told from the state before it and its inputs.
+"""One step of the balise machine as properties see it: computed from the state before the step and its inputs.
 
-Written apart from the terms that the machine itself is made of, so that a wrong one does not confirm itself.
+It is written independently of the machine's own terms, so that a wrong term does not confirm itself.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ class Step:
 
     @cached_property
     def admitted(self) -> Bool:
-        """The distance counted."""
+        """The odometer's distance was admitted."""
         return self.model.own.odometer.judged.eq(ADMITTED)
 
     @cached_property
     def distance(self) -> Num:
-        """The distance that counted, mm."""
+        """The admitted distance, mm; 0 without one."""
         return ite(self.admitted, self.model.own.odometer.step.value, as_num(0, MM))
 
     @cached_property
@@ -66,7 +66,7 @@ class Step:
 
     @cached_property
     def _lawful_nm(self) -> Num:
-        """By how much a measured distance may miss the true one: the rate above the knee, and the floor over a cycle."""
+        """Greatest error of an admitted distance, nm: the rate above the knee, and the floor over a cycle."""
         law, period = self.model.own.config.odometer, self.model.own.config.period_ms
         step = self.model.own.odometer.step.value
         far = maximum(step, -step)
@@ -74,7 +74,7 @@ class Step:
         return exact_to(Lit(law.floor_mm_s * period, UM), NM) + with_unit(above * law.rate_ppm, NM)
 
     def reach(self, age_ms: Num | int) -> Num:
-        """The farthest that the vehicle gets in so much time, um."""
+        """Return the farthest travel of the vehicle in that time, um."""
         top = self.model.own.config.max_speed_mm_s
         return Lit(top * age_ms, UM) if isinstance(age_ms, int) else with_unit(age_ms * top, UM)
 
@@ -87,7 +87,7 @@ class Step:
 
     @cached_property
     def well_formed(self) -> Bool:
-        """Everything that belongs to a reading came, and its numbers can be those of one group."""
+        """Every value of a reading is present, and its numbers can be those of one group."""
         read = self.model.own.read
         group = (read.group, read.link, read.check, read.age)
         numbers = (read.total, read.read, read.first, read.last)
@@ -106,7 +106,7 @@ class Step:
         return all_of([present, complete, recent, read.check.value.eq(PASSED), ~own.heading.backwards])
 
     def against(self, slot: Record) -> Bool:
-        """The group was passed in the other orientation than announced."""
+        """Return whether the group was passed in the other orientation than announced."""
         first, last = self.model.own.read.first, self.model.own.read.last
         announced = earlier_num(slot.orientation)
         forth, back = first.value < last.value, last.value < first.value
@@ -129,24 +129,24 @@ class Step:
         return ite(national.known, national.kept, as_num(self.model.own.config.default_accuracy_mm, MM))
 
     def accuracy_of(self, slot: Record) -> Num:
-        """The location accuracy of the group that was in a slot, mm."""
+        """Return the location accuracy of the group that was in a slot, mm."""
         return ite(earlier_bool(slot.accurate), earlier_num(slot.accuracy), self.accuracy_in_force)
 
     @cached_property
     def accuracy_by_precedence(self) -> Num:
-        """The location accuracy of what was read, mm."""
+        """The location accuracy of the group that was read, mm."""
         result = self.accuracy_in_force
         for slot in reversed(self.model.own.linking.slots):
             result = ite(self.read_of(slot), self.accuracy_of(slot), result)
         return result
 
     def can_read_from(self, slot: Record) -> Bool:
-        """The max safe front end has reached the first place where the antenna can read the group that was in a slot."""
+        """Return whether the max safe front end has reached the first place where the antenna can read the group of a slot."""
         farthest = maximum(self.old.high, self.moved.high) + self._spread(slot)
         return farthest - exact_to(as_num(self.model.own.config.antenna_mm, MM), NM) >= self._place(slot)
 
     def beyond(self, slot: Record, front: Num) -> Bool:
-        """A front end so far along has its antenna beyond the last place where the group that was in a slot can be read."""
+        """Return whether the antenna is beyond the last place where the group of a slot can be read, with the front end at `front`."""
         antenna = front - exact_to(as_num(self.model.own.config.antenna_mm, MM), NM)
         return antenna - self._place(slot) > self._spread(slot)
 
@@ -158,7 +158,8 @@ class Step:
         return exact_to(self.model.own.config.detection_mm + self.accuracy_of(slot), NM)
 
     def inside(self, slot: Record) -> Bool:
-        """The max safe front end had reached the first place, and the min safe front end not passed the last one."""
+        """Return whether the expectation window of a slot's group was open: the max safe front end had reached the first place
+        where the group can be read, and the min safe front end had not passed the last one."""
         return self.can_read_from(slot) & ~self.beyond(slot, self.old.low)
 
     @cached_property
@@ -167,7 +168,7 @@ class Step:
         expected = self.model.own.linking.slots[0]
         return self.beyond(expected, self.old.low) | self.beyond(expected, self.moved.low)
 
-    # ------------------------------------------------------------------ what a telegram that counts says
+    # ------------------------------------------------------------------ the content of an accepted telegram
 
     @cached_property
     def counts(self) -> Bool:
@@ -189,7 +190,7 @@ class Step:
 
     @cached_property
     def oriented(self) -> Bool:
-        """The group has an orientation of its own, and it is known in which one it is to be passed."""
+        """The telegram shows the orientation in which the group was passed, and the expected one is known."""
         read = self.model.own.read
         own = ite(~read.orientation.present, UNKNOWN, read.orientation.value)
         return read.first.value.ne(read.last.value) & self.by_precedence(lambda slot: slot.orientation, own).ne(UNKNOWN)

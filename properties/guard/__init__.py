@@ -35,6 +35,7 @@ def properties(model: Guard) -> list[Property]:
         _told_whole,
         _told,
         _trust,
+        _stored,
         _recovering,
         _coming_back,
         _use,
@@ -78,7 +79,7 @@ def _between_mm(low: Num, truth: Num, high: Num) -> Bool:
 
 
 def _charged(model: Guard) -> Iterator[Property]:
-    """Return the error bound of a fix, in figures of the properties' own."""
+    """Properties of the error bound of a fix, computed independently of the machine."""
     machine, own, step = model.machine, model.own, Step(model)
     low, high = step.place - step.charge, step.place + step.charge
     yield for_all_inputs(
@@ -96,7 +97,7 @@ def _charged(model: Guard) -> Iterator[Property]:
 
 
 def _told_whole(model: Guard) -> Iterator[Property]:
-    """The place last known, rounded outward to a millimetre and no farther."""
+    """Properties of the reported last known place: it is rounded outward to a millimetre and no farther."""
     machine, own = model.machine, model.own
     behind = own.known_low - exact_to(machine.output("known_from_mm"), NM) - own.config.rollback_mm * NM_PER_MM
     ahead = exact_to(machine.output("known_to_mm"), NM) - own.known_high
@@ -160,7 +161,7 @@ def _gates(model: Guard) -> Iterator[Property]:
 
 
 def _course(model: Guard) -> Iterator[Property]:
-    """A course across the way, or against its direction: refused, and nothing else refused for it."""
+    """Properties of a course across the way or against its direction: it is refused, and no other course is."""
     machine, own, step = model.machine, model.own, Step(model)
     passed, only, most = machine.flag("passed"), own.forwards_only, own.config.confirmations
     yield for_all_inputs(
@@ -191,7 +192,7 @@ def _course(model: Guard) -> Iterator[Property]:
 
 
 def _carried(model: Guard) -> Iterator[Property]:
-    """The place last known, through every withdrawal."""
+    """Properties of the last known place, which is carried through every withdrawal."""
     machine, own, step = model.machine, model.own, Step(model)
     least, most = step.known
     yield for_all_inputs(
@@ -236,7 +237,7 @@ def _new_start(model: Guard) -> Iterator[Property]:
 
 
 def _told(model: Guard) -> Iterator[Property]:
-    """Why a delivery is withheld."""
+    """Properties of the reason for which a delivery is withheld."""
     machine, own, step = model.machine, model.own, Step(model)
     lost = machine.modes[0]
     verdict = ite(before(machine.mode).eq(lost) | own.start_anew, step.fair, step.verdict)
@@ -249,7 +250,7 @@ def _told(model: Guard) -> Iterator[Property]:
 
 
 def _trust(model: Guard) -> Iterator[Property]:
-    """Properties of losing and regaining trust, while an interval is held."""
+    """Properties of losing trust in the receiver, while an interval is stored."""
     machine, own, step = model.machine, model.own, Step(model)
     _, _, passing, probation = machine.modes
     was_holding, holding, now = _was_holding(model), machine.flag("holding"), machine.mode
@@ -275,6 +276,12 @@ def _trust(model: Guard) -> Iterator[Property]:
         statement="where no vehicle can have run from the last fix near the way to this one, this one is withheld, and begins a row if "
         "it agrees with what is held",
     )
+
+
+def _stored(model: Guard) -> Iterator[Property]:
+    """Properties of the last fix near the way, and of the stored interval's end."""
+    machine, own, step = model.machine, model.own, Step(model)
+    was_holding, holding = _was_holding(model), machine.flag("holding")
     least, most = step.near
     by_itself = step.alone.eq(PASSED)
     yield for_all_inputs(

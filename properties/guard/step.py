@@ -1,6 +1,6 @@
-"""One step of the guard as properties see it: told from the state before it and its inputs.
+"""One step of the guard as properties see it: computed from the state before the step and its inputs.
 
-Written apart from the terms that the machine itself is made of, so that a wrong one does not confirm itself.
+It is written independently of the machine's own terms, so that a wrong term does not confirm itself.
 """
 
 from __future__ import annotations
@@ -69,42 +69,42 @@ class Step:
 
     @property
     def _way(self) -> int:
-        """Distance that it adds in a period, nm."""
+        """The greatest distance that a change of speed adds in a period, nm."""
         return self._change * self.model.own.config.period_ms // 2
 
     @property
     def _steps(self) -> int:
-        """Periods over which speed is told from distance."""
+        """Number of periods over which the speed is computed from the distance."""
         config = self.model.own.config
         return config.speed_window_ms // config.period_ms
 
     def lag_nm(self, steps: int) -> int:
-        """By how much a way of so many periods may differ from the speed at its end times its duration.
+        """Return the greatest difference between the distance of so many periods and the speed at their end times their duration, nm.
 
-        In the period that ends i periods before the end the speed may have been i changes off at its end, and the way of
-        a period is off its beginning's speed by half a change.
+        At the end of the period that ends i periods before the last, the speed may differ from the last one by i changes. In each
+        period the distance may differ from the speed at its beginning times the period by half a change.
         """
         return sum(self._way + self._change * self.model.own.config.period_ms * (n + 1) for n in range(steps))
 
-    # ------------------------------------------------------------------ what is held, without a fix
+    # ------------------------------------------------------------------ the stored intervals without a fix
 
     @cached_property
     def low(self) -> Num:
-        """The least place that the vehicle can be at, nm."""
+        """The lowest place that the vehicle can have reached, nm."""
         own = self.model.own
         back = exact_to(before(own.slow) * Lit(own.config.period_ms, MS), NM) - self._way
         return ite(~own.advance, before(own.low), back + before(own.low))
 
     @cached_property
     def high(self) -> Num:
-        """The greatest one."""
+        """The highest place that the vehicle can have reached, nm."""
         own = self.model.own
         forth = exact_to(before(own.fast) * Lit(own.config.period_ms, MS), NM) + self._way
         return ite(~own.advance, before(own.high), forth + before(own.high))
 
     @cached_property
     def slowest(self) -> Num:
-        """The least speed it can have by what it can do, um/s: traction alone speeds it up, the brake alone slows it down."""
+        """The lowest possible speed, um/s: lowered by the stronger rate if the vehicle may run forwards, else by traction."""
         own = self.model.own
         rise = own.config.acceleration_mm_s2 * own.config.period_ms
         least = before(own.slow) - ite(before(own.fast) > 0, as_num(self._change, UM_S), rise)
@@ -112,7 +112,7 @@ class Step:
 
     @cached_property
     def fastest(self) -> Num:
-        """The greatest one."""
+        """The highest possible speed, um/s: raised by the stronger rate if the vehicle may run backwards, else by traction."""
         own = self.model.own
         rise = own.config.acceleration_mm_s2 * own.config.period_ms
         most = before(own.fast) + ite(before(own.slow) < 0, as_num(self._change, UM_S), rise)
@@ -120,7 +120,7 @@ class Step:
 
     @cached_property
     def near(self) -> tuple[Num, Num]:
-        """The least and the greatest place if the last fix near the way was true, at the highest speed and over no more line."""
+        """Lowest and highest place by now if the last fix near the way was true, at the highest speed either way and on the line; nm."""
         own, config = self.model.own, self.model.own.config
         ran = config.period_ms * self._top + self._way
         line = (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM
@@ -132,13 +132,13 @@ class Step:
 
     @property
     def line_nm(self) -> int:
-        """Extent of the line either way, and a window beyond it."""
+        """Extent of the line either way, with a window beyond its end, nm."""
         config = self.model.own.config
         return (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM
 
     @cached_property
     def known(self) -> tuple[Num, Num]:
-        """Return the place of the vehicle from its last known place: it ran at the highest speed, back only where that is permitted."""
+        """Lowest and highest place by now, from the last known place at the highest speed, backwards only where permitted; nm."""
         own, line = self.model.own, self.line_nm
         ran = own.config.period_ms * self._top + self._way
         back = ite(own.forwards_only, as_num(0, NM), as_num(ran, NM))
@@ -149,22 +149,22 @@ class Step:
 
     @cached_property
     def due(self) -> Bool:
-        """The window of speed is complete with this step."""
+        """This step completes the window over which the speed is computed."""
         return self.model.own.advance & (before(self.model.own.anchor_steps) + 1).eq(self._steps)
 
     def told_slowest(self, low: Num) -> Num:
-        """The least speed by the distance since the anchor, rounded up."""
+        """Return the lowest speed by the distance since the anchor, rounded up, um/s."""
         short = with_unit(low - self.lag_nm(self._steps) - before(self.model.own.anchor_high), UM_S)
         return ceil_div(short, self._steps * self.model.own.config.period_ms)
 
     def told_fastest(self, high: Num) -> Num:
-        """The greatest speed by the distance since the anchor, rounded down."""
+        """Return the highest speed by the distance since the anchor, rounded down, um/s."""
         far = with_unit(high + self.lag_nm(self._steps) - before(self.model.own.anchor_low), UM_S)
         return floor_div(far, self._steps * self.model.own.config.period_ms)
 
     @cached_property
     def speeds(self) -> tuple[Num, Num]:
-        """Least and greatest speed without a fix."""
+        """Lowest and highest speed without a fix, um/s."""
         slow, fast = self.told_slowest(self.low), self.told_fastest(self.high)
         return (
             ite(self.due & (slow > self.slowest), slow, self.slowest),
@@ -173,7 +173,7 @@ class Step:
 
     @cached_property
     def can_be_held(self) -> Bool:
-        """Without a fix: not wider than the window's limit, on the line, and some speed is left."""
+        """The intervals without a fix can be stored: neither is empty, and the places are on the line and no wider than the limit."""
         config, (slow, fast) = self.model.own.config, self.speeds
         reach = (2 * config.window_limit_mm + config.position_limit_mm) * NM_PER_MM
         wide = self.high - self.low > 2 * NM_PER_MM * config.window_limit_mm
@@ -188,7 +188,7 @@ class Step:
 
     @cached_property
     def charge(self) -> Num:
-        """Error bound of the fix: its own error, more the farther off the track, and its age at full speed; nm."""
+        """Error bound of the fix, nm: its own error, a share of its distance off the track, and its age times the highest speed."""
         own, config = self.model.own, self.model.own.config
         off = exact_to(with_unit(own.offset * config.offset_charge_permille, UM), NM)
         aged = exact_to(with_unit(own.age * config.max_speed_mm_s, UM), NM)
@@ -196,7 +196,7 @@ class Step:
 
     @cached_property
     def _least_told(self) -> Num:
-        """The receiver's speed at the least, without direction."""
+        """The receiver's speed less its error, without direction, um/s."""
         return exact_to(self.model.own.speed.value - self.model.own.config.speed_error_mm_s, UM_S)
 
     @cached_property
@@ -219,18 +219,18 @@ class Step:
 
     @cached_property
     def crosses(self) -> Bool:
-        """Its course is farther than the limit from the way, whichever end of the way it is counted from."""
+        """The course differs from both directions of the way by more than the limit."""
         course, limit = self.model.own.course, self.model.own.config.course_limit_mrad
         return course.present & (course.value > limit) & (course.value < HALF_TURN_MRAD - limit)
 
     @cached_property
     def runs_back(self) -> Bool:
-        """Its course is against the way's direction, by more than a quarter of a turn."""
+        """The course differs from the way's direction by more than a quarter of a turn."""
         return self.model.own.course.present & (self.model.own.course.value >= QUARTER_TURN_MRAD + 1)
 
     @cached_property
     def out_of_reach(self) -> Bool:
-        """No place that it may mean is one where the vehicle can be by what was last known of it."""
+        """No place within the fix's error is one that the vehicle can have reached from its last known place."""
         least, most = self.known
         rolled = self.model.own.config.rollback_mm * NM_PER_MM
         return (least - self.place > self.charge + rolled) | (self.place - most > self.charge)
@@ -279,29 +279,29 @@ class Step:
 
     @property
     def _against(self) -> list[Bool]:
-        """Reasons why no vehicle can be at the fix by now."""
+        """Reasons why the vehicle cannot be at the fix by now."""
         return [self.model.own.elsewhere, self._apart, self._too_fast, self._no_speed_left]
 
     @cached_property
     def _apart(self) -> Bool:
-        """No place that it may mean is one where the vehicle can be."""
+        """No place within the fix's error is one where the vehicle can be by now."""
         return (self.place - self.high > self.charge) | (self.low - self.place > self.charge)
 
     @cached_property
     def _too_fast(self) -> Bool:
-        """The receiver is faster than the vehicle can be, whichever way it runs."""
+        """The receiver reports a speed that the vehicle cannot have, whichever way it runs."""
         least = self._least_told
         return self.model.own.speed.present & ~((least <= self.fastest) | (least <= -self.slowest))
 
     @cached_property
     def _no_speed_left(self) -> Bool:
-        """Place and speed of the fix leave the vehicle no speed that it can have."""
+        """No possible speed of the vehicle agrees with place and speed of the fix."""
         slow, fast = self._with_fix
         return any_of(least > most for least in slow for most in fast)
 
     @cached_property
     def _with_fix(self) -> tuple[list[Num], list[Num]]:
-        """All that the speed is not below, and all that it is not above."""
+        """All lower bounds of the speed with the fix, and all upper bounds, um/s."""
         own, error = self.model.own, self.model.own.config.speed_error_mm_s * 1_000
         top, told = as_num(self._top, UM_S), self._least_told + error
         most = ite(~own.speed.present, top, minimum(told + error, top))
@@ -316,7 +316,7 @@ class Step:
 
     @cached_property
     def agrees(self) -> Bool:
-        """Nothing speaks against it: not map, vehicle, course and the place last known, and not where it can be and how fast by now."""
+        """The fix passes every check: map, vehicle limits, course, last known place, and the possible places and speeds by now."""
         beside = (self.place > self.high) | (self.place < self.low)
         return self.fair.eq(PASSED) & ~any_of([*self._against, beside])
 
@@ -328,13 +328,13 @@ class Step:
 
     @cached_property
     def implausible(self) -> Bool:
-        """It contradicts the map, or what a vehicle can do: at all, or by now."""
+        """The fix contradicts the map, the vehicle's limits, or the vehicle's possible motion since the last step."""
         by_now = self.fair.eq(PASSED) & any_of(self._against)
         return self.fair.one_of(OFF_TRACK, SPEED_DISAGREES, ACROSS, AGAINST, OUT_OF_REACH) | by_now
 
     @cached_property
     def fills(self) -> Bool:
-        """It agrees, also with the fix before, and with it as many agree in a row as are asked for."""
+        """The fix agrees, follows from the one before, and fills the row of agreeing fixes."""
         return all_of(
             [self.agrees, self.follows, before(self.model.own.agreed) > self.model.own.config.confirmations - 2]
         )

@@ -1,1 +1,1 @@
-"""Journeys of a vehicle with all its ways of locating, what goes wrong on them, and the recordings that ship."""
+"""Journeys of a vehicle with all its ways of locating, the faults on them, and the shipped recordings."""

@@ -1,4 +1,4 @@
-"""Worked journeys of the localizer, and what goes wrong on them: each with its outcome in words, checked by the tests."""
+"""Example journeys of the localizer and the faults on them, each with its outcome in words, which the tests check."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ METRO = Journey(
     dark=[Stretch(-1_000_000, 10_000_000)],
     length_mm=40_000,
 )
-"""A metro train into a station, all in a tunnel: markers, balises, and radar reflectors where it has to stop."""
+"""A metro train that runs into a station in a tunnel: markers, balises, and radar reflectors at the stopping place."""
 
 MAIN_LINE = Journey(
     legs=[Leg(0, 2), Leg(38_000, 90), Leg(0, 60)],
@@ -32,12 +32,12 @@ MAIN_LINE = Journey(
     dark=[Stretch(1_400_000, 2_100_000)],
     length_mm=200_000,
 )
-"""A main line train, satellites in view but for a tunnel of 700 m."""
+"""A main line train with satellites in view, except in a tunnel of 700 m."""
 
 STEM = [Group(number, number * 300_000 - 220_000) for number in range(1, 4)]
 THROUGH = [Group(number, number * 300_000 - 220_000) for number in range(4, 14)]
 ASIDE = [Group(100 + number, number * 300_000 - 220_000) for number in range(4, 14)]
-"""Groups up to the switch, and as far behind it on either branch: only their identities tell the branches apart."""
+"""Groups up to the switch, and behind it at equal distances on both branches: only identities distinguish the branches."""
 SWITCH_MM, SET_MM = 950_000, 850_000
 
 FREIGHT = Journey(
@@ -50,25 +50,26 @@ FREIGHT = Journey(
     length_mm=205_000,
     acceleration_mm_s2=400,
 )
-"""A freight train through a fibre-equipped area, entered over an axle counter, with a junction in it; past its end balises
-alone are left. The route over the switch is changed 100 m before it: linking for the other branch is replaced."""
+"""A freight train through a fibre-equipped area, entered over an axle counter, with a junction in it. Behind its end, where no
+satellite is in view for 100 m, only balises remain. The route over the switch is changed 100 m before it: linking for the other
+branch is replaced."""
 
 OFF_THE_FIBRE = replace(
     FREIGHT, groups=[*STEM, *ASIDE], fibre=Stretch(500_000, SWITCH_MM), junction=Junction(SWITCH_MM, SET_MM, THROUGH)
 )
-"""The same train, routed into the branch along which there is no fibre, and announced so."""
+"""The same train on a route into the branch without a fibre; linking announces that branch."""
 
 NOMINAL: Mapping[str, Journey] = {"metro": METRO, "main-line": MAIN_LINE, "freight": FREIGHT}
 
 
 @dataclass(frozen=True)
 class Case:
-    """One thing that goes wrong on a journey, and what then happens.
+    """One fault on a journey, and its outcome.
 
-    fires        transitions of the whole that fire because of it, as `machine: transition`
-    outcome      in words
-    undetectable why no machine can notice it before a wrong interval is stated; empty: no wrong interval is stated
-    remains      what the interval, which holds the truth, does not say and no machine can notice at once
+    fires        transitions of the composition that fire because of it, as `machine: transition`
+    outcome      the outcome in words
+    undetectable the reason why no machine notices it before a wrong interval is reported; empty: no interval is wrong
+    remains      an error that the interval, which contains the truth, does not show, and that no machine notices at once
     """
 
     journey: str
@@ -80,12 +81,12 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Journey and trouble."""
+        """Name of the case: the journey and the kind of fault."""
         return f"{self.journey}: {self.trouble.kind}"
 
 
 def with_troubles(cases: Sequence[Case]) -> Journey:
-    """The journey that the cases are of, with what goes wrong in all of them."""
+    """Return the journey of the cases, with the faults of all of them."""
     return replace(NOMINAL[cases[0].journey], troubles=[case.trouble for case in cases])
 
 
@@ -174,5 +175,5 @@ CASES: tuple[Case, ...] = (
 
 
 def pairs(journey: str) -> Iterator[tuple[Case, Case]]:
-    """Two different things that go wrong on the same journey."""
+    """Yield every pair of different cases on one journey."""
     yield from combinations([case for case in CASES if case.journey == journey], 2)

@@ -1,7 +1,7 @@
-"""A junction on a journey: where another branch leaves the route.
+"""A junction on a journey: a switch at which another branch leaves the route.
 
-The localizer has one coordinate, the distance along the route. Up to the switch both branches share it. Behind the switch a
-place, and the truth, is the distance run along the branch that the vehicle is on: the number says nothing of which one.
+The localizer has one coordinate, the distance along the route. Up to the switch both branches share it. Behind the switch, a
+place (the true one included) is the distance along the vehicle's branch; the number does not tell which branch that is.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from safeloc.models.balise.groups import Group
 class Junction:
     """A switch on the route.
 
-    switch_mm  where the branches part
-    set_mm     where the front end is when the route is set; until then the other branch was, and linking is for that
-    other      groups of the other branch, behind the switch; their places count along it
+    switch_mm  place at which the branches part
+    set_mm     place of the front end when the route is set; until then the route, and linking, are those of the other branch
+    other      groups of the other branch behind the switch; their places count along it
     """
 
     switch_mm: int
@@ -26,11 +26,11 @@ class Junction:
     other: Sequence[Group]
 
     def branched(self, groups: Sequence[Group]) -> list[Group]:
-        """The groups of a route up to the switch, then those of the other branch."""
+        """Return the groups of a route up to the switch, followed by those of the other branch."""
         return [*(group for group in groups if group.place_mm < self.switch_mm), *self.other]
 
     def undecided(self, place_mm: int, passed: Sequence[Group], announced: Sequence[Group]) -> bool:
-        """Whether, at a place, no group behind the switch that was announced has been passed: either branch is possible then."""
+        """Return whether either branch is possible: the place is behind the switch, and no announced group there was passed yet."""
         known = {group.identity for group in announced}
         on_it = (one.place_mm for one in passed if one.place_mm >= self.switch_mm and one.identity in known)
         return place_mm >= self.switch_mm and not any(one <= place_mm for one in on_it)

@@ -1,6 +1,6 @@
-"""Recordings of the localizer that ship: short journeys, each with what is to come of it in words.
+"""Shipped recordings of the localizer: short journeys, each with its expected outcome in words.
 
-Written by `python -m safeloc.models.localizer.simulation.recordings`; the tests check that they come out the same.
+`python -m safeloc.models.localizer.simulation.recordings` writes them; the tests check that it still writes the same.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ EVERYWHERE = Stretch(-1_000_000, 10_000_000)
 
 @dataclass(frozen=True)
 class Run:
-    """A journey to record, and what is to come of it."""
+    """A journey to record, and its expected outcome in words."""
 
     journey: Journey
     says: str
@@ -71,16 +71,16 @@ RUNS: Mapping[str, Run] = {
         "Satellites are lost, then the fibre reports an error: what it had given out is revoked on board in the same cycle.",
     ),
 }
-"""By the end of the recording's name."""
+"""The recordings, by the end of their names."""
 
 
 def simulated(config: LocalizerConfig, seed: int) -> Steps:
-    """Steps of the nominal journey into a station, the sensors' errors by the seed."""
+    """Return the steps of the nominal journey into a station; the seed determines the sensors' errors."""
     return simulate(config, RUNS["metro"].journey, seed=seed)
 
 
 def write(folder: Path = FOLDER) -> list[Path]:
-    """Write all of them, each with its first state; the paths."""
+    """Write all recordings, each with its first state; return their paths."""
     config, paths = LocalizerConfig(), list[Path]()
     for name, run in RUNS.items():
         paths.append(folder / f"localizer-{name}.jsonl.gz")

@@ -1,9 +1,9 @@
 """A vehicle's journey with all its ways of locating, as one step stream of the localizer, its ghosts included.
 
-All sources see one and the same motion, and those that hear the vehicle's odometer hear the same distances. Odometry,
-balises and reflectors are simulated by their own modules; satellites and the fibre are simulated as what their front ends
-hand over. What goes wrong is named (safeloc.models.localizer.simulation.journeys): a trouble that breaks what is assumed makes a
-stream without ghosts, on which nothing can be said of the truth but what the remark `truth_mm` shows.
+All sources measure the same motion, and those that use the vehicle's odometer get the same distances. The modules of odometry,
+balises and reflectors simulate these sources; for satellites and the fibre, this module simulates the output of their front
+ends. Faults have names (`KINDS`). A fault that breaks an assumption makes a stream without ghosts; there only the remark
+`truth_mm` shows the truth.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ WIRED = (
     "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
 )  # fmt: skip
 CHECKED = ("odometer_next_wander_nm", "next_wander_nm")
-"""Wired as well, or shared, where a check unit makes the odometer's law owed."""
+"""Ghosts that the machines share, in addition to `WIRED`, if a check unit lets the odometer's error law be proved."""
 KINDS = Kinds(
     "a journey",
     plain(
@@ -47,12 +47,12 @@ KINDS = Kinds(
         "balise missed", "balise displaced", "other branch taken", "linking not replaced",
     ),
 )  # fmt: skip
-"""In cycles; of balises with the group's identity. A miscount, and what goes wrong at the junction, are there once on a
-journey, and what goes wrong with a group is there for good, whatever the cycles."""
+"""Faults act in a span of cycles; those of balises name the group. A miscount and the faults at the junction act once on a journey,
+and a fault of a group acts for the whole journey, whatever their cycles."""
 UNLAWFUL = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
-"""These break what a source assumes of its sensors; the others are noticed, or change nothing that is assumed."""
+"""Kinds that break an assumption of a source about its sensors; the others keep every assumption."""
 SPOOFED_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 5
-"""Spoofing draws all solutions away by so much a cycle; a radar is off by so much; a block of the fibre."""
+"""Shift of all solutions in a cycle of spoofing, mm; shift of the radar, mm; length of a fibre's block, cycles."""
 
 
 PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
@@ -65,7 +65,7 @@ PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
     },
     "reflector": {"radar blind": Fault("blind"), "radar shifted": Fault("shift", figures={"by_mm": SHIFTED_MM})},
 }
-"""Machine -> what goes wrong on a journey -> what its own simulation makes of that."""
+"""Machine -> fault of the journey -> fault of the machine's own simulation."""
 
 
 @dataclass(frozen=True)
@@ -76,18 +76,18 @@ class Stretch:
     end_mm: int
 
     def holds(self, place_mm: int) -> bool:
-        """Return whether a place lies in it."""
+        """Return whether a place, mm, lies in the stretch."""
         return self.begin_mm <= place_mm < self.end_mm
 
 
 @dataclass(frozen=True)
 class Journey:
-    """Line of a journey.
+    """A vehicle's run, its line and the faults on it.
 
-    dark        where no satellite is seen; elsewhere `satellites` are, as far as the receiver has channels
-    fibre       where a fibre lies along the track, entered over an axle counter
-    groups      those along the route that is set, beyond the junction too
-    junction    where another branch leaves that route; there is no fibre along it
+    dark        stretches without satellites; elsewhere `satellites` are in view, as far as the receiver has channels
+    fibre       the stretch with a fibre along the track, with an axle counter at its beginning
+    groups      balise groups along the route that is set, those behind the junction included
+    junction    the switch at which another branch leaves that route; there is no fibre along the branch
     """
 
     legs: Sequence[Leg]
@@ -105,12 +105,12 @@ class Journey:
 
     @property
     def lawful(self) -> bool:
-        """Nothing breaks what is assumed."""
+        """No fault breaks an assumption."""
         return not any(one.kind in UNLAWFUL for one in self.troubles)
 
     @property
     def astray(self) -> Junction | None:
-        """The junction, where the vehicle takes the other branch there than the one that is set."""
+        """The junction if the vehicle takes the other branch there than the route says, else None."""
         return self.junction if any(one.kind == "other branch taken" for one in self.troubles) else None
 
     @property
@@ -120,21 +120,21 @@ class Journey:
 
     @property
     def announced(self) -> list[Group]:
-        """The groups that are announced behind the switch: with linking that is not replaced those of the other branch."""
+        """The groups that linking announces in the end: behind the switch those of the other branch, if linking is not replaced."""
         stale = any(one.kind == "linking not replaced" for one in self.troubles)
         return self.junction.branched(self.groups) if stale and self.junction else list(self.groups)
 
     def undecided(self, place_mm: int) -> bool:
-        """Return whether the vehicle may be on either branch there, so that no satellite is predicted along either."""
+        """Return whether either branch is possible at a place, so that no satellite signal can be predicted."""
         return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
 
     def trouble(self, kind: str, cycle: int) -> Fault | None:
-        """The trouble of a kind that acts in a cycle."""
+        """Return the fault of a kind that acts in a cycle, if there is one."""
         return next((one for one in self.troubles if one.kind == kind and one.active(cycle)), None)
 
 
 def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
-    """The journey as steps: inputs, and where nothing breaks the law the ghosts; and the remark `truth_mm`."""
+    """Return the journey as steps: inputs, the ghosts if no fault breaks an assumption, and the remark `truth_mm`."""
     KINDS.require(journey.troubles)
     rng = np.random.default_rng(seed)
     motion = motion_of(config, journey)
@@ -150,7 +150,7 @@ def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
 
 @lru_cache(maxsize=8)
 def _ghosts(config: str) -> frozenset[str]:
-    """Names of the ghosts of a localizer with this configuration (JSON)."""
+    """Return the names of the ghosts of a localizer with this configuration (JSON)."""
     system = compose_machines(LocalizerConfig.model_validate_json(config)).composition.system
     return frozenset(var.name for var in system.ghosts)
 
@@ -174,7 +174,7 @@ def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
 
 
 def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
-    """Return the vehicle's run, from 0 on."""
+    """Return the vehicle's run, which begins at place 0."""
     vehicle = VehicleConfig(
         max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9), acceleration_mm_s2=journey.acceleration_mm_s2,
         brake_mm_s2=journey.acceleration_mm_s2, length_mm=journey.length_mm,
@@ -182,7 +182,7 @@ def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
     return move(vehicle, journey.legs, config.motion.period_ms)
 
 
-# ------------------------------------------------------------------ what all sources share
+# ------------------------------------------------------------------ inputs that all sources share
 
 
 def _measured(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np.random.Generator) -> Measured:
@@ -209,7 +209,7 @@ def _common(motion: Motion, measured: Measured) -> Steps:
 
 
 def _links(config: LocalizerConfig, journey: Journey, cycles: int) -> Steps:
-    """A report to the trackside in every fifth cycle, there two cycles later; fibre reports come at once."""
+    """Return the inputs of the radio links: every fifth cycle a report that arrives two cycles later; fibre reports arrive at once."""
     steps: Steps = []
     for cycle in range(cycles):
         silent = journey.trouble("uplink silent", cycle) is not None
@@ -223,19 +223,19 @@ def _links(config: LocalizerConfig, journey: Journey, cycles: int) -> Steps:
 
 
 def _named(machine: str, steps: Sequence[Mapping[str, Cell]], heard: Sequence[str] = ()) -> Steps:
-    """A machine's own steps under the names of the whole, without what it hears from others."""
+    """Return a machine's own steps under the names of the composition, without the inputs wired to other machines."""
     known = (*WIRED, *heard)
     return [{f"{machine}.{key}": cell for key, cell in step.items() if key not in known} for step in steps]
 
 
 def _units_heard(config: LocalizerConfig) -> tuple[str, ...]:
-    """Odometry's inputs that hear the vehicle's own units."""
+    """Return odometry's inputs that are wired to the vehicle's own units."""
     first, second = (f"front_{unit.kind}_mm" for unit in (config.odometry.first_unit, config.odometry.second_unit))
     return (first,) if config.motion.check is None else (first, second)
 
 
 def _owed(measured: Measured) -> tuple[str, ...]:
-    """Ghosts that all share who hear a checked odometer."""
+    """Return the ghosts that all users of a checked odometer share; none without a check unit."""
     return CHECKED if measured.check is not None else ()
 
 
@@ -270,7 +270,7 @@ def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured:
 
 
 def _routes(journey: Journey, motion: Motion) -> list[RouteSet]:
-    """Linking for the other branch until the route is set, and then for the route, unless that is forgotten."""
+    """Return linking for the other branch until the route is set, and for the route from then on, unless linking is not replaced."""
     if journey.junction is None:
         return []
     first = RouteSet(0, journey.junction.branched(journey.groups))
@@ -290,11 +290,11 @@ def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measur
     )
 
 
-# ------------------------------------------------------------------ satellites, as their front end hands them over
+# ------------------------------------------------------------------ satellites: output of their front end
 
 
 def _speeds_um_s(motion: Motion) -> NDArray[np.int64]:
-    """The speed at the end of each cycle, the initial one first: the mean of the cycles before and after."""
+    """Return the speed at the end of each cycle, the initial one first: the mean over the cycles before and after."""
     step = np.concatenate([motion.step_nm[:1], motion.step_nm, motion.step_nm[-1:]])
     return np.asarray((step[:-1] + step[1:]) // (2 * motion.period_ms), dtype=np.int64)
 
@@ -316,7 +316,7 @@ def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Mea
     return steps
 
 
-# ------------------------------------------------------------------ the fibre, as its front end and the counter tell
+# ------------------------------------------------------------------ the fibre: output of its front end and of the axle counter
 
 
 def _fibre(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measured, seed: int) -> Steps:

@@ -8,15 +8,15 @@ from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.runtime.streams.steps import Cell
 
 DILUTION_PERMILLE, FURTHER_MM, SPEED_FURTHER_UM_S = 1_500, 500, 5_000
-"""Of a solution along the track, as of the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
+"""Figures of a solution along the track, as in the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
 ERROR_MM, SPEED_ERROR_UM_S = 4_800, 180_000
-"""A solution is off by no more."""
+"""Greatest errors of a solution's place and speed."""
 MULTIPATH_MM = 60_000
-"""A signal that comes by a detour is too long by so much."""
+"""Excess length of a signal that comes by a detour."""
 
 
 def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool) -> dict[str, Cell]:
-    """Return each channel's measured value less the predicted one; where it is `far`, the first one comes by a detour."""
+    """Return each channel's measured value less the predicted one; with `far`, the first signal comes by a detour."""
     step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
     for number in range(1, config.channels + 1):
         name = f"selection.channel_{number}"
@@ -47,7 +47,7 @@ def solution(
     speed_um_s: int,
     missing: str,
 ) -> dict[str, Cell]:
-    """Place and speed along the track from the usable ones; none before they are warm, and then `missing` says why."""
+    """Return place and speed along the track from the usable signals; before the warm-up ends none, with `missing` as the reason."""
     solved = heard >= config.warm_up_cycles
     step: dict[str, Cell] = {
         f"position.used_{number}": solved and number <= seen and not (far and number == 1)
