@@ -155,7 +155,7 @@ def _of_comparison(node: Compare) -> Iterator[Change]:
 
 def _of_sum(node: Add | Sub) -> Iterator[Change]:
     zero, unit = Lit(0, node.unit), node.unit
-    if not node.left.unit.same(unit):  # a change of unit is written as a sum with nothing
+    if not node.left.unit.same(unit):  # a change of unit is stored as a sum with zero
         return
     if isinstance(node, Add):
         yield Change(_DROPPED, "the second is left out", lambda parts: parts[0])
