@@ -95,7 +95,7 @@ def _rewired(wires: Mapping[Var, Expr], was: Machine, now: Machine) -> dict[Var,
 
 
 def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSystem:
-    """Return the system in the variables of another one with the same names. The parts get its `into`, and contracts rewritten."""
+    """Return the system in the variables of `like`, which has the same names. Parts take over `into`; contracts are rewritten."""
     known = {(var.name, type(var)): var for var in (*like.state, *like.inputs, *like.fired)}
     mine = (*system.state, *system.inputs, *system.fired)
     twin = {var: known.get((var.name, type(var)), var) for var in mine}
