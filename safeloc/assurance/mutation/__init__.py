@@ -1,1 +1,1 @@
-"""Machines made wrong on purpose (mutants), and which of them properties, proofs and recordings notice."""
+"""Mutation analysis: machines with one deliberate error (mutants), and the properties, proofs and recordings that detect them."""

@@ -1,4 +1,4 @@
-"""Choice of the mutants to judge: parts of the declaration, and their number."""
+"""Choice of the mutants to judge, by part of the declaration, number or id."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ MADE: Mapping[Of, Callable[[Declared, Places], list[Mutant]]] = {
 
 @dataclass(frozen=True, eq=False)
 class _Chosen:
-    """Mutants to judge, by part of the declaration; `of` is the number of all mutants of these parts.
+    """Mutants to judge, by part of the declaration.
 
-    against   mutants of the machine with which weaker claims are compared; none if no claim is judged
-    existing  the ids of all mutants of these parts, chosen or not
+    of        number of all mutants from which these were chosen
+    against   mutants of the machine that a weaker claim still has to detect; none if no claim is judged
+    existing  ids of all mutants, chosen or not, by part of the declaration
     """
 
     parts: Mapping[Of, Sequence[Mutant]]
@@ -36,12 +37,12 @@ class _Chosen:
 
     @property
     def number(self) -> int:
-        """The number of mutants to judge, with those that are only needed for claims."""
+        """The number of mutants to judge, including those that are judged only for claims."""
         return len({one.id for own in (*self.parts.values(), self.against) for one in own})
 
 
 def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> _Chosen:
-    """Return all mutants of these parts, or at most `most` of each; claims are compared with as many of the machine."""
+    """Return all mutants of these parts, or a sample of at most `most` of each; claims also need those of the machine."""
 
     def some(part: Of) -> list[Mutant]:
         every = MADE[part](whole, places)
@@ -60,7 +61,7 @@ def _ids(mutants: Sequence[Mutant]) -> frozenset[str]:
 
 
 def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> _Chosen:
-    """Return the mutants with these ids, of any part; InputError for an unknown id."""
+    """Return the mutants with these ids; `most` limits only those of the machine that claims need. InputError: unknown id."""
     every: dict[Of, list[Mutant]] = {part: make(whole, places) for part, make in MADE.items()}
     made: dict[Of, Sequence[Mutant]] = {part: [one for one in own if one.id in ids] for part, own in every.items()}
     missing = sorted(set(ids) - {one.id for own in made.values() for one in own})

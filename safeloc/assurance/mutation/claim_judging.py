@@ -1,7 +1,7 @@
-"""Judging of a weaker claim: does any proof, or the detection of any mutant of the machine, need the stronger claim?
+"""Judge a weaker claim that replaces the original one.
 
-A claim counts only for what no other claim was seen to notice. If all of that is still noticed with the weaker claim in its
-place, the weaker one kills as much.
+The original is needed if with the weaker claim some claim is no longer proved, or if a mutant of the machine that only the
+original detects is no longer detected. Otherwise the weaker claim kills as much.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from safeloc.errors import SafelocError
 from safeloc.language.spec import Property
 
 Against = Sequence[tuple[Mutant, Judged]]
-"""Mutants of the machine with their results."""
+"""Mutants of the machine, each with its result."""
 
 
 def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Relation | str]:
-    """Return the fate of the mutant, and the relation of its claim to the original one."""
+    """Return the outcome, and the relation of the new claim to the original one; "" if the declaration is refused."""
     whole = on.whole.declared
     try:
         weaker = mutant.alone(whole)
@@ -46,7 +46,7 @@ def _named(whole: Declared, name: str) -> Property:
 
 
 def _noticed_alone(claim: str, against: Against) -> Against:
-    """Return the mutants that only this claim was seen to notice."""
+    """Return the mutants that this claim and no other one was seen to detect, with the term wrong everywhere."""
     own = {f"property {claim}", f"helper {claim}"}
     return [
         (mutant, one)

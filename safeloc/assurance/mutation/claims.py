@@ -1,7 +1,7 @@
-"""What a machine is held against: its properties, its lemmas, the ranges of its variables, and that rows exclude each other.
+"""The claims of a machine: its properties and lemmas, the ranges of its variables, and the mutual exclusion of its rows.
 
-Claims are put into layers by what they rely on: nothing at all, the assumption, or a further assumption besides. Each layer is one
-system with the observers of its properties.
+Claims are grouped into layers by what they assume: nothing, the assumption of the machine, or a further assumption of a property.
+Each layer is one system with the observers of its properties.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _ClaimKind = Literal["property", "lemma", "range", "rows exclude each other", "h
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """One claim: `good` holds in every state of a layer's system. `goal` where it is a property."""
+    """One claim: `good` has to hold in every state of its layer's system. `goal` is set for a property and its helper."""
 
     kind: _ClaimKind
     name: str
@@ -37,9 +37,9 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Claims with the same assumption: `system` has their observers, and this assumption.
+    """Claims with the same assumption: `system` has this assumption, and their observers.
 
-    given  what is known besides, of the layer before
+    given  ranges and lemmas of earlier layers, which proofs of this layer use
     """
 
     system: TransitionSystem
@@ -48,9 +48,9 @@ class Layer:
 
 
 class Canon:
-    """One node for equal terms and one variable for each observer, over all mutants of a declaration.
+    """Terms that all mutants of a declaration share: equal terms are one node, observers of one name are one variable.
 
-    So what did not change is seen to be the same, and `asked` translates it once.
+    Unchanged terms are therefore recognised by identity, and the solver (`asked`) translates each of them once.
     """
 
     def __init__(self) -> None:
@@ -59,23 +59,26 @@ class Canon:
         self._known: dict[tuple[object, ...], Var] = {}
 
     def observers(self, made: tuple[Var, ...]) -> Substitution:
-        """Rewrites observers into those of the same names that came first."""
+        """Return a substitution that replaces each observer by the first one of the same name, kind and range."""
         return Substitution({var: self._known.setdefault(_alike(var), var) for var in made})
 
     def twin(self, var: Var) -> Var:
-        """The variable of a second copy."""
+        """Return the variable that stands for this one in the mutant's copy of the machine."""
         twin = replace(var, name=f"mutant.{var.name}")
         return self._known.setdefault(_alike(twin), twin)
 
 
 def _alike(var: Var) -> tuple[object, ...]:
-    """Return the features of an observer that distinguish it: name and kind, and for a number its range."""
+    """Return the key by which variables count as one: the name, and for a number its range."""
     return (var.name, var.low, var.high) if isinstance(var, NumVar) else (var.name,)
 
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A declaration with all its claims: `system` is the machine in its world, without observers."""
+    """A declaration with all its claims. `system` is the machine in its world, without observers.
+
+    exclusions  for rows of equal rank, by words: a term that says that the two are not enabled together
+    """
 
     declared: Declared
     system: TransitionSystem
@@ -84,9 +87,9 @@ class Held:
 
 
 def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = ()) -> Held:
-    """Return all claims of a declaration; ModelError or PropertyError if it is not valid.
+    """Return all claims of a declaration but the `reachable` ones; ModelError or PropertyError if it is not valid.
 
-    under_assumption  lemmas that speak of no ghost, and hold under the assumption only
+    under_assumption  lemmas that read no ghost, but hold only under the assumption
     """
     system = _settled(declared.lowered(), canon)
     goals = [observe(system, prop) for prop in declared.properties if prop.kind != "reachable"]
@@ -107,7 +110,7 @@ def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = (
 
 
 def _settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
-    """The system in the nodes of all others."""
+    """Return the system with its terms replaced by the shared nodes."""
     share = canon.share
     return replace(
         system,
@@ -121,7 +124,7 @@ def _settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
 
 
 def _facts(system: TransitionSystem, under_assumption: Collection[str]) -> tuple[tuple[Claim, ...], tuple[Claim, ...]]:
-    """Return ranges of variables and lemmas: those for all inputs, and those under the assumption."""
+    """Return ranges and lemmas in two groups: those for all inputs, and those that read ghosts or need the assumption."""
     facts: tuple[list[Claim], list[Claim]] = [], []
     for var in system.state:
         if isinstance(var, NumVar):
@@ -160,18 +163,18 @@ def _helper(goal: Goal, settle: Substitution, canon: Canon) -> Bool:
 
 
 def layer_of(system: TransitionSystem, goals: list[Goal], canon: Canon) -> Layer:
-    """Return these goals as one layer, without further claims or known facts."""
+    """Return a layer of these goals alone, without facts."""
     return _layer(system, goals, (), (), canon)
 
 
 def variable(term: Expr) -> Var:
-    """Return a term that is a variable, as a variable."""
+    """Return the term, which has to be a variable, with the type of a variable."""
     assert isinstance(term, Var)
     return term
 
 
 def _exclusions(machine: Machine, canon: Canon) -> Iterator[tuple[str, Bool]]:
-    """Return the claims that two rows of equal rank that leave a common mode are never enabled together."""
+    """Return for each two rows of equal rank with a common source mode the claim that they are never enabled together."""
     for first, second in combinations(machine.transitions, 2):
         if first.rank == second.rank and set(first.sources) & set(second.sources):
             one, other = (machine.mode.one_of(*row.sources) & row.when for row in (first, second))

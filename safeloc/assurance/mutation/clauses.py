@@ -1,7 +1,7 @@
 """Mutants of the world: each clause with one term changed, and each clause left out.
 
-The machine and its claims stay as they are. Whether the world asks for more or for less then is decided when the mutant is
-judged, by proof: the kinds of change are those of any other term.
+The machine and its claims stay as they are, and terms are changed as in a machine. When a mutant is judged, a proof decides
+whether its world allows more or less than the original.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _LEFT_OUT = "clause left out"
 
 
 def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """Return all mutants of the world's clauses, in order; each form of a wrong term occurs once."""
+    """Return all mutants of the world's clauses: those left out, then those with a changed term, each result of a term once."""
     roots = [root for root in whole.roots if root.part is Part.CLAUSE]
     return numbered([*_left_out(whole, roots, places), *_bare(whole, roots, places), *_of_terms(whole, roots, places)])
 
@@ -66,7 +66,7 @@ def _without(name: str, whole: Declared) -> Declared:
 
 
 def _bare(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
-    """Clauses that are a variable, which is no term of others."""
+    """Return the mutants of clauses that are a single variable; `terms_of` lists only terms that have parts."""
     others = other_variables(whole.machine)
     for root in roots:
         for change in of_operand(root.term, others) if not children(root.term) else ():
@@ -87,7 +87,7 @@ def _mutant(
     made: Callable[[Declared], Declared],
     place: Place | None,
 ) -> Mutant:
-    """A mutant of the world. `done`: the kind of change, in words, and what is written instead."""
+    """Return a mutant of the world. `done` is the kind of change, its description, and the new text."""
     kind, words, becomes = done
     return Mutant(
         machine=whole.machine.name,

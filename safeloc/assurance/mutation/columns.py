@@ -1,7 +1,7 @@
-"""Values of terms along known runs, a column a term: what was worked out for the machine as it is serves every mutant of it.
+"""Values of terms along known runs, one column for each term. Columns of the unchanged machine are used for all its mutants.
 
-A mutant shares nearly all of its terms with the machine (`Canon`). What is above the wrong term is worked out anew only in the rows in
-which a part of it has another value. The numbers are exact, as in the interpreter.
+A mutant shares nearly all of its terms with the machine (`Canon`). A term that contains the wrong one is evaluated again only in
+the rows in which one of its parts has another value. The numbers are exact, as in the interpreter.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from safeloc.language.terms import children, in_order
 
 Row = tuple[Value, ...]
 _Column: TypeAlias = Sequence[int]
-"""A value a row: truth values as bytes 0 and 1, numbers as 64 bits each, or as they are where these do not hold them."""
+"""One value per row: truth values as bytes 0 and 1, numbers as 64-bit integers, or as a list if one does not fit."""
 _COMPARED: Mapping[str, Callable[[Any, Any], Any]] = {"<": operator.lt, "<=": operator.le, "==": operator.eq}
 _OF_TWO: Mapping[type[Expr], Callable[[Any, Any], Any]] = {
     Add: operator.add,
@@ -54,17 +54,17 @@ _TURNED = bytes([1, 0]) + bytes(254)
 
 
 Along: TypeAlias = tuple[Sequence[Row], Sequence[Row]]
-"""The states of a path, and the inputs between them."""
+"""The states of a path, and the inputs of the steps between them."""
 
 
 Pair: TypeAlias = tuple[Expr, Expr]
-"""A term as it is now, and as it was."""
+"""A term of the mutant, and the term of the machine that it replaces."""
 
 
 class Columns:
-    """Terms over a state and the inputs that come in it, along paths that stand one behind the other.
+    """The columns of terms over state and inputs. A row is a state with the inputs of its step; paths follow one another.
 
-    The last state of a path has no inputs: what stands there of a term that reads inputs means nothing.
+    The last state of a path has no inputs, so the value of a term that reads inputs is meaningless there.
     """
 
     def __init__(self, state: Sequence[Var], inputs: Sequence[Var], paths: Sequence[Along]) -> None:
@@ -83,21 +83,21 @@ class Columns:
                 self._kept[var] = _column(var, [row[number] for row in rows])
 
     def keep(self, terms: Iterable[Expr]) -> None:
-        """Work out the columns of these terms, and of all below them, for good."""
+        """Compute and store the columns of these terms, and of all their parts."""
         self._make(terms, self._kept)
 
     def first_different(self, moves: Iterable[Pair], goods: Iterable[Pair]) -> list[int | None]:
-        """By path, before which step something is otherwise; None where nothing is.
+        """Return for each path the number of steps before the first difference; None for a path without one.
 
-        moves  next values: what they were is what stands in the next state of each path
-        goods  what holds, as it was, in every state
+        moves  next values, which decide the state after the row; the last row of a path does not count
+        goods  claims, which are compared in every row
         """
         seen = _Differences(self)
         moved, broken = (sorted({row for pair in pairs for row in seen.of(*pair)}) for pairs in (moves, goods))
         return [_least(moved, broken, begin, end) for begin, end in self._ends]
 
     def column(self, term: Expr, besides: dict[Expr, _Column]) -> _Column:
-        """The values of a term, worked out with what is kept and what was worked out besides."""
+        """Return the column of a term; columns that are not stored yet are computed into `besides`."""
         self._make([term], besides)
         found = self._kept.get(term)
         return besides[term] if found is None else found
@@ -112,9 +112,9 @@ class Columns:
 
 
 class _Differences:
-    """In which rows terms have another value than they had, and which.
+    """The rows in which a term of a mutant differs from that of the machine, with the new values.
 
-    Terms of one form are compared part by part: only in the rows in which a part is otherwise the whole is worked out.
+    Terms of the same kind are compared part by part: they are evaluated only in rows in which a part differs.
     """
 
     def __init__(self, known: Columns) -> None:
@@ -123,7 +123,7 @@ class _Differences:
         self._found: dict[Pair, dict[int, Value]] = {}
 
     def of(self, now: Expr, was: Expr) -> Mapping[int, Value]:
-        """Value by row; no row in which it is the same."""
+        """Return the new value for each row in which it differs."""
         waiting: list[Pair] = [(now, was)]
         while waiting:
             pair = waiting[-1]
@@ -156,7 +156,7 @@ class _Differences:
 
 
 def _parts(now: Expr, was: Expr) -> list[Pair]:
-    """The parts of two terms of one form; none where they are of different forms, or have no parts."""
+    """Return the pairs of parts of two terms with the same operator; none for other terms, or without parts."""
     if now is was or type(now) is not type(was):
         return []
     match now, was:
@@ -173,7 +173,7 @@ def _as_many(rows: Sequence[Row], length: int, nothing: Row) -> list[Row]:
 
 
 def _least(moved: Sequence[int], broken: Sequence[int], begin: int, end: int) -> int | None:
-    """The first of these rows on a path; its last state does not move."""
+    """Return the first of these rows on a path, counted from its beginning; its last row has no step and cannot move."""
     first = [*_first_within(moved, begin, end - 1), *_first_within(broken, begin, end)]
     return min(first) - begin if first else None
 
@@ -194,7 +194,7 @@ def _column(node: Expr, values: Iterable[Any]) -> _Column:
 
 
 def _values(node: Expr, of: Callable[[Expr], Any], length: int) -> Iterable[Any]:
-    """The value of a node in each row, from those of its parts."""
+    """Return the value of a node in each row, computed from the columns of its parts."""
     if TYPE_CHECKING:
         assert isinstance(node, Node)
     match node:
@@ -221,7 +221,7 @@ def _values(node: Expr, of: Callable[[Expr], Any], length: int) -> Iterable[Any]
 
 
 def _bits(join: Callable[[int, int], int], columns: Sequence[bytes], length: int) -> bytes:
-    """Columns of truth values, joined as two great numbers."""
+    """Return the and (or the or) of columns of truth values, each taken as one large integer."""
     joined = int.from_bytes(columns[0], "little")
     for column in columns[1:]:
         joined = join(joined, int.from_bytes(column, "little"))

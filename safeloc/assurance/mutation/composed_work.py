@@ -1,4 +1,4 @@
-"""Judging of the mutants of a composition: first by the claims of each machine, then by those of the composition."""
+"""Judge the mutants of a composition: first by the claims of each machine, then by those of the composition."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from safeloc.proof.provers.workers import Lost, Task
 _KIND = "mutants of the whole"
 _AT_ONCE = 4
 _QUESTIONS = 40
-"""Number of questions with the full limit that one mutant may take."""
+"""Solver questions per mutant that may use their full limit before its process is stopped."""
 
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Mutants of a composition: of its machines, and of its wires; `existing` are the ids of all mutants."""
+    """Mutants of a composition to judge, of its machines and of its wires. `existing` has the ids of all mutants, chosen or not."""
 
     members: Sequence[Mutant]
     wires: Mapping[str, WireEdit]
@@ -39,7 +39,7 @@ class Parts:
 
     @property
     def of(self) -> int:
-        """The number of all mutants."""
+        """The number of all mutants, chosen or not."""
         return len(self.existing)
 
     @property
@@ -49,7 +49,7 @@ class Parts:
 
 
 def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only: Sequence[str] = ()) -> Parts:
-    """Return all mutants, at most `most` of them, or those with the ids in `only`; InputError for an unknown id."""
+    """Return all mutants, a sample of at most `most`, or those with the ids in `only`; InputError for an unknown id."""
     wires = {edit.mutant.id: edit for edit in wire_edits(whole)}
     every = [*member_mutants(whole, places), *(edit.mutant for edit in wires.values())]
     chosen = [one for one in every if one.id in only] if only else sample(every, most or len(every), seed)
@@ -63,7 +63,7 @@ def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only:
 
 @dataclass(frozen=True, eq=False)
 class JudgingComposed:
-    """A job that judges mutants of one composition, as `Judging` does for one machine."""
+    """A job that judges mutants of one composition; its fields are those of `Judging`."""
 
     whole: Composed
     plan: Plan
@@ -72,7 +72,7 @@ class JudgingComposed:
     keep_in: Store | None = None
 
     def all(self, some: Parts) -> list[Judged]:
-        """Judge all mutants: those of machines in order, then those of wires."""
+        """Judge the chosen mutants; return the results machine by machine, then those of wires."""
         alone = {one.id: one for name in self.whole.members for one in self._by_itself(name, some.members)}
         left = [one for one in some.members if _is_left(alone[one.id])]
         together = self._in_the_whole([*left, *(edit.mutant for edit in some.wires.values())], alone, some.wires)
@@ -87,7 +87,7 @@ class JudgingComposed:
         return judging.of_machine(own)
 
     def _closed(self, one: Judged) -> None:
-        """Report a mutant that the machine's own claims have decided."""
+        """Report the result if the machine's own claims have decided it; otherwise it is reported after the composition."""
         if not _is_left(one):
             self.on_judged(one)
 
@@ -114,17 +114,17 @@ class JudgingComposed:
 
     @cached_property
     def _bench(self) -> WholeBench:
-        """Made only where something is not kept."""
+        """The bench, made only if a result is not stored."""
         return whole_bench(self.whole, self.plan.limits)
 
 
 def _is_left(one: Judged) -> bool:
-    """Return whether the claims of the machine leave the mutant to the composition, in either way of making it."""
+    """Return whether the machine's own claims leave the mutant undecided, in at least one of the two ways of making it."""
     return _is_open(one.everywhere) or _is_open(one.alone)
 
 
 def _is_open(outcome: Outcome) -> bool:
-    """Return whether the claims of the machine leave this outcome to the composition."""
+    """Return whether the outcome is undecided: neither killed by a proof nor set aside."""
     return outcome.fate not in (*BY_PROOF, *SET_ASIDE)
 
 
@@ -143,7 +143,7 @@ def _wired(on: WholeBench, edit: WireEdit) -> Judged:
 
 
 def _together(on: WholeBench, mutant: Mutant, alone: Judged) -> Judged:
-    """Judge by the composition what the claims of the machine left open, for each way of making the mutant."""
+    """Judge in the composition each way of making the mutant that the machine's own claims left undecided."""
     started = time.monotonic()
     only = of_member(on, mutant, everywhere=False) if _is_open(alone.alone) else alone.alone
     if mutant.everywhere is None:

@@ -1,8 +1,9 @@
-"""Whether a mutant is only more careful: its interval holds that of the machine, and is withdrawn whenever the machine's is.
+"""Proof that a mutant is conservative: its interval contains the machine's, and is withdrawn whenever the machine's is.
 
-Of the other outputs nothing is asked while the mutant alone withholds its interval; otherwise they are the same. First the
-known runs are looked at. Then two copies run side by side: which of two values is the greater one, in general or while the
-mutant reports, is the greatest part of a list that lasts from step to step, and the rest has to follow from it.
+The other outputs have to be equal, except while only the mutant withholds its interval. The known runs may refute this. Then the
+machine and the mutant are compared as two copies side by side: from a list of relations between their values (equal, not greater,
+not smaller; always, while the mutant reports, or in one mode) the greatest part that every step preserves is kept, and the
+requirement has to follow from it.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _HOW = "its interval holds the machine's and is withdrawn no later, on every run
 def conservative(
     known: Held, runs: Trodden, mutant: Held, reported: Reported | None, canon: Canon, limits: Limits
 ) -> str:
-    """Return in words why the mutant is only more careful; "" if that is not shown. All claims are proved for the mutant."""
+    """Return a text that says how the mutant was proved conservative, or "". All claims have to be proved for the mutant."""
     if reported is None or any(_is_worse(reported, *told) for told in told_side_by_side(mutant, runs)):
         return ""
     side = Side(known, mutant, canon, limits, still_proved=True)
@@ -35,7 +36,7 @@ def conservative(
 
 
 def _is_worse(reported: Reported, was: Mapping[str, Value], now: Mapping[str, Value]) -> bool:
-    """Return whether the outputs of the mutant are less careful than those of the machine in one step."""
+    """Return whether the outputs of one state show that the mutant is not conservative."""
     old, new = reported.interval_mm(was), reported.interval_mm(now)
     if new is not None and (old is None or new[0] > old[0] or new[1] < old[1]):
         return True
@@ -65,7 +66,7 @@ def _goals(side: Side, reported: Reported) -> dict[str, Bool]:
 
 
 def _relations(side: Side, reported: Reported) -> Iterator[tuple[str, Bool]]:
-    """Which of two values is the greater one; and that, and that they are equal, while the mutant reports."""
+    """Return relations of each variable to its twin: not greater and not smaller, and these and equality while the mutant reports."""
     _, new = _both(side, reported)
     for var, twin in side.twins.items():
         yield f"{var.name} equal if reported", new.valid.implies(equal(var, twin))

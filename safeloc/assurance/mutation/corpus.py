@@ -1,4 +1,4 @@
-"""Runs of the machine as it is, along which mutants are run: what ships with it, what shows that its rows fire, and drawn ones."""
+"""Runs of the unchanged machine, along which mutants are run: its recordings, runs in which its rows fire, and drawn ones."""
 
 from __future__ import annotations
 
@@ -28,18 +28,19 @@ from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
 _LONGEST = 600
-"""Most steps of a recording that are run."""
+"""Greatest number of steps of a run that are used."""
 _DRAWN, STRETCHES, STRETCH = 60, 4, 12
-"""Drawn runs, stretches of each, and steps of a stretch at most."""
+"""Number of drawn runs, of stretches in each, and greatest number of steps of a stretch."""
 _Row = tuple[Value, ...]
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run: the first state where it is open, and a row of inputs a step.
+    """A run: values for the first state, and a row of inputs for each step.
 
-    recorded  it ships with the machine: what comes out of it is looked at too
-    whole     the world is told with it, so that claims can be judged on it
+    first     values by name; only those that the declaration leaves open are used
+    recorded  the run ships with the machine: other outputs along it are evidence against a mutant
+    whole     the run has the ghosts, so that claims can be judged on it
     """
 
     name: str
@@ -50,9 +51,9 @@ class Run:
 
 
 def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, *, searched: bool = True) -> list[Run]:
-    """All runs, the short ones first: what they find is told by a short run.
+    """Return all runs: witnesses and drawn runs in order of length, then the recordings; the first run to find a fault is short.
 
-    searched  runs that show rows to fire are looked for, which without recordings takes minutes
+    searched  search for runs in which rows fire; without recordings this takes minutes
     """
     properties = [prop for prop in target.properties if prop.kind != "reachable"]
     shipped = [run for path in target.streams if (run := whole_run(target, path)) is not None]
@@ -65,7 +66,7 @@ def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, 
 
 
 def run_of(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
-    """Return a trace as a run, cut to the steps that are run."""
+    """Return a trace as a run, cut to the greatest number of steps."""
     rows = tuple(tuple(step.inputs[var.name] for var in system.inputs) for step in trace.steps[:_LONGEST])
     return Run(name, trace.initial, rows, recorded)
 
@@ -81,7 +82,7 @@ def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
 
 
 def _on_board(system: TransitionSystem, path: Path) -> Run:
-    """Return a recording without ghosts; the values of the world stay open."""
+    """Return a recording without ghosts as a run; its ghosts get neutral values, and no claim is judged on it."""
     stream, names = read_steps(path), {var.name for var in system.inputs}
     ghosts = {var.name: _rest(var) for var in system.inputs if var in system.ghosts}
     steps = [{**ghosts, **{name: value for name, value in step.items() if name in names}} for step in stream.steps]
@@ -99,7 +100,7 @@ def _rest(var: Var) -> Value:
 
 
 def _witnesses(target: Target, system: TransitionSystem, limits: Limits) -> list[Trace]:
-    """Return the runs that show that modes are reached and rows fire, each once."""
+    """Return the runs that show that modes are reached and rows fire; of runs with equal inputs only one."""
     recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
     shown = [one.verdict.witness for one in reached(system, limits, recordings) if isinstance(one.verdict, Proved)]
     kept = {str([step.inputs for step in trace.steps]): trace for trace in shown if trace is not None}
@@ -107,7 +108,7 @@ def _witnesses(target: Target, system: TransitionSystem, limits: Limits) -> list
 
 
 def _drawn(system: TransitionSystem, properties: Sequence[Property], known: Sequence[Trace], seed: int) -> list[Run]:
-    """Runs from the beginning, or from somewhere along a known one; some have a faulty stretch."""
+    """Return drawn runs, from the beginning or from a point of a known run; every fifth ends with a faulty stretch."""
     driver, draw, runs = Driver(system, properties, known), random.Random(seed), list[Run]()
     for number in range(_DRAWN):
         if known and number % 3:

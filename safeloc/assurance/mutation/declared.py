@@ -1,7 +1,7 @@
-"""A declaration for mutation: its terms by their place, and the same declaration with replaced terms.
+"""A declaration for mutation: a list of all its terms, and the declaration with some of them replaced.
 
-A `Root` is a whole term of the declaration: the guard of a row, an update, an output, a clause of the world, a claim. Rows,
-updates and outputs are the machine; the rest is what the machine is held against.
+A `Root` is a complete term, such as a guard, an update, an output, a clause of the world or a claim. Guards, updates and outputs
+are the machine itself; the other terms are the specification that it is checked against.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class Part(Enum):
 
 
 ON_BOARD = frozenset({Part.GUARD, Part.UPDATE, Part.OUTPUT})
-"""The parts that are the machine itself."""
+"""The parts that are the machine itself, and run on board."""
 
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """A complete term: its part of the declaration, and its name there (of a row, an output, a clause, a claim)."""
+    """A complete term, with its part of the declaration and its name there; `row` is set for guards and updates."""
 
     part: Part
     name: str
@@ -56,12 +56,12 @@ class Root:
 
 @dataclass(frozen=True, eq=False)
 class Declared:
-    """A machine and its claims."""
+    """A machine and its claims: the declaration of which mutants are made."""
 
     machine: Machine
     properties: tuple[Property, ...]
     further: tuple[Property, ...] = ()
-    """Of a machine of a composition: the claims of the composition, which may have the machine's terms."""
+    """For a machine of a composition: the claims of the composition, which may contain terms of the machine."""
 
     @property
     def roots(self) -> Iterator[Root]:
@@ -82,7 +82,7 @@ class Declared:
                 yield Root(Part.CLAIM, prop.name, term)
 
     def lowered(self) -> TransitionSystem:
-        """The lowered machine. Fired rows keep the numbers that claims use, even if the order of rows has changed."""
+        """Return the lowered machine. Fired rows keep the numbers that claims use, even if the order of rows has changed."""
         system = lower(self.machine)
         [(fired, term)] = system.fired.items()
         table = fired.unit
@@ -112,7 +112,7 @@ def whole_of(target: Target) -> Declared:
 
 
 def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | None) -> Declared:
-    """Return the declaration with rewritten terms: of the machine by `on_board`, and of world, lemmas and claims by `beyond`.
+    """Return the declaration with rewritten terms: the machine by `on_board`; world, lemmas and claims by `beyond`, if given.
 
     ModelError or PropertyError if the result is not a valid declaration.
     """
@@ -133,14 +133,14 @@ def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | No
 
 
 def remade(machine: Machine, **fields: Any) -> Machine:
-    """Return the machine with other fields, and with the same variable for the fired row, since claims read it."""
+    """Return the machine with some fields replaced. The variable of the fired row stays the same, since claims read it."""
     made = replace(machine, **fields)
     object.__setattr__(made, "fired_name", machine.fired_name)
     return made
 
 
 def claimed(prop: Property, change: Substitution) -> Property:
-    """Return the claim with its terms rewritten."""
+    """Return the claim with its terms rewritten, including those of its helper."""
     helper = prop.helper
     return replace(
         prop,

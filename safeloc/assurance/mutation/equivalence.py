@@ -1,8 +1,8 @@
 """Check whether a mutant is equivalent to the machine: the same outputs on every run that the world allows.
 
-First the two are the same function on every state that the machine can be in, as far as is proved of it. Where they are not, two
-copies run side by side: what is equal between them, and in which modes, is the greatest part of a list that lasts from
-step to step, and the outputs have to follow from it.
+First both are compared as functions on all states that the proved claims allow. If they differ there, machine and mutant are
+compared as two copies side by side: from a list of equalities between their variables, in all modes or in one, the greatest part
+that every step preserves is kept, and equal outputs have to follow from it.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from safeloc.proof.provers.limits import Limits
 
 
 def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> str:
-    """Return in words why the mutant is equivalent; "" if that is not shown.
+    """Return a text that says how the mutant was proved equivalent, or "".
 
-    known         the machine as it is
-    still_proved  all claims are proved of the mutant too, and may be used
+    known         the unchanged machine
+    still_proved  all claims are proved for the mutant, too, and may be used
     """
     for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")):
         if _same_step(known, mutant, canon, limits, layers=layers):
@@ -32,7 +32,7 @@ def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still
 
 
 def _facts(whole: Held, layers: int) -> list[Bool]:
-    """What is known of every state: claims of states, of the first layers."""
+    """Return the proved facts about single states: claims of the first layers, without helpers and claims with observers."""
     claims = [claim for layer in whole.layers[:layers] for claim in layer.claims if claim.kind != "helper"]
     return [one.good for one in claims if one.goal is None or not one.goal.observers]
 
@@ -65,10 +65,10 @@ def equal(one: Expr, other: Expr) -> Bool:
 
 
 class Side:
-    """Two copies side by side, which hear the same; the mutant's variables have names of their own.
+    """The machine and the mutant side by side, with the same inputs and ghosts; the mutant's variables have other names.
 
-    twins    of each variable on board the mutant's
-    outputs  of each output the machine's term and the mutant's
+    twins    for each variable on board, that of the mutant
+    outputs  for each output, the terms of the machine and of the mutant
     """
 
     def __init__(self, known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> None:
@@ -84,7 +84,7 @@ class Side:
             self._facts += [self._second.bool(term) for term in (*_facts(mutant, 2), in_range(_on_board(other)))]
 
     def tells_the_same(self) -> bool:
-        """Return whether the outputs are equal on every run."""
+        """Return whether equal outputs on every run under the assumption are proved."""
         goals = {name: equal(one, other) for name, (one, other) in self.outputs.items()}
         plain = self.all_equal()
         if self.follow(self.lasting(plain), goals):
@@ -92,11 +92,11 @@ class Side:
         return self.follow(self.lasting({**plain, **self.equal_by_mode()}), goals)
 
     def all_equal(self) -> dict[str, Bool]:
-        """Return for each variable on board that both copies have the same value."""
+        """Return for each variable on board the equality of both copies."""
         return {var.name: equal(var, twin) for var, twin in self.twins.items()}
 
     def equal_by_mode(self) -> dict[str, Bool]:
-        """Return for each variable and each mode that both have the same value in that mode."""
+        """Return for each variable and each mode the equality of both copies while the machine is in that mode."""
         return {name: term for var in self.twins for name, term in self._by_mode(var)}
 
     def _by_mode(self, var: Var) -> Iterator[tuple[str, Bool]]:
@@ -106,12 +106,12 @@ class Side:
                 yield f"{var.name} in {value}", mode.eq(Lit(value, mode.unit)).implies(equal(var, self.twins[var]))
 
     def at_first(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
-        """Return those of the relations that hold in every first state; there the copies are equal."""
+        """Return the relations that hold in every first state, in which both copies are equal."""
         failed = self._fails([self._one.init, *self.all_equal().values()], relations)
         return {key: term for key, term in relations.items() if key not in failed}
 
     def lasting(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
-        """Return the greatest part of the relations that lasts from step to step; all of them hold at first."""
+        """Return the greatest part of the relations that every step preserves; all of them have to hold at first."""
         kept = dict(relations)
         while kept:
             goals = {key: self._after.bool(term) for key, term in kept.items()}
@@ -122,7 +122,7 @@ class Side:
         return kept
 
     def follow(self, kept: Mapping[str, Bool], goals: Mapping[str, Bool]) -> bool:
-        """Return whether the goals follow from lasting relations."""
+        """Return whether the goals follow from the relations in `kept`."""
         return not self._fails(list(kept.values()), goals)
 
     def _fails(self, given: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:

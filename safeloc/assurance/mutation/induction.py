@@ -1,8 +1,8 @@
-"""Check by one induction step which claims of a mutant are still proved.
+"""Check which claims of a mutant are still proved, mostly by one step of induction.
 
-Claims that were proved in one step are asked together: whatever state obeys them all, does the step after it? Where every
-answer is yes, all are proved of the mutant too. Claims for which nothing changed are not asked again. What was not proved
-in one step of the machine as it is, is asked by k-induction, one by one.
+The claims that one step proves for the unchanged machine are asked together: does every step from a state that satisfies all of
+them preserve them? Claims for which nothing changed are not asked again. If none fails, the properties that the unchanged machine
+needs several steps for are asked by k-induction, one by one.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.proved_base import Base
 
 _Asked = tuple[int, str]
-"""A layer's number, and a claim as text."""
+"""The number of a layer, and a claim of it as text."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +38,11 @@ class _Question:
 class Proofs:
     """The proofs of the claims of the unchanged machine.
 
-    steps   by layer, the question of the step, as it is asked of the machine
-    starts  by layer, that of the first state
-    hard    claims that one step does not prove
-    open    properties among them that several steps do not prove either, within the limits
-    under_assumption  lemmas that speak of no ghost, and hold under the assumption only
+    steps   for each layer, the question about a step
+    starts  for each layer, the question about the first state
+    hard    claims that one step of induction does not prove
+    open    properties among them that k-induction does not prove either, within the limits
+    under_assumption  lemmas that read no ghost, but hold only under the assumption
     """
 
     steps: tuple[_Question, ...]
@@ -67,7 +67,7 @@ def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Pr
 
 
 def _proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
-    """Prove the claims of the unchanged machine."""
+    """Prove the claims of the unchanged machine; those that fail are removed from the hypotheses until the rest is proved."""
     hard = frozenset[_Asked]()
     while True:
         steps = tuple(_step(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
@@ -89,7 +89,7 @@ def _proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
 class Failed:
     """Claims of a mutant that are no longer proved.
 
-    undecided  whether a solver gave up on one of them: then it was not refuted even in one step
+    undecided  at least one of them is not refuted: the solver gave up on it, or k-induction did not prove it
     """
 
     claims: tuple[Claim, ...]
@@ -97,7 +97,7 @@ class Failed:
 
 
 def no_longer(mutant: Held, known: Proofs, canon: Canon, limits: Limits) -> Failed:
-    """Return the claims that are no longer proved for the mutant. Claims that were open before are not asked."""
+    """Return the claims that are no longer proved for the mutant, without those that were not proved before."""
     failed, undecided = dict[Claim, None](), False
     for number, layer in enumerate(mutant.layers):
         by_name = {str(claim): claim for claim in layer.claims}
@@ -114,7 +114,7 @@ def no_longer(mutant: Held, known: Proofs, canon: Canon, limits: Limits) -> Fail
 
 
 def excluded(mutant: Held, known: Held, canon: Canon, limits: Limits) -> list[str]:
-    """Pairs of rows that may be enabled together now, for all inputs in range; those that did not change are not asked."""
+    """Return the pairs of rows that were not proved exclusive for all inputs in range; unchanged pairs are not asked."""
     changed = {name: term for name, term in mutant.exclusions.items() if term is not known.exclusions.get(name)}
     board = mutant.layers[0]
     given = [environment(board.system, assume=False), *(claim.good for claim in board.claims if claim.goal is None)]
@@ -124,10 +124,10 @@ def excluded(mutant: Held, known: Held, canon: Canon, limits: Limits) -> list[st
 def impossible(
     mutant: Held, seen: Collection[tuple[str, int]], canon: Canon, limits: Limits, *, lawful: bool = False
 ) -> list[str]:
-    """Return rows that can no longer fire, modes that can no longer be reached, and violated `reachable` properties.
+    """Return the rows, modes and `reachable` properties that are proved impossible by ranges and lemmas.
 
-    seen    rows and modes that are known to be come to, by number
-    lawful  only what the world allows is looked at; otherwise all inputs in range
+    seen    rows and modes that are known to occur, by number; they are not asked
+    lawful  consider only steps that the world allows; otherwise all inputs in range
     """
     board, system = mutant.layers[0], mutant.system
     after = Substitution(dict(system.next))
@@ -154,7 +154,7 @@ def _rows(fired: Num) -> list[tuple[int, str]]:
 
 
 def _unreachable(mutant: Held, canon: Canon, limits: Limits) -> Iterator[str]:
-    """Return properties of kind `reachable` that are excluded in one step."""
+    """Return the `reachable` properties whose event one step of induction excludes."""
     for prop in mutant.declared.properties:
         if prop.kind == "reachable":
             goal = observe(mutant.system, prop)
@@ -171,7 +171,7 @@ def _hard_claims(whole: Held, hard: frozenset[_Asked]) -> Iterator[tuple[_Asked,
 
 
 def _by_steps(whole: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
-    """Return whether a property is proved by several steps, with proved ranges and lemmas."""
+    """Return whether k-induction proves a property, with ranges and lemmas as facts."""
     assert claim.goal is not None
     known = _base(whole, limits)
     for k in range(1, limits.induction + 1):
@@ -184,7 +184,7 @@ def _by_steps(whole: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
 
 
 def _base(whole: Held, limits: Limits) -> Base:
-    """Ranges and lemmas, as k-induction takes them."""
+    """Return ranges and lemmas in the form that k-induction takes."""
     board, world, *_ = (
         {Fact("lemma", str(one)): one.good for one in layer.claims if one.goal is None} for layer in whole.layers
     )

@@ -1,7 +1,8 @@
-"""Judging of one mutant, cheap questions first.
+"""Judge one mutant, cheap questions first.
 
-It may be refused at birth; break a claim on a known run; leave claims that are not proved any more, which a bounded search
-may refute; do the same as the machine, or be only more careful; let a recording come out otherwise. What is left survives.
+It may be refused as a declaration; break a claim on a known run; let rows overlap; leave claims unproved, which a bounded search may
+refute; be equivalent; make something impossible; be conservative; or change the outputs of a recording. If none of this is
+shown, it survives.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class Bench:
 
 
 def bench(target: Target, declared: Declared, limits: Limits, seed: int, *, searched: bool = True) -> Bench:
-    """Prove the unchanged machine, and make the runs; `searched` as for `corpus`."""
+    """Return the bench: proofs and runs of the unchanged machine. `searched` is that of `corpus`."""
     canon = Canon()
     whole, known = as_it_is(declared, canon, limits)
     canon.asked.learnt()
@@ -52,7 +53,7 @@ def bench(target: Target, declared: Declared, limits: Limits, seed: int, *, sear
 
 
 def judged(on: Bench, mutant: Mutant) -> Judged:
-    """Judge a mutant of the machine in both ways."""
+    """Judge a mutant of the machine, made in both ways: the machine alone wrong, and the term wrong everywhere."""
     started = time.monotonic()
     alone = outcome_of(on, mutant.alone, on.whole.declared)
     everywhere = alone if mutant.everywhere is None else outcome_of(on, mutant.everywhere, on.whole.declared)
@@ -60,7 +61,7 @@ def judged(on: Bench, mutant: Mutant) -> Judged:
 
 
 def with_outcome(mutant: Mutant, alone: Outcome, everywhere: Outcome, seconds: float, direction: str = "") -> Judged:
-    """Return the mutant with its outcomes."""
+    """Return the result of a mutant: its description with its outcomes."""
     return Judged(
         id=mutant.id,
         machine=mutant.machine,
@@ -82,7 +83,7 @@ def with_outcome(mutant: Mutant, alone: Outcome, everywhere: Outcome, seconds: f
 
 
 def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declared) -> Outcome:
-    """Return the outcome of a declaration with a wrong machine; its claims may be weaker than those of the unchanged machine."""
+    """Return the outcome of the mutant that `make` makes of this declaration, whose claims may be weaker than the original ones."""
     try:
         mutant = held(make(declared), on.canon, on.proofs.under_assumption)
     except SafelocError as error:
@@ -112,7 +113,7 @@ def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declar
 
 
 def by_a_run(seen: Played) -> Outcome:
-    """A known run breaks claims."""
+    """Return the outcome of claims that known runs break; the shortest run is named."""
     first = min(seen.broken, key=lambda one: one.steps)
     return Outcome(
         results.REFUTED, tuple(one.claim for one in seen.broken), f"{first.run}, {first.steps} steps: {first.claim}"
@@ -120,7 +121,7 @@ def by_a_run(seen: Played) -> Outcome:
 
 
 def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run | None]:
-    """A run is searched that breaks one of the claims, and comes too; where none is found they are no longer proved."""
+    """Search a run that breaks one of the claims. Return the outcome and the run; without a run the claims are unproved."""
     claims = failed.claims
     for number, layer in enumerate(mutant.layers):
         some = [claim for claim in claims if any(claim is own for own in layer.claims)]
@@ -136,7 +137,7 @@ def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run
 
 
 def _goal(mutant: Held, claim: Claim, *, unconditional: bool) -> Goal:
-    """What the claim says, under what its layer relies on: all goals of one search have one assumption."""
+    """Return the claim as a goal with the assumption of its layer, since all goals of one search have the same assumption."""
     if claim.goal is not None:
         return claim.goal
     return observe(mutant.system, always(claim.name, claim.good, unconditional=unconditional))

@@ -1,7 +1,7 @@
-"""The kinds of wrong terms: what may be written instead of a term, given the terms that it is made of.
+"""The kinds of wrong terms: replacements of a term, made from its parts.
 
-A change speaks of the parts of a term, not of the term: it is made in each place where the term stands, also where its
-variables are those of the step before.
+A change is a function of the parts, not of one node: so it applies to every occurrence of a term, including those that read
+the values before the step.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ Parts = tuple[Expr, ...]
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """One way in which a term may be wrong: its kind, in words, and what is written instead of a term of these parts."""
+    """One way in which a term may be wrong: kind, description, and the function that makes the replacement from the parts."""
 
     kind: str
     words: str
@@ -65,11 +65,11 @@ class Change:
 
 
 Others = Callable[[Var], Var | None]
-"""Another variable that could have been meant; None where there is none."""
+"""A function that gives another variable that could have been meant; None if there is none."""
 
 
 def changes(node: Expr, others: Others) -> Iterator[Change]:
-    """All changes of one term; none of what it is made of."""
+    """Return all changes of one term and of its parts that are variables or constants; other parts are terms of their own."""
     match node:
         case Compare():
             yield from _of_comparison(node)
@@ -94,7 +94,7 @@ def changes(node: Expr, others: Others) -> Iterator[Change]:
 
 
 def changes_both_ways(node: Expr, others: Others) -> Iterator[Change]:
-    """The same, and each bound of `<=` also off to the other side: what is weaker in a clause is stronger in its negation."""
+    """Return the changes with bounds moved both ways, since a change that weakens a clause strengthens its negation."""
     yield from changes(node, others)
     if isinstance(node, Compare) and node.op == "<=" and not isinstance(node.left.unit, Enumeration):
         one = Lit(1, node.left.unit)
@@ -103,12 +103,12 @@ def changes_both_ways(node: Expr, others: Others) -> Iterator[Change]:
 
 
 def _is_spelling(node: Expr, part: Expr) -> bool:
-    """A nought that nobody wrote: minus a term is nought less the term, and another unit is a sum with nought."""
+    """Return whether the part is a zero that nobody wrote: `-x` is stored as `0 - x`, a change of unit as a sum with 0."""
     return isinstance(node, (Add, Sub)) and isinstance(part, Lit) and part.value == 0
 
 
 def of_operand(part: Expr, others: Others) -> Iterator[Change]:
-    """All changes of a variable or a constant, which is no term of others; made of itself."""
+    """Return all changes of a variable or constant; each is made from the operand itself as the only part."""
     match part:
         case Lit():
             yield from _of_figure(part)
@@ -128,7 +128,7 @@ def _with_part(node: Expr, number: int, make: Callable[[Parts], Expr], parts: Pa
 
 
 def _meant(part: Expr, other: Var) -> Var:
-    """The other variable, at the time at which the part was read."""
+    """Return the other variable; its value before the step if the part reads that."""
     if not isinstance(part, (NumVar, BoolVar)) or part.before is None:
         return other
     return before(other) if isinstance(other, NumVar) else was(other)
@@ -155,7 +155,7 @@ def _of_comparison(node: Compare) -> Iterator[Change]:
 
 def _of_sum(node: Add | Sub) -> Iterator[Change]:
     zero, unit = Lit(0, node.unit), node.unit
-    if not node.left.unit.same(unit):  # a change of unit is written as a sum with nothing
+    if not node.left.unit.same(unit):  # a change of unit is stored as a sum with zero
         return
     if isinstance(node, Add):
         yield Change(_DROPPED, "the second is left out", lambda parts: parts[0])
@@ -177,7 +177,7 @@ def _of_extreme(node: Min | Max) -> Iterator[Change]:
 
 
 def _of_division(node: FloorDiv) -> Iterator[Change]:
-    """A quotient rounded up is minus the quotient of minus the term, so this turns either rounding."""
+    """Return the changes of rounding and divisor. Rounding up is stored as `-(-x // d)`, so one change turns either rounding."""
     divisor, unit, zero = node.divisor, node.unit, Lit(0, node.unit)
 
     def up(parts: Parts) -> Expr:
@@ -213,7 +213,7 @@ def _of_choice(node: Choose | ChooseBool) -> Iterator[Change]:
 
 
 def _of_figure(lit: Lit) -> Iterator[Change]:
-    """Of a member the next one; of a number the next one, and zero."""
+    """Return the changes of a constant: the next member; for a number its neighbour away from zero, and zero."""
     value, unit = lit.value, lit.unit
     if isinstance(unit, Enumeration):
         following = Lit((value + 1) % len(unit.members), unit)
@@ -229,7 +229,7 @@ def _of_figure(lit: Lit) -> Iterator[Change]:
 
 
 def _constant(value: bool) -> Change:
-    """A condition that is always, or never, met."""
+    """Return the change of a condition to one that is always, or never, met."""
     words = "always" if value else "never"
     return Change(CONDITION, words, lambda _: TRUE if value else FALSE)
 

@@ -1,6 +1,7 @@
-"""A composition for mutation: its machines, each with its own claims, and the wires.
+"""A composition for mutation: its machines, each with its own claims, and its wires.
 
-A machine of it is made wrong like any other. Only what its own claims do not notice is put back into the composition.
+Mutants of its machines are made like those of a single machine. Only those that the machine's own claims do not detect are put
+into the composition.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ from safeloc.target import Target
 
 @dataclass(frozen=True, eq=False)
 class Composed:
-    """A composition: how it was made, and each machine with its own claims.
+    """A composition: the arguments of `compose`, and each machine with its own claims.
 
-    claims  what is asked of the whole and not proved of a machine by itself
+    claims  properties of the composition that are not inherited from one machine, without `reachable` ones
     """
 
     target: Target
@@ -35,13 +36,13 @@ class Composed:
     claims: tuple[Property, ...]
 
     def alone(self, name: str) -> Target:
-        """A machine of it by itself, without what runs of the whole have shown."""
+        """Return a machine as a target of its own, without the recordings of the composition."""
         machine = self.members[name].machine
         return Target(f"{self.target.name}: {name}", (machine,), lower(machine), self.members[name].properties)
 
 
 def composed(target: Target, places: Places) -> Composed:
-    """The composition of a target; InputError where none was made while its terms were noted."""
+    """Return the composition of a target; InputError if no call of `compose` with its machines was recorded."""
     plan = next((one for one in places.plans if tuple(one.machines) == target.system.machines), None)
     if plan is None:
         raise InputError(f"{target.name}: how its machines are wired is not known; make them with `compose`.")
@@ -51,21 +52,21 @@ def composed(target: Target, places: Places) -> Composed:
 
 
 def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:
-    """What is claimed of the machine by itself, and what the composition has from it."""
+    """Return the properties of the machine by itself: those that the composition inherits, and those that the target gives."""
     kept = [prop.kept_by[1] for prop in target.properties if prop.kept_by is not None and prop.kept_by[0] is machine]
     own = {prop.name: prop for prop in (*kept, *target.members.get(machine.name, ()))}
     return tuple(own.values())
 
 
 def member_mutants(whole: Composed, places: Places) -> list[Mutant]:
-    """All mutants of its machines, one machine after the other."""
+    """Return all mutants of its machines, machine by machine."""
     return [one for declared in whole.members.values() for one in mutants(declared, places)]
 
 
 def joined(whole: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
-    """The composition with this machine in place of the one of its name, and these wires, in the variables of the whole.
+    """Return the composition with this machine in place of the one of its name, and these wires, in the original variables.
 
-    ModelError where that is no composition.
+    ModelError if the result is not a valid composition.
     """
     was = whole.members[machine.name].machine
     told = _rewired(whole.plan.wires if wires is None else wires, was, machine)
@@ -87,14 +88,14 @@ def _owed(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> 
 
 
 def _rewired(wires: Mapping[Var, Expr], was: Machine, now: Machine) -> dict[Var, Expr]:
-    """Wires that carry the outputs that the machine has now."""
+    """Return the wires with the outputs of the machine as it was replaced by those that it has now."""
     pairs = [(was.outputs[name], term) for name, term in now.outputs.items() if term is not was.outputs[name]]
     change = Substitution({}, pairs)
     return {var: change(term) for var, term in wires.items()}
 
 
 def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSystem:
-    """The system in the variables of another one of the same names; its parts keep what is heard and owed only."""
+    """Return the system in the variables of `like`, which has the same names. Parts take over `into`; contracts are rewritten."""
     known = {(var.name, type(var)): var for var in (*like.state, *like.inputs, *like.fired)}
     mine = (*system.state, *system.inputs, *system.fired)
     twin = {var: known.get((var.name, type(var)), var) for var in mine}

@@ -1,8 +1,8 @@
-"""All mutants of a declaration: one wrong term, or one wrong row, each.
+"""The mutants of a machine: each has one wrong term or one wrong row.
 
-Every mutant is made in two ways. With the machine alone wrong it asks whether claims and world notice. With the term wrong
-wherever it stands (an edit of the expression that wrote it) it asks whether they still would, or are wrong along with
-the machine. Where a term stands in the machine only, both are one.
+A mutant is made in two ways. With the machine alone wrong, the question is whether claims and world detect the error. With the term
+wrong wherever it stands, as after an edit of the expression that wrote it, they may contain the same error, and the question is
+whether they still detect it. For a term that stands in the machine only, both ways are the same.
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ LONGEST = 160
 class Mutant:
     """One mutant.
 
-    id            of its content: the same after edits elsewhere
-    of            what of the declaration is wrong
-    machine       the machine that is wrong
-    kind, words   what is done, in general and here
-    place         file and line of the term or row; "" where that was not noted
-    source        the expression as it is written there
-    term, becomes what stands there, and what is written instead
-    where         rows and outputs that it is part of
+    id            derived from the content: edits elsewhere do not change it
+    of            part of the declaration that is wrong
+    machine       name of the machine, or of the composition if a wire is wrong
+    kind, words   kind of the change, and description of this one
+    place         file and line of the term or row; "" if not recorded
+    source        the expression as it is written there; "" if not recorded
+    term, becomes original and replacement, as text
+    where         rows, outputs, clauses, claims or wires in which the change is made
     shared_with   claims, clauses and lemmas that have the same term
-    requirements  ids that those rows answer for, or that the claim verifies
-    alone         makes of a declaration one with the machine (the world, the claim) alone wrong
-    everywhere    makes of a declaration one with the term wrong wherever it stands; None where that is the same
-    claim         name of the claim that is weaker; "" of any other mutant
+    requirements  ids of the requirements that those rows implement, or that the claim verifies
+    alone         returns a declaration with the machine (the world, the claim) alone wrong
+    everywhere    returns a declaration with the term wrong wherever it stands; None if that is the same
+    claim         name of the changed claim; "" for other mutants
     """
 
     id: str = ""
@@ -67,18 +67,18 @@ class Mutant:
 
 
 def mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """All mutants of the machine, in the order of the declaration; each form of a wrong term once."""
+    """Return all mutants of the machine: wrong terms, then wrong rows, each in the order of the declaration."""
     return numbered([*_of_terms(whole, places), *_of_rows(whole)])
 
 
 def numbered(made: Iterable[Mutant]) -> list[Mutant]:
-    """The mutants with their ids."""
+    """Return the mutants with their ids."""
     seen = Counter[str]()
     return [_numbered(one, seen) for one in made]
 
 
 def _numbered(one: Mutant, seen: Counter[str]) -> Mutant:
-    """With the id of its content, and which of several with that content it is."""
+    """Return the mutant with its id: a digest of its content, and a number from the second of equal content on."""
     content = "\0".join([one.machine, one.kind, one.words, one.term, one.becomes, *one.where])
     digest = hashlib.sha256(content.encode()).hexdigest()[:10]
     seen[digest] += 1
@@ -87,7 +87,7 @@ def _numbered(one: Mutant, seen: Counter[str]) -> Mutant:
 
 
 def sample(made: Sequence[Mutant], most: int, seed: int) -> list[Mutant]:
-    """At most so many mutants, of each kind in its share and at least one; the same for the same seed, in order."""
+    """Return at most `most` mutants in order: of each machine and kind its share, and one at least while there is room."""
     if most >= len(made):
         return list(made)
     strata: dict[tuple[str, str], list[int]] = defaultdict(list)
@@ -116,7 +116,7 @@ def _of_terms(whole: Declared, places: Places) -> Iterator[Mutant]:
 def wrong_terms(
     terms: Iterable[Term], changes_of: Callable[[Expr, Others], Iterable[Change]], others: Others, forms: Forms
 ) -> Iterator[tuple[Term, Change, str]]:
-    """Each term with each change of it, and what is written then; each form of a wrong term once."""
+    """Return each term with each of its changes and the changed text; changes of a term with equal results only once."""
     for term in terms:
         seen: set[int] = {forms.of(term.node)}
         for change in changes_of(term.node, others):
@@ -148,17 +148,17 @@ def _of_term(whole: Declared, term: Term, change: Change, becomes: str) -> Mutan
 
 
 def substitution(term: Term, change: Change) -> Substitution:
-    """Rewrites every node of a term into what is written instead."""
+    """Return a substitution that changes every node of the term."""
     return Substitution({}, [(node, change.make(children(node))) for node in term.nodes])
 
 
 def told_place(place: Place | None) -> str:
-    """A place for people; "" where it was not noted."""
+    """Return file and line as text; "" if the place was not recorded."""
     return "" if place is None else str(place)
 
 
 def written_at(place: Place | None) -> str:
-    """The expression as it is written there; "" where that was not noted."""
+    """Return the expression as it is written there; "" if the place was not recorded."""
     return "" if place is None else place.text
 
 
@@ -168,7 +168,7 @@ def _requirements(roots: Sequence[Root]) -> tuple[str, ...]:
 
 
 def other_variables(machine: Machine) -> Others:
-    """Of a variable the next one of its unit, among inputs or among state."""
+    """Return a function that gives the next variable of the same unit, among inputs or among state; None if there is none."""
     following: dict[Var, Var] = {}
     for own in (_inputs(machine), list(machine.state)):
         alike: dict[object, list[Var]] = defaultdict(list)
@@ -180,7 +180,7 @@ def other_variables(machine: Machine) -> Others:
 
 
 def _inputs(machine: Machine) -> list[Var]:
-    """Values and flags; which input is present is told by kind `absence ignored`."""
+    """Return the inputs without the flags of presence, which the kind `absence ignored` changes."""
     return [item.value if isinstance(item, Optional) else item for item in machine.inputs]
 
 

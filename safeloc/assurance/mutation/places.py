@@ -53,17 +53,17 @@ class Places:
     """The arguments of each `compose`."""
 
     def of(self, node: Expr) -> Place | None:
-        """Return the place of the node, or of the one that it was rewritten from; None if it was not recorded."""
+        """Return the place of the node, or of its original if it was rewritten; None if it was not recorded."""
         return self._written.get(self.origin(node))
 
     def origin(self, node: Expr) -> Expr:
-        """Return the original of a rewritten node."""
+        """Return the original of a rewritten node; any other node is its own original."""
         while node in self._from:
             node = self._from[node]
         return node
 
     def born(self, node: Expr) -> None:
-        """Record a new node."""
+        """Record the place of a new node: the expression outside of the engine that is being evaluated."""
         frame = _writer()
         self._written[node] = place_of(frame.f_code, frame.f_lasti)
 
@@ -74,7 +74,7 @@ class Places:
 
 
 def _writer() -> FrameType:
-    """Return the nearest frame outside of the engine."""
+    """Return the nearest calling frame outside of the engine."""
     frame = sys._getframe(2)
     while frame.f_back is not None and is_engine(frame.f_globals.get("__name__", "")):
         frame = frame.f_back
@@ -83,7 +83,7 @@ def _writer() -> FrameType:
 
 @contextmanager
 def noted() -> Iterator[Places]:
-    """Record every node that is made or rewritten inside."""
+    """Record every node that is made or rewritten, and every `compose`, inside this context."""
     places = Places()
     plain = {kind: kind.__init__ for kind in _NOTED}
     rebuilt, check_plan = terms.rebuilt, composition.check_plan  # type: ignore[attr-defined]

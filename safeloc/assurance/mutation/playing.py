@@ -1,7 +1,7 @@
-"""A mutant, run along the runs of the machine as it is: which claims break, and where its outputs differ.
+"""Run a mutant along the known runs of the machine, to see which claims break and where its outputs differ.
 
-Along a run that it leaves as it was, a mutant does what the machine did. So each run is first looked through for the step in
-which the mutant moves otherwise, or a changed claim does not hold; only from there on is it run.
+Until a mutant moves differently, its states are those of the machine. So each run is first searched for the step in which the
+mutant moves differently or a changed claim fails, and the mutant is run only from there on.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from safeloc.language.system import TransitionSystem, environment, without_ghost
 from safeloc.language.units import Enumeration
 
 WORLD = 1
-"""The layer of claims that rely on the assumption."""
+"""Number of the layer of claims that need the assumption of the machine."""
 _MORE = 400
-"""Steps that are run after the first claim has broken, to see which others break."""
+"""Steps that are run, in each layer, after the first broken claim, to see which others break."""
 
 
 @dataclass(frozen=True)
 class _Broken:
-    """A claim that a run breaks, after so many steps."""
+    """A claim that a run breaks, and the number of steps after which it is broken."""
 
     claim: str
     run: str
@@ -37,12 +37,12 @@ class _Broken:
 
 @dataclass(frozen=True)
 class Played:
-    """What came of all runs.
+    """The result of all runs. The last three are found only if no claim is broken.
 
-    broken   claims that broke, each with the first run that broke it
-    differs  the first step of a recording in which another output comes, in words
-    other    the same of any run
-    seen     rows that fire and modes that are come to on the parts of runs on which the mutant does what the machine does
+    broken   broken claims, each with the run that breaks it in the fewest steps
+    differs  a text about the first state along a recording with other outputs; "" if there is none
+    other    the same along any run; recordings are preferred
+    seen     rows that fire and modes that occur while the mutant moves as the machine does
     """
 
     broken: tuple[_Broken, ...]
@@ -52,12 +52,12 @@ class Played:
 
 
 Event = tuple[str, int]
-"""A row that fires, or a mode that is come to, by number."""
+"""A row that fires, or a mode that occurs, by number."""
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A run of the machine as it is, in one system: the states before each step, and the last one; fewer where it is not allowed."""
+    """A run in one system, with the state before each step and the last one; it ends where the assumption forbids a step."""
 
     run: Run
     rows: tuple[Row, ...]
@@ -66,7 +66,7 @@ class Path:
 
 @dataclass(frozen=True, eq=False)
 class _Trail:
-    """A run of what runs on board: its path, the outputs in each state, and which row fired in each step."""
+    """A run of the machine without its world: the path, the outputs in each state, and the row that fired in each step."""
 
     system: TransitionSystem
     path: Path
@@ -74,7 +74,7 @@ class _Trail:
     fired: tuple[Row, ...]
 
     def seen(self, steps: int | None) -> set[Event]:
-        """What happens in the first steps; in all of them if that is None."""
+        """Return the events of the first steps; of all steps if `steps` is None."""
         [machine] = self.system.machines
         mode = next(n for n, var in enumerate(self.system.state) if var is machine.mode)
         rows = {("row", int(fired[0])) for fired in self.fired[:steps]}
@@ -84,9 +84,9 @@ class _Trail:
 
 @dataclass(frozen=True, eq=False)
 class Trodden:
-    """The paths of all runs of the machine as it is: what runs on board, and each layer of claims.
+    """The paths of all runs of the unchanged machine: without its world (`board`), and for each layer of claims.
 
-    on_board, columns  the values of the machine's terms along these paths
+    on_board, columns  values of the machine's terms along the paths of `board` and of each layer
     """
 
     whole: Held
@@ -97,7 +97,7 @@ class Trodden:
 
 
 def trodden(whole: Held, runs: Sequence[Run]) -> Trodden:
-    """Run the machine as it is. A run that breaks one of its claims is left out."""
+    """Run the unchanged machine along these runs. Those that break one of its claims are left out."""
     judging = [_Judging(layer) for layer in whole.layers]
     kept = [run for run in runs if not (run.whole and any(one.breaks(run) for one in judging))]
     lawful = [run for run in kept if run.whole]
@@ -126,7 +126,7 @@ def _paths(judging: _Judging, runs: Sequence[Run]) -> Iterator[Path]:
 
 
 def played(mutant: Held, known: Trodden) -> Played:
-    """Run a mutant along all runs on which it does otherwise."""
+    """Run a mutant along all known runs on which it differs from the machine."""
     broken: dict[str, _Broken] = {}
     by_layer = zip(mutant.layers, known.whole.layers, known.layers, known.columns, strict=True)
     for layer, was, paths, columns in by_layer:
@@ -140,7 +140,7 @@ def played(mutant: Held, known: Trodden) -> Played:
 
 
 def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, _Broken]) -> tuple[_Broken, ...]:
-    """All of them, the shortest of them by the interpreter. EngineError where it does not break the claim."""
+    """Return all broken claims; the interpreter confirms the one broken first, else EngineError."""
     first = min(broken.values(), key=lambda one: one.steps)
     run = next(trail.path.run for trail in known.board if trail.path.run.name == first.run)
     layer = next(layer for layer in mutant.layers for claim in _judged(layer) if str(claim) == first.claim)
@@ -149,7 +149,7 @@ def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, _Broken]) -> t
 
 
 def _confirm(layer: Layer, run: Run, broken: _Broken) -> None:
-    """EngineError where the run does not break the claim in the interpreter."""
+    """Confirm in the interpreter that the run breaks the claim; EngineError if it does not."""
     claim = next(claim for claim in _judged(layer) if str(claim) == broken.claim)
     system = layer.system
     state = start(system, _chosen(system, run))
@@ -164,7 +164,7 @@ def _confirm(layer: Layer, run: Run, broken: _Broken) -> None:
 
 
 def first_broken(layer: Layer, runs: Sequence[Run]) -> _Broken | None:
-    """The claim that breaks first along the first run that breaks one; the interpreter has confirmed it."""
+    """Return the claim that is broken first along the first run that breaks any, confirmed by the interpreter; None if none is."""
     judging = _Judging(layer)
     for run in runs:
         found = judging.broken(Path(run, (), ()), 0)
@@ -177,7 +177,7 @@ def first_broken(layer: Layer, runs: Sequence[Run]) -> _Broken | None:
 
 
 def outputs_along(system: TransitionSystem, run: Run) -> tuple[Row, ...]:
-    """The outputs in each state of a run, as they come on board."""
+    """Return the outputs in each state of a run, without regard to what the world allows."""
     return _Board(system).trail(run).told
 
 
@@ -185,7 +185,7 @@ def outputs_along(system: TransitionSystem, run: Run) -> tuple[Row, ...]:
 
 
 def _broken(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -> Iterator[tuple[Claim, str, int]]:
-    """The claims of a layer that break, by run, until enough steps were run."""
+    """Return the broken claims of a layer, with run and number of steps; it ends `_MORE` steps after the first one."""
     one, other = layer.system, was.system
     if one.init is not other.init or one.assume is not other.assume or one.state != other.state:
         entries: Iterator[tuple[Path, int]] = ((path, 0) for path in paths)
@@ -202,7 +202,7 @@ def _broken(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -
 
 
 def _entries(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) -> Iterator[tuple[Path, int]]:
-    """The paths on which something is otherwise, each with the number of steps before it is."""
+    """Return the paths on which a move or a claim differs, each with the number of steps before that."""
     moves = _other_moves(layer.system, was.system)
     goods = [(new.good, old.good) for new, old in zip(_judged(layer), _judged(was), strict=True)]
     goods = [pair for pair in goods if pair[0] is not pair[1]]
@@ -212,7 +212,7 @@ def _entries(layer: Layer, was: Layer, paths: Sequence[Path], columns: Columns) 
 
 
 def _other_moves(system: TransitionSystem, was: TransitionSystem) -> list[Pair]:
-    """The next values that are other terms than they were."""
+    """Return the pairs of new and old next values that are different terms."""
     return [(system.next[var], was.next[var]) for var in system.state if system.next[var] is not was.next[var]]
 
 
@@ -221,12 +221,12 @@ def _judged(layer: Layer) -> list[Claim]:
 
 
 def _next(system: TransitionSystem) -> list[Expr]:
-    """The values after a step, in the order of a row of the state."""
+    """Return the terms of the state after a step, in the order of the state."""
     return [system.next[var] for var in system.state]
 
 
 class _Judging:
-    """The claims of one layer along a run."""
+    """The claims of one layer, compiled to be judged along runs."""
 
     def __init__(self, layer: Layer) -> None:
         self._system = system = layer.system
@@ -235,7 +235,7 @@ class _Judging:
         self._look = stepped((system.state, ()), [claim.good for claim in self.claims])
 
     def path(self, run: Run) -> Path | None:
-        """The run as far as it is allowed; None where no run of the layer begins so."""
+        """Return the run up to the first step that is not allowed; None if no run of the layer begins so."""
         try:
             states = [_first(self._system, run)]
         except InputError:
@@ -248,12 +248,12 @@ class _Judging:
         return Path(run, run.rows[: len(states) - 1], tuple(states))
 
     def breaks(self, run: Run) -> bool:
-        """Whether the run breaks a claim."""
+        """Return whether the allowed part of the run breaks a claim."""
         path = self.path(run)
         return path is not None and not all(all(self._look(state, ())) for state in path.states)
 
     def broken(self, path: Path, begin: int) -> dict[int, int]:
-        """The claims, by place, that break from some step of a path on, each with the steps after which it is broken."""
+        """Return the claims, by place, that are broken from step `begin` of a path on, each with its number of steps."""
         if begin:
             state = path.states[begin]
         else:
@@ -283,7 +283,7 @@ class _Judging:
 
 
 def _otherwise(mutant: Held, known: Trodden) -> Played:
-    """The first other output of a recording, and of any run."""
+    """Return where outputs first differ along a recording and along any run, and the events before the mutant differs."""
     one, other = known.board[0].system, without_ghosts(mutant.system)
     told = any(term is not one.outputs[name] for name, term in other.outputs.items())
     board, words, seen = _Board(mutant.system), dict[bool, str](), set[Event]()
@@ -300,7 +300,7 @@ def _otherwise(mutant: Held, known: Trodden) -> Played:
 
 
 def told_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, Value], dict[str, Value]]]:
-    """The outputs of the machine as it is, and of the mutant, in each state of each run where they are not the same."""
+    """Return the outputs of the machine and of the mutant for each state of the known runs in which they differ."""
     board, names = _Board(mutant.system), list(mutant.system.outputs)
     for trail in known.board:
         for was, now in zip(trail.told, board.trail(trail.path.run).told, strict=True):
@@ -309,7 +309,7 @@ def told_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, 
 
 
 def tells_otherwise(whole: Held, mutant: Held, run: Run) -> bool:
-    """Whether the world allows the run, and other outputs come along it than those of the machine as it is."""
+    """Return whether the world allows the whole run, and the mutant's outputs along it differ from the machine's."""
     judging = _Judging(whole.layers[WORLD])
     path = judging.path(run)
     if path is None or len(path.rows) < len(run.rows):
@@ -318,7 +318,7 @@ def tells_otherwise(whole: Held, mutant: Held, run: Run) -> bool:
 
 
 class _Board:
-    """What runs on board, along a run."""
+    """The machine without its world, compiled to be run along runs."""
 
     def __init__(self, whole: TransitionSystem) -> None:
         self._system = system = without_ghosts(whole)
@@ -328,7 +328,7 @@ class _Board:
         self._fired = stepped((system.state, system.inputs), list(system.fired.values()))
 
     def trail(self, run: Run) -> _Trail:
-        """The whole run."""
+        """Return the complete run, with its outputs and the rows that fire."""
         rows = tuple(tuple(row[column] for column in self._columns) for row in run.rows)
         states = [_first(self._system, run)]
         for row in rows:
@@ -338,7 +338,7 @@ class _Board:
         return _Trail(self._system, Path(run, rows, tuple(states)), told, fired)
 
     def differs(self, trail: _Trail, begin: int) -> str:
-        """The first step from there on after which another output comes, in words; "" where there is none."""
+        """Return a text about the first state from `begin` on with other outputs than in `trail`; "" if there is none."""
         path, state = trail.path, trail.path.states[begin]
         for number in range(begin, len(path.states)):
             now, was = self._look(state, ()), trail.told[number]
@@ -362,12 +362,12 @@ def _shown(term: Expr, value: Value) -> str:
 
 
 def _first(system: TransitionSystem, run: Run) -> Row:
-    """The first state of a run; InputError where no run of the system begins so."""
+    """Return the first state of a run; InputError if no run of the system begins so."""
     values = start(system, _chosen(system, run))
     return tuple(values[var] for var in system.state)
 
 
 def _chosen(system: TransitionSystem, run: Run) -> dict[str, Value]:
-    """Of the run's first state what is open."""
+    """Return the values of the run's first state that the declaration leaves open."""
     open_ = {var.name for var in system.state if isinstance(system.initial[var], Any_)}
     return {name: value for name, value in run.first.items() if name in open_}

@@ -1,10 +1,11 @@
-"""Written reasons why no proof needs to notice a mutant: a file of its own for each target, `models/mutants/<name>.toml`.
+"""Written reasons why no proof needs to detect a mutant: one file for each target, `models/mutants/<name>.toml`.
 
-    [[machine]]                              # or world, claims: what of the declaration is wrong
-    mutants = ["stop_point-b88ce033c1"]      # ids, as `safeloc mutate` tells them
+    [[machine]]                              # or world, claims: the part of the declaration that is wrong
+    mutants = ["stop_point-b88ce033c1"]      # ids, as `safeloc mutate` prints them
     reason = "..."
 
-An id is of the mutant's content. A reason whose mutant there is no more is refused, so that none outlives what it speaks of.
+An id is derived from the mutant's content. A reason for a mutant that no longer exists is refused, so that no reason outlives the
+term that it was written for.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from safeloc.errors import InputError
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "mutants"
 _SHORTEST = 30
-"""Characters of a reason at least: a word is none."""
+"""Least number of characters of a reason, so that a single word is refused."""
 
 
 class _Entry(BaseModel):
@@ -41,15 +42,15 @@ class _File(BaseModel):
 
 @dataclass(frozen=True)
 class Reasons:
-    """The reasons of one target, by id of the mutant, for each part of the declaration; `file` contains them."""
+    """The reasons of one target, by part of the declaration and id of the mutant, with the file that they were read from."""
 
     file: str = ""
     by_part: Mapping[Of, Mapping[str, str]] = field(default_factory=dict)
 
     def of(self, existing: Mapping[Of, Collection[str]]) -> dict[str, str]:
-        """The reason of each mutant, of the parts that are looked at.
+        """Return the reasons of these parts by id of the mutant; InputError for the id of a mutant that does not exist.
 
-        existing  the ids of all mutants there are, by part. InputError where a reason speaks of another one
+        existing  ids of all mutants, by part
         """
         found: dict[str, str] = {}
         for part, ids in existing.items():

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 SCHEMA = "safeloc-mutation/1"
 Of = Literal["machine", "world", "claims"]
-"""What of a declaration is made wrong."""
+"""The part of a declaration that is made wrong."""
 OTHERS: tuple[Of, ...] = ("world", "claims")
 
 REFUSED = "refused at birth"
@@ -36,21 +36,21 @@ KILLS_AS_MUCH = "kills as much"
 NOT_WEAKER = "not weaker"
 
 BY_PROOF = (REFUSED, REFUTED, SEARCHED, OVERLAP, NEVER, UNPROVED, NEEDED, KILLS_LESS)
-"""What counts as killed by a proof: a claim is refuted, no longer proved, or the declaration is none; of a weaker claim, that it
-is missed."""
+"""Fates that count as killed by a proof: the declaration is refused, a claim is refuted or no longer proved, or something is
+proved impossible. For a weaker claim: a proof, or the detection of a mutant, needs the original."""
 SET_ASIDE = (EQUIVALENT, CONSERVATIVE, NOT_WEAKER)
-"""What is no wrong declaration, and not counted."""
+"""Fates of mutants that are not wrong, or not weaker; they are not counted."""
 QUESTIONS = (SURVIVED, RECORDED, TOO_MUCH, UNSEEN, KILLS_AS_MUCH)
-"""Fates that leave a question: no proof notices the mutant."""
+"""Fates that leave a question: no proof detects the mutant."""
 
 
 @dataclass(frozen=True)
 class Outcome:
     """The outcome of one way of making a mutant.
 
-    fate   one of the words above
-    by     the claims that notice it; of a recording what comes out otherwise
-    how    in words: the run and its length, what was proved
+    fate   one of the fates above
+    by     the claims that detect the mutant, or what cannot happen; for `KILLS_LESS` the mutant that escapes
+    how    details as text, such as the run and its length, or how it was proved
     """
 
     fate: str
@@ -60,12 +60,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Judged:
-    """A mutant with what became of it: `everywhere` is the edit of the term wherever it stands, `alone` of the machine only.
+    """A mutant with its outcomes: `everywhere` with the term wrong wherever it stands, `alone` with the machine alone wrong.
 
-    Where both are the same edit, both are the same outcome.
+    If both ways make the same edit, both outcomes are the same.
 
-    of         what of the declaration is wrong
-    direction  of a clause or claim: weaker, stronger or other than the one that it was made of
+    of         part of the declaration that is wrong
+    direction  for a clause or claim: same, weaker, stronger or other, compared with the original; else ""
     """
 
     id: str
@@ -91,7 +91,7 @@ class Judged:
 
     @property
     def proves_itself(self) -> bool:
-        """Whether claims notice the wrong machine only as long as they are not wrong along with it."""
+        """A proof kills the mutant with the machine alone wrong, but not with the same error in claims and world."""
         return self.everywhere.fate in (SURVIVED, RECORDED) and self.alone.fate in BY_PROOF
 
 
@@ -99,9 +99,9 @@ class Judged:
 class Score:
     """The numbers of mutants by fate.
 
-    by_property  those of the killed ones that some property was seen to notice, and not only a lemma, a range, a row
-    conservative proved to be only more careful
-    set_aside    those that are not wrong: equivalent, conservative, or no weaker claim
+    by_property  mutants that a property was seen to detect, not only a lemma, a range or the exclusion of rows
+    conservative mutants that are proved conservative
+    set_aside    mutants that do not count: equivalent, conservative, or a claim that is not weaker
     """
 
     mutants: int
@@ -114,12 +114,12 @@ class Score:
 
     @property
     def asked(self) -> int:
-        """The number of mutants that are wrong."""
+        """The number of mutants that count: all that are not set aside."""
         return self.mutants - self.set_aside
 
     @property
     def share(self) -> float:
-        """Killed by a proof, of those that are wrong; 1 where there is none."""
+        """The share of these mutants that a proof kills; 1 if there are none."""
         return self.killed_by_proof / self.asked if self.asked else 1.0
 
 
@@ -132,7 +132,7 @@ def score(outcomes: Sequence[Outcome]) -> Score:
 
 
 def kills_alone(judged: Sequence[Judged]) -> dict[str, list[str]]:
-    """Return, for each claim, the mutants of the machine that only it was seen to notice, with the term wrong everywhere."""
+    """Return for each claim the mutants of the machine that only it was seen to detect, with the term wrong everywhere."""
     found: dict[str, list[str]] = {}
     for one in of_part(judged, "machine"):
         if one.everywhere.fate in BY_PROOF and len(one.everywhere.by) == 1:
@@ -146,19 +146,19 @@ def of_part(judged: Sequence[Judged], part: Of) -> list[Judged]:
 
 
 def by_requirement(judged: Sequence[Judged]) -> dict[str, Score]:
-    """Return the score of the rows that implement each requirement."""
+    """Return for each requirement the score of the mutants of rows that implement it, with the term wrong everywhere."""
     judged = of_part(judged, "machine")
     names = sorted({name for one in judged for name in one.requirements})
     return {name: score([one.everywhere for one in judged if name in one.requirements]) for name in names}
 
 
 def questions(judged: Sequence[Judged], *, machine_only: bool = False) -> list[Judged]:
-    """Return the results of mutants that no proof notices."""
+    """Return the results of mutants that no proof detects."""
     return [one for one in judged if one.outcome(machine_only=machine_only).fate in QUESTIONS]
 
 
 def needless(judged: Sequence[Judged], reasons: Mapping[str, str]) -> list[Judged]:
-    """Those with a written reason why no proof notices them, and a proof does, or they are not wrong at all."""
+    """Return the mutants with a needless written reason: a proof kills them, or they are set aside."""
     return [one for one in judged if one.id in reasons and one.everywhere.fate not in QUESTIONS]
 
 
@@ -173,8 +173,8 @@ def as_data(
 ) -> dict[str, Any]:
     """Return the results as data for JSON.
 
-    of       how many mutants there are in all
-    reasons  by id the written reasons why no proof needs to notice
+    of       number of all mutants, judged or not
+    reasons  written reasons why no proof needs to detect a mutant, by id
     """
     machine = of_part(judged, "machine")
     others: dict[str, list[Judged]] = {part: of_part(judged, part) for part in OTHERS}

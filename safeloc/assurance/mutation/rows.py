@@ -1,4 +1,4 @@
-"""Wrong rows: an update skipped, another target, another order; and what stands in a row without being a term of others."""
+"""Wrong rows: an update skipped, another target, another order; and guards, updates and outputs that are a single operand."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ORDER = "order of rows changed"
 
 @dataclass(frozen=True, eq=False)
 class RowEdit:
-    """One wrong row, or output: in words, where it is, and the machine that has it."""
+    """One wrong row or output: its description, its place, and a function that makes the machine with it."""
 
     kind: str
     words: str
@@ -35,7 +35,7 @@ class RowEdit:
 
 
 def row_edits(machine: Machine, others: Others) -> Iterator[RowEdit]:
-    """All of them, in the order of the table."""
+    """Return all edits: row by row, then exchanges of rows, then outputs."""
     for number, row in enumerate(machine.transitions):
         for kind, words, was, now, changed in _changed(machine, row, others):
             make = _replacing(machine, number, changed)
@@ -45,7 +45,7 @@ def row_edits(machine: Machine, others: Others) -> Iterator[RowEdit]:
 
 
 _Edited = tuple[str, str, str, str, Transition]
-"""Kind, words, what stands there, what is written instead, and the row with it."""
+"""Kind, description, original and replacement as text, and the changed row."""
 
 
 def _replacing(machine: Machine, number: int, row: Transition) -> Callable[[], Machine]:
@@ -84,7 +84,7 @@ def _but(updates: Mapping[Var, Expr | Value], left_out: Var) -> dict[Var, Expr |
 
 
 def _other_values(var: Var, value: Expr | Value, others: Others) -> Iterator[tuple[Change, Expr]]:
-    """Of an update with a constant or a variable; the terms of others are looked at apart."""
+    """Return other values of an update with a constant or a variable; terms with parts are changed elsewhere."""
     term = _term(var, value)
     if not children(term):
         if isinstance(var, BoolVar):
@@ -104,7 +104,7 @@ def _text(var: Var, value: Expr | Value) -> str:
 
 
 def _aimed(machine: Machine, row: Transition) -> Iterator[_Edited]:
-    """The next mode of the table instead of the target, and for a row that leaves one mode that mode."""
+    """Return the row with the next declared mode as its target, and, if it leaves one mode only, with that mode."""
     following = machine.modes[(row.target.value + 1) % len(machine.modes)]
     for target in dict.fromkeys([following, *(row.sources if len(row.sources) == 1 else ())]):
         if target is not row.target:
@@ -113,7 +113,7 @@ def _aimed(machine: Machine, row: Transition) -> Iterator[_Edited]:
 
 
 def _exchanged(machine: Machine) -> Iterator[RowEdit]:
-    """Two neighbours of different ranks that leave a common mode; those of one rank exclude each other."""
+    """Return exchanges of neighbouring rows with a common source mode; those of equal rank have no order to exchange."""
     for number, (first, second) in enumerate(pairwise(machine.transitions)):
         if first.rank != second.rank and set(first.sources) & set(second.sources):
             ranks = replace(second, rank=first.rank), replace(first, rank=second.rank)
@@ -138,7 +138,7 @@ def _with(machine: Machine, rows: Sequence[Transition]) -> Callable[[], Machine]
 
 
 def _of_outputs(machine: Machine, others: Others) -> Iterator[RowEdit]:
-    """Outputs that are a variable or a constant."""
+    """Return the changes of outputs that are a single variable or constant."""
     for name, term in machine.outputs.items():
         if not children(term):
             for change in of_operand(term, others):

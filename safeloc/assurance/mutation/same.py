@@ -1,8 +1,8 @@
-"""Terms of a declaration that count as the same term: written at one place, in one form.
+"""Terms of a declaration that count as one term: written at one place, in one form.
 
-A claim that calls the function which a guard calls gets a term of its own, and often one that looks back at the state before
-the step. Both are written by the same expression, and an edit of it changes both. Terms of one form that are written
-at different places are different terms: an edit of one leaves the other as it is.
+If a claim and a guard call the same function, each gets nodes of its own, and those of the claim often read the state before the
+step. One expression wrote both, so an edit of it changes both. Terms of equal form that are written at different places count as
+different: an edit of one does not change the other.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _Key = tuple[Place | None, _Form]
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One term: a node of it to look at, all its nodes, and the roots that it stands below."""
+    """One term: its place, one of its nodes, all of them, and the roots that contain it."""
 
     place: Place | None
     node: Expr
@@ -32,17 +32,17 @@ class Term:
 
     @property
     def on_board(self) -> tuple[Root, ...]:
-        """Return the roots of the machine itself."""
+        """The roots that belong to the machine itself."""
         return tuple(root for root in self.roots if root.part in ON_BOARD)
 
     @property
     def beyond(self) -> tuple[Root, ...]:
-        """The roots that the machine is held against."""
+        """The roots that belong to the world, the first state, lemmas or claims."""
         return tuple(root for root in self.roots if root.part not in ON_BOARD)
 
 
 def terms_of(roots: Iterable[Root], places: Places, forms: Forms) -> list[Term]:
-    """The terms of a declaration that are made of others, in the order of the roots."""
+    """Return the terms that have parts, in the order of the roots."""
     nodes: dict[_Key, dict[Expr, None]] = defaultdict(dict)
     below: dict[_Key, dict[Root, None]] = defaultdict(dict)
     for root in roots:
@@ -55,7 +55,7 @@ def terms_of(roots: Iterable[Root], places: Places, forms: Forms) -> list[Term]:
 
 
 class Forms:
-    """Numbers the forms of terms; a rewritten term has the form of the one that it was rewritten from."""
+    """A numbering of the forms of terms. A rewritten term has the form of its original."""
 
     def __init__(self, places: Places) -> None:
         self._places = places
@@ -63,7 +63,7 @@ class Forms:
         self._of: dict[Expr, int] = {}
 
     def of(self, term: Expr) -> _Form:
-        """The number of the term's form."""
+        """Return the number of the term's form."""
         first = self._places.origin(term)
         for node in in_order([first], self._of):
             told = _told(node, self._of)
@@ -72,7 +72,7 @@ class Forms:
 
 
 def _told(node: Expr, of: Mapping[Expr, int]) -> tuple[object, ...]:
-    """What tells a form from another one."""
+    """Return the key of a form: operator, constants, and the forms of the parts. Reading before the step does not matter."""
     match node:
         case NumVar() | BoolVar():
             return (id(node if node.before is None else node.before),)

@@ -1,7 +1,7 @@
-"""Terms as plain Python: one statement a node, quickly made and quickly run.
+"""Terms compiled to plain Python, one statement per node: quick to make and quick to run.
 
-A mutant is run for some hundred steps and thrown away, so that making the code counts as much as running it. What this code
-finds counts only after the interpreter has confirmed it.
+A mutant is run for some hundred steps and discarded, so the time to make the code matters as much as the time to run it. A broken
+claim that this code finds is confirmed by the interpreter (`playing`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Step = Callable[[Row, Row], Row]
 
 
 def stepped(rows: _Rows, terms: Sequence[Expr]) -> Step:
-    """The terms as a function of two rows of values."""
+    """Return a function that computes the terms from two rows of values."""
     python, lines = _named(rows, terms)
     told = "".join(f"{python.code(term)}, " for term in terms)
     made: Step = _loaded(["def made(first, second):", *lines, f"return ({told})"])
@@ -27,7 +27,7 @@ def stepped(rows: _Rows, terms: Sequence[Expr]) -> Step:
 
 
 def _loaded(lines: Sequence[str]) -> Any:
-    """The function `made`: the lines after the first are its body."""
+    """Compile the function `made` and return it: the first line is its head, the others are its body."""
     space: dict[str, Any] = {}
     text = "\n".join([lines[0], *(f" {line}" for line in lines[1:])])
     exec(compile(text, "<safeloc mutant>", "exec"), space)  # our own text, made from checked terms
@@ -35,7 +35,7 @@ def _loaded(lines: Sequence[str]) -> Any:
 
 
 def _named(rows: _Rows, terms: Sequence[Expr]) -> tuple[PythonTerms, list[str]]:
-    """Python in which every node below the terms has a name, and the statements that give it its value."""
+    """Return a translator in which every node of the terms has a name, and the statements that assign these names."""
     known = {
         var: f"{row}[{number}]"
         for row, own in zip(("first", "second"), rows, strict=True)

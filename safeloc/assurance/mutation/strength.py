@@ -1,7 +1,7 @@
-"""The strength of the evidence for a requirement: how many mutants of its rows its own properties notice.
+"""The strength of the evidence for a requirement: the number of mutants of its rows that its own properties detect.
 
-A label only declares that a property verifies a requirement. It is shown when rows that implement the requirement are made
-wrong, and one of these properties notices.
+The label of a property only declares that it verifies a requirement. The requirement counts as shown if one of these properties
+detects at least one mutant of the rows that implement it.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from safeloc.target import Target
 _KIND = "mutation strength"
 _LATEST = "latest"
 Strengths = Mapping[str, Sequence["Strength"]]
-"""Of each requirement what became of its wrong rules, target by target."""
+"""For each requirement, its strength in each target."""
 
 
 @dataclass(frozen=True)
 class Strength:
-    """What became of the mutants of the rows that carry a requirement, with the term wrong wherever it stands.
+    """The results of mutants of the rows that implement a requirement, with the term wrong wherever it stands.
 
-    target     whose mutants they are
-    judged, of how many mutants of the target were judged, and how many there are
+    target     name of the target
+    judged, of number of judged mutants of the target, and of all its mutants
     wrong      mutants of these rows that are not equivalent or conservative
-    by_proof   those that some proof notices
-    by_its_own those that a property of this requirement was seen to notice
-    alone      of each such property how many mutants of the target no other claim was seen to notice
+    by_proof   those that a proof detects
+    by_its_own those that a property of this requirement was seen to detect
+    alone      for each such property, number of mutants of the target that only it was seen to detect
     """
 
     target: str
@@ -46,11 +46,11 @@ class Strength:
 
     @property
     def is_shown(self) -> bool:
-        """Whether a property of the requirement notices any wrong row of it."""
+        """A property of the requirement detects at least one wrong row of it."""
         return self.by_its_own > 0
 
     def __str__(self) -> str:
-        """The strength for a reader."""
+        """Return the strength as one line of text."""
         sample = "" if self.judged == self.of else f" (a sample of {self.judged} of {self.of})"
         told = f"{self.target}: of {self.wrong} wrong rules {self.by_its_own} noticed by its properties, {self.by_proof} by any proof{sample}"
         alone = ", ".join(f"{name!r} {count}" for name, count in self.alone.items())
@@ -89,7 +89,7 @@ def _strength(
 
 
 def keep_strengths(store: Store, target: Target, judged: Sequence[Judged], of: int) -> None:
-    """Keep the strengths for reports and lists; a smaller sample does not replace a greater one."""
+    """Store the strengths for reports and lists; a smaller sample does not replace a greater one."""
     found = strengths(target, judged, of)
     had = kept_strengths(store, target)
     if found and max((one.judged for one in had.values()), default=0) <= len(of_part(judged, "machine")):
@@ -106,7 +106,7 @@ def stamp(store: Store) -> str:
 
 
 def kept_strengths(store: Store | None, target: Target) -> dict[str, Strength]:
-    """What the last run of `mutate` said of this very target; nothing where it was never asked, or has changed since."""
+    """Return the strengths stored for this target; none if it was never judged, or has changed since."""
     data = None if store is None else _keeping(store, target).kept("all")
     return {} if data is None else {name: Strength(**one) for name, one in data.items()}
 
@@ -125,7 +125,7 @@ def _keeping(store: Store, target: Target) -> Keeping:
 
 
 def as_text(found: Sequence[Strength]) -> list[str]:
-    """What is known of one requirement, one line for each target; that it is not shown, where that is so."""
+    """Return the lines about one requirement, one for each target; the last says so if no target shows it."""
     if not found:
         return ["not measured: `safeloc mutate` has not been asked of what carries it, as it is now"]
     told = list(map(str, found))

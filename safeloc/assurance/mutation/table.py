@@ -1,4 +1,4 @@
-"""The results of mutants as text: the score, the mutants that a single claim notices, and the open questions."""
+"""The results of mutants as text: the scores, the mutants that a single claim detects, and the open questions."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def _question(one: Judged, outcome: Outcome, *, machine_only: bool) -> str:
 
 
 def _besides(one: Judged, *, machine_only: bool) -> str:
-    """Whether claims would notice, were they not wrong along with the machine."""
+    """Return a note if claims detect the mutant only as long as they do not contain the same error; else ""."""
     if machine_only or not one.proves_itself:
         return ""
     shared = ", ".join(one.shared_with[:3])

@@ -1,9 +1,8 @@
-"""Other claims: each claim left out, not asked in one mode, answered one step later, or with one term changed.
+"""Mutants of claims: each claim left out, not asked in one mode, answered one step later, or with one term changed.
 
-Only a weaker one is weighed.
-
-A claim is weaker if it follows from the claim as it is, whatever the machine does: proved of its terms, over values in range.
-Past operators are flags of which only this is used: what follows in each step, follows of the past as well.
+Only mutants that are weaker are judged further. A claim is weaker if it follows from the original for any machine; that is proved
+from the terms, over values in range. For this proof each past operator is a flag, of which only this is known: the operators are
+monotone, so an implication between parts carries over to the operators.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ Relation = Literal["same", "weaker", "stronger", "other"]
 
 
 def claim_mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """Return all mutants of the claims, claim by claim; each form of a wrong term occurs once."""
+    """Return all mutants of the claims, claim by claim; changes of a term with equal results only once."""
     made: list[Mutant] = []
     for prop in whole.properties:
         made += _of_claim(whole, prop, places)
@@ -60,7 +59,7 @@ def _of_claim(whole: Declared, prop: Property, places: Places) -> Iterator[Mutan
 
 
 def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
-    """Weaker as a whole."""
+    """Return the mutants that weaken a claim as a whole: left out, one step later, not asked in a mode."""
     one, told = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
     left_out = partial(_with, prop.name, _nothing)
     yield replace(one, kind=_LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
@@ -77,7 +76,7 @@ def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
 
 
 def _nothing(prop: Property) -> Property:
-    """A claim of this name that says nothing."""
+    """Return a claim of this name that requires nothing."""
     return replace(prop, term=FALSE if prop.kind == "within" else TRUE, response=TRUE, helper=None)
 
 
@@ -108,7 +107,7 @@ def _of_term(whole: Declared, prop: Property, term: Term, change: Change, become
 
 
 def _mutant(whole: Declared, prop: Property) -> Mutant:
-    """All of a mutant but what is done."""
+    """Return a mutant of the claim without the fields that describe the change."""
     return Mutant(
         machine=whole.machine.name,
         kind="",
@@ -135,7 +134,7 @@ def _with(name: str, change: Callable[[Property], Property], whole: Declared) ->
 
 
 def relation(old: Property, new: Property, canon: Canon, seconds: float) -> Relation:
-    """Return the relation of a claim to the one it was made of; "other" also if it is undecided within the limits."""
+    """Return the relation of a claim to its original; what is not decided within the limit counts as not following."""
     follows, returns = (_follows(*pair, canon, seconds) for pair in ((old, new), (new, old)))
     if follows:
         return "same" if returns else "weaker"
@@ -155,7 +154,7 @@ def _follows(strong: Property, weak: Property, canon: Canon, seconds: float) -> 
 
 
 class _Flat:
-    """Terms of claims, each past operator as a flag, and what is known of these flags."""
+    """Terms of claims with a flag for each past operator, and the known implications between these flags."""
 
     def __init__(self, canon: Canon, terms: Sequence[Bool], seconds: float) -> None:
         self._canon, self._seconds = canon, seconds
@@ -171,7 +170,7 @@ class _Flat:
                 self._known.append(flags[one].implies(flags[other]))
 
     def follows(self, one: Bool, other: Bool) -> bool:
-        """Whether the second term holds wherever the first does."""
+        """Return whether the first term is proved to imply the second."""
         return self._implied(self._plain(self._settled(one)), self._plain(self._settled(other)))
 
     def _settled(self, term: Bool) -> Bool:
@@ -181,7 +180,7 @@ class _Flat:
         return Substitution({}, self._flags.items()).bool(term)
 
     def _carries_over(self, one: Expr, other: Expr) -> bool:
-        """Whether the second operator holds wherever the first does, as each part of it does: all of them are monotone."""
+        """Return whether one past operator implies another: each of its parts implies the other's, and operators are monotone."""
         assert isinstance(one, Past) and isinstance(other, Past)
         return one.op == other.op and all(
             self._implied(self._plain(first), self._plain(second))
@@ -196,6 +195,6 @@ class _Flat:
 
 
 def _by_name(terms: Sequence[Bool]) -> dict[Var, Expr]:
-    """The first variable of each name for all: `before` makes a new one whenever it is called."""
+    """Return for each variable the first one of its name, since each call of `before` makes a new variable."""
     first: dict[tuple[str, bool], Var] = {}
     return {var: first.setdefault((var.name, isinstance(var, NumVar)), var) for var in variables(terms)}

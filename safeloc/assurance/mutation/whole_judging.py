@@ -1,8 +1,8 @@
-"""Judging of a composition with a wrong machine or wire: by its recordings, its contracts and its own claims.
+"""Judge a composition with a wrong machine or wire, by its recordings, its contracts and its own claims.
 
-Each contract (what a machine may hear, and what it is owed) and each claim is one question: from the facts of the machines
-before it, before and after the step, and of all machines before the step. Facts of the wrong machine are used too, since all
-of them were proved of it. A question in which nothing changed is not asked again.
+Each contract (a machine's wired inputs are in range; its discharged assumption holds) and each claim is one question. It may use
+the facts of all machines before the step, and those of earlier machines after the step. Facts of the wrong machine are used, too,
+since they were all proved for it. A goal that did not change is not asked again.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class _Question:
 class WholeBench:
     """All facts about a composition that are needed to judge its mutants.
 
-    asked  by name, the goals that are proved of it as it is
-    told   outputs along its recordings, as it is
+    asked  the goals that are proved for the unchanged composition, by name
+    told   outputs of the unchanged composition along its recordings, by name of the run
     """
 
     whole: Composed
@@ -53,7 +53,7 @@ class WholeBench:
 
 
 def whole_bench(whole: Composed, limits: Limits) -> WholeBench:
-    """Ask everything of the composition as it is; what is not proved within the limits is not asked of mutants."""
+    """Return the bench. Contracts and claims that are not proved for the unchanged composition are not asked of mutants."""
     canon = Canon()
     system = shared(whole.target.system, canon)
     proved = {one.name: one.goal for one in _questions(system, whole.claims, canon) if not _fails(one, canon, limits)}
@@ -62,7 +62,7 @@ def whole_bench(whole: Composed, limits: Limits) -> WholeBench:
 
 
 def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
-    """Return the outcome for the composition with this machine wrong, if the machine's own claims do not notice."""
+    """Return the outcome for the composition with this wrong machine, which the machine's own claims have not detected."""
     make = mutant.everywhere if everywhere and mutant.everywhere is not None else mutant.alone
     try:
         wrong = make(on.whole.members[mutant.machine])
@@ -99,7 +99,7 @@ def _judged(on: WholeBench, made: TransitionSystem, claims: Sequence[Property]) 
 
 
 def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
-    """The system, with its contracts, in the nodes of all others."""
+    """Return the system, with its contracts, with terms replaced by the shared nodes."""
     share = canon.share
     parts = [replace(part, heard=share.bool(part.heard), owed=share.bool(part.owed)) for part in system.parts]
     return replace(
@@ -148,7 +148,7 @@ def _of_claim(
 
 
 def _facts(system: TransitionSystem, number: int) -> list[Bool]:
-    """Ranges and lemmas of one machine, in the terms of the whole."""
+    """Return ranges and lemmas of one machine, in the variables of the composition."""
     part = system.parts[number]
     own = [part.into(var) for var in part.alone.state]
     ranges = [in_range([var]) for var in own if isinstance(var, NumVar)]
@@ -160,5 +160,5 @@ def _fails(one: _Question, canon: Canon, limits: Limits) -> bool:
 
 
 def _layer(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Layer:
-    """The claims along runs that keep the assumption."""
+    """Return the claims without a further assumption as a layer, to be judged along runs."""
     return layer_of(system, [observe(system, prop) for prop in claims if prop.further_assumption is TRUE], canon)

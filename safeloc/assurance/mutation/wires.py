@@ -20,14 +20,14 @@ _CUT = "wire cut"
 
 @dataclass(frozen=True, eq=False)
 class WireEdit:
-    """A wrong wire: the term that its input gets instead."""
+    """A wrong wire: its mutant, and all wires of the composition with the change."""
 
     mutant: Mutant
     wires: Mapping[Var, Expr]
 
 
 def wire_edits(whole: Composed) -> list[WireEdit]:
-    """All wrong wires, machine by machine; what the world hears is no wire of the machine."""
+    """Return all wrong wires, machine by machine; wires to ghosts of the world are not changed."""
     made = [pair for machine in whole.plan.machines for pair in _of_machine(whole, machine)]
     named = numbered(mutant for mutant, _ in made)
     return [WireEdit(mutant, wires) for mutant, (_, wires) in zip(named, made, strict=True)]
@@ -52,7 +52,7 @@ def _inputs(machine: Machine) -> list[Var]:
 
 
 def _next_of_unit(heard: list[Var]) -> dict[Var, Var]:
-    """Of each wired input the next one of its unit and range, since a wire of another range may not be heard at all."""
+    """Return for each wired input the next one of the same unit and range; a value of another range could be inadmissible."""
     alike: dict[object, list[Var]] = defaultdict(list)
     for var in heard:
         alike[(var.unit, var.low, var.high) if isinstance(var, NumVar) else bool].append(var)
@@ -64,7 +64,7 @@ def _next_of_unit(heard: list[Var]) -> dict[Var, Var]:
 
 
 def _cut(machine: Machine, wires: Mapping[Var, Expr]) -> Iterator[tuple[Var, dict[Var, Expr]]]:
-    """An input that may be absent is absent; any other one hears what stands for nothing, always."""
+    """Return the changed wires of each cut: an optional input is absent, any other one always has a neutral value."""
     for one in machine.inputs:
         if isinstance(one, Optional):
             if one.value in wires and one.present in wires:

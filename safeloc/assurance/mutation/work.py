@@ -1,4 +1,4 @@
-"""Judging of the mutants of a target in several processes; results of earlier runs with the same content are used again."""
+"""Judge the mutants of a target in several processes; stored results of earlier runs with the same content are used again."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _KIND = "mutants"
 _AT_ONCE = 6
 """Number of mutants that one process judges."""
 _QUESTIONS = 12
-"""Number of questions with the full limit that one mutant may take."""
+"""Solver questions per mutant that may use their full limit before its process is stopped."""
 OnJudged = Callable[[Judged], None]
 
 
@@ -65,7 +65,7 @@ class Judging:
         return self._all(mutants, partial(_timed, of_world))
 
     def of_claims(self, mutants: Sequence[Mutant], against: Against) -> list[Judged]:
-        """Judge weaker claims, compared with judged mutants of the machine, in order."""
+        """Judge mutants of claims, in order; `against` has the judged mutants of the machine that weaker claims have to detect."""
         results = [(one.id, one.everywhere.fate, one.everywhere.by) for _, one in against]
         return self._all(mutants, partial(_timed, partial(of_claim, against=against)), results)
 
@@ -110,6 +110,6 @@ def _work(
 
 
 def _lost(mutant: Mutant, why: Lost) -> Judged:
-    """Return the result of a mutant that was not judged in time: it counts as survived; it is not stored."""
+    """Return the result of a mutant whose process failed or took too long: it counts as survived."""
     outcome = Outcome(SURVIVED, (), f"not judged: {why.reason}")
     return with_outcome(mutant, outcome, outcome, 0.0)

@@ -12,12 +12,12 @@ from safeloc.language.terms import Substitution
 
 
 def clauses(machine: Machine) -> Iterator[tuple[str, Bool]]:
-    """Return the laws of the world, by name."""
+    """Return name and term of each clause of the world."""
     yield from machine.world.terms.items()
 
 
 def moves(machine: Machine) -> Iterator[tuple[str, Expr]]:
-    """Return the moves of ghosts, by name."""
+    """Return name and next value of each ghost that has one declared."""
     yield from ((var.name, move) for var, move in machine.world.moves.items())
 
 

@@ -1,7 +1,7 @@
-"""Judging of a mutant of the world: a clause that requires less, more, or something else.
+"""Judge a mutant of the world: a clause that requires less, more, or something else.
 
-Where the world allows more, the question is whether a claim is lost. Where it allows less, no claim can be lost; the question is
-whether it still allows what was recorded, and whether all that a row, a mode or a property speaks of can still happen.
+If the world allows more, claims may no longer be proved. If it allows less, they all are; the questions then are whether the
+recordings are still lawful, and whether every row, mode and `reachable` property is still possible.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from safeloc.language.system import environment, in_range
 
 
 def of_world(on: Bench, mutant: Mutant) -> tuple[Outcome, Relation | str]:
-    """Return the fate of the mutant, and the relation of its world to the original one."""
+    """Return the outcome, and the relation of the mutant's world to the original one; "" if the declaration is refused."""
     try:
         made = held(mutant.alone(on.whole.declared), on.canon, on.proofs.under_assumption)
     except SafelocError as error:
@@ -44,7 +44,7 @@ def _left(how: Relation) -> Outcome:
 
 
 def _relation(on: Bench, made: Held) -> Relation:
-    """Return the relation of the mutant's world to the original; "other" also if it is undecided within the limits."""
+    """Return the relation of the mutant's world to the original; what is not decided within the limit counts as not following."""
     old, new = on.whole.system, made.system
     given = [in_range(old.state), environment(old, assume=False)]
     follows, returns = (
@@ -57,7 +57,7 @@ def _relation(on: Bench, made: Held) -> Relation:
 
 
 def _lost(on: Bench, made: Held) -> Outcome | None:
-    """Return the claims that are lost in a world that allows more."""
+    """Return the outcome if a claim is broken or no longer proved in this world; else None."""
     seen = played(made, on.known)
     if seen.broken:
         return by_a_run(seen)
