@@ -12,7 +12,6 @@ from functools import partial
 
 from safeloc.language.expr import before, was
 from safeloc.language.nodes import (
-    FALSE,
     TRUE,
     Add,
     And,
@@ -226,12 +225,6 @@ def _of_figure(lit: Lit) -> Iterator[Change]:
     beside = value + 1 if value > 0 else value - 1
     yield Change(_NEIGHBOUR, f"{value} becomes {beside}", lambda _: Lit(beside, unit))
     yield Change(_ZERO, f"{value} becomes 0", lambda _: Lit(0, unit))
-
-
-def _constant(value: bool) -> Change:
-    """Return the change of a condition to one that is always, or never, met."""
-    words = "always" if value else "never"
-    return Change(CONDITION, words, lambda _: TRUE if value else FALSE)
 
 
 def _n(term: Expr) -> Num:
