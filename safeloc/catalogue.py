@@ -18,7 +18,7 @@ from dataclasses import replace
 from inspect import isfunction
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -28,12 +28,14 @@ from safeloc.language.machine import Machine
 from safeloc.language.renamed import FIELDS
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
-from safeloc.railway.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
 from safeloc.runtime.outside import read_bytes
 from safeloc.shipped import ENTRIES
-from safeloc.shipped.own_sources import KINDS, SEPARATOR, WITH_SOURCES, with_own_sources
+from safeloc.shipped.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
 from safeloc.target import Entry, Target
+
+if TYPE_CHECKING:
+    from safeloc.railway.pictures import Picture
 
 NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
 """One of several joined functions, each given by its file or module."""
@@ -121,6 +123,8 @@ def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
 
 def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
     """Load the localizer with a user's sources, or one source alone: `localizer+FILE.py:NAME`, several joined by `+`."""
+    from safeloc.shipped.own_sources import with_own_sources  # loads the localizer
+
     named = NAMED.findall(sources)
     if SEPARATOR.join(named) != sources or not named:
         raise InputError(f"{sources!r} names no source; give FILE.py:NAME or package.module:NAME, several joined by +.")
@@ -305,6 +309,10 @@ def _other_name(module: ModuleType) -> str:
 
 def _pictures(module: ModuleType, system: TransitionSystem) -> tuple[Picture, ...]:
     declared = _listed(module, "pictures", getattr(module, "pictures", ()))
+    if not declared:
+        return ()
+    from safeloc.railway.pictures import Picture, unreadable  # whoever draws nothing needs none of the railway
+
     wrong = [item for item in declared if not isinstance(item, Picture)]
     if wrong:
         raise InputError(

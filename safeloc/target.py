@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from pydantic import BaseModel
 
@@ -19,8 +19,10 @@ from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
-from safeloc.railway.pictures import Picture
 from safeloc.reported import Reported
+
+if TYPE_CHECKING:
+    from safeloc.railway.pictures import Picture
 
 AnyConfig = TypeVar("AnyConfig", bound=BaseModel)
 Simulate = Callable[[int], Sequence[Mapping[str, Value | str]]]

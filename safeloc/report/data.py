@@ -23,7 +23,6 @@ from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, V
 from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
 from safeloc.report.machines import machine_data
-from safeloc.report.pictures import pictures_data
 
 SCHEMA = "safeloc-report/4"
 _SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
@@ -61,7 +60,7 @@ def report_data(
         "machines": [
             {
                 **machine_data(target),
-                "pictures": pictures_data(target, findings),
+                "pictures": _pictures(target, findings),
                 "evidence": evidence.get(target.name),
             }
             for target in targets
@@ -83,6 +82,14 @@ def _conditions(targets: Sequence[Target]) -> dict[str, int]:
         "without_owner_or_source": sum(not (one.owner and one.source) for one in laws.values()),
         "figures_to_confirm": len(figures),
     }
+
+
+def _pictures(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    if not target.pictures:
+        return []
+    from safeloc.report.pictures import pictures_data  # a machine without pictures needs none of the railway
+
+    return pictures_data(target, findings)
 
 
 def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dict[str, Any]]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any
@@ -53,5 +54,22 @@ def found() -> dict[str, Entry[Any]]:
     return {entry.name: entry for entry in ordered}
 
 
-ENTRIES: Mapping[str, Entry[Any]] = found()
+class _Shipped(Mapping[str, Entry[Any]]):
+    """The entries by name, searched for at the first access: a user's own machine needs none of them."""
+
+    @cached_property
+    def _entries(self) -> dict[str, Entry[Any]]:
+        return found()
+
+    def __getitem__(self, name: str) -> Entry[Any]:
+        return self._entries[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+
+ENTRIES: Mapping[str, Entry[Any]] = _Shipped()
 """The machines that ship, by name, in the order of `safeloc list`."""

@@ -15,12 +15,8 @@ from safeloc.models.localizer.own_source import Maker, own_source, vehicle_of
 from safeloc.models.localizer.target import LOCALIZER, localized
 from safeloc.properties import own_source as own_source_properties
 from safeloc.reported import Reported
+from safeloc.shipped.source_kinds import KINDS, WITH_SOURCES
 from safeloc.target import Target
-
-WITH_SOURCES = LOCALIZER.name
-"""The machine that takes sources of a user's own."""
-SEPARATOR = "+"
-"""Separator between the kind of target and the sources: `localizer+beacons.py:source`."""
 
 
 def with_own_sources(kind: str, makers: Sequence[Maker], config: BaseModel) -> Target:
@@ -28,7 +24,7 @@ def with_own_sources(kind: str, makers: Sequence[Maker], config: BaseModel) -> T
     unit.
     """
     assert isinstance(config, LocalizerConfig)
-    return KINDS[kind](makers, config)
+    return _MAKERS[kind](makers, config)
 
 
 def _contract(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
@@ -59,14 +55,6 @@ def _bare(target: Target, name: str) -> Target:
     return replace(target, name=name, streams=(), simulate=None, pictures=())
 
 
-KINDS: Mapping[str, Callable[[Sequence[Maker], LocalizerConfig], Target]] = {
-    "contract": _contract,
-    "alone": _alone,
-    WITH_SOURCES: _beside,
-}
-"""Makers of the targets for a user's sources, by kind:
-
-    contract   the source's machine alone: it satisfies what the localizer assumes of it, whatever other sources there are
-    alone      the localizer with these sources and no other
-    localizer  the localizer with these sources and its own
-"""
+_MAKERS: Mapping[str, Callable[[Sequence[Maker], LocalizerConfig], Target]] = dict(
+    zip(KINDS, (_contract, _alone, _beside), strict=True)
+)

@@ -50,6 +50,28 @@ def test_counterexample_replays(call: Call, tmp_path: Path) -> None:
     assert call("replay", DOOR, *trace).code == 0
 
 
+RAILWAY = ("models.", "properties", "railway", "sensing", "simulation")
+LOADED = """
+import sys
+from safeloc.cli import main
+sys.argv = ["safeloc", "verify", *sys.argv[1:]]
+try:
+    main()
+except SystemExit as ended:
+    sys.stderr.write(" ".join([str(ended.code), *sorted(sys.modules)]))
+"""
+
+
+def test_a_users_machine_needs_nothing_of_the_railway(tmp_path: Path) -> None:
+    """`verify` of it loads no machine that ships, no map, no sensor and no simulation."""
+    command = [sys.executable, "-c", LOADED, DOOR, "--out", str(tmp_path / "report"), *QUICK_VERIFY]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    code, *modules = done.stderr.splitlines()[-1].split()
+    assert "0" == code
+    assert "safeloc.proof.verification.many" in modules
+    assert [] == [name for name in modules if name.startswith(tuple(f"safeloc.{room}" for room in RAILWAY))]
+
+
 def test_undecided(call: Call, tmp_path: Path) -> None:
     """A statement out of reach of the given limits is undecided: exit code 3."""
     path = tmp_path / "long.py"
