@@ -128,7 +128,7 @@ def verify_targets(
     keeping = look_in is not None or keep_in is not None
     questions = {target: asked(target, "verified", plan) for target in targets} if keeping else {}
     found = dict(_found_before(look_in, questions, on_event))
-    left = sorted((target for target in targets if target.name not in found), key=expected, reverse=True)
+    left = sorted((target for target in targets if target.name not in found), key=_size, reverse=True)
     slots = Slots(max(1, jobs))
     try:
         with kept_in(keep_in, fresh=look_in is None):
@@ -140,6 +140,11 @@ def verify_targets(
     finally:
         slots.close()
     return {target.name: found[target.name] for target in targets}
+
+
+def _size(target: Target) -> int:
+    """Estimate the work on a target: its number of findings times that of its state variables."""
+    return expected(target) * len(target.system.state)
 
 
 def _found_before(
