@@ -25,9 +25,10 @@ from safeloc.proof.provers.once import alone_in_asking
 
 ENGINE = f"cvc5 {cvc5.__version__}"
 OPTIONS = {"incremental": "true", "ext-rew-prep": "use", "ite-simp": "true"}  # measured: four times faster on our terms
-ONE_GOAL = {**OPTIONS, "simplification": "none"}
-"""Options for a query of one goal. Measured against OPTIONS: the fibre areas take 2 to 7 s instead of 15 to 35 s, one property of
-the guard 0.2 s instead of 60 s, other hard ones the same within a fifth. Several goals in one solver take a quarter longer."""
+INDUCTION_OF_ONE_GOAL = {**OPTIONS, "simplification": "none"}
+"""Options for an induction query of one goal. Measured against OPTIONS: the fibre areas take 2 to 7 s instead of 15 to 35 s, one
+property of the guard 0.2 s instead of 60 s, other hard ones the same within a fifth. Several goals in one solver take a quarter
+longer with them, equalities of two copies over 2 s instead of 0.2 s."""
 ALONE = {
     "decision": "justification"
 }  # for goals left over: equalities of two copies take 0.5 s with it, over 15 s together
@@ -50,33 +51,39 @@ class Certificate(Generic[Key]):
     undecided: tuple[Key, ...]
 
 
-def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate[Key]:
+def certify(
+    query: Query[Key], *, seconds: float, relies_on: Sequence[str] = (), one_goal: Mapping[str, str] = OPTIONS
+) -> Certificate[Key]:
     """Let cvc5 decide each goal from the hypotheses that the query needs; return the certificate.
 
     If cvc5 does not confirm every goal within the given seconds of effort, it decides the query with all hypotheses, with the
     same limit again. EngineError if cvc5 contradicts a goal or cannot read the text. `relies_on` names the files of the proofs
-    whose results are hypotheses here.
+    whose results are hypotheses here; `one_goal` holds cvc5's options if the query has a single goal.
     """
-    needed = _certify(only_needed(query), seconds, relies_on)
-    return needed if not needed.undecided else _certify(query, seconds, relies_on)
+    options = one_goal if len(query.goals) == 1 else OPTIONS
+    needed = _certify(only_needed(query), seconds, relies_on, options)
+    return needed if not needed.undecided else _certify(query, seconds, relies_on, options)
 
 
-def _certify(query: Query[Key], seconds: float, relies_on: Sequence[str]) -> Certificate[Key]:
+def _certify(
+    query: Query[Key], seconds: float, relies_on: Sequence[str], options: Mapping[str, str]
+) -> Certificate[Key]:
     text = to_smtlib(query, relies_on)
     file = file_name(query.name, text)
     if proved_before("cvc5", text):
         return Certificate(file, text, ())
     with alone_in_asking("cvc5", text):
-        open_ = () if proved_before("cvc5", text) else _unconfirmed(query, file, text, seconds)
+        open_ = () if proved_before("cvc5", text) else _unconfirmed(query, file, text, seconds, options)
         if not open_:
             keep_proved("cvc5", text)
     return Certificate(file, text, open_)
 
 
-def _unconfirmed(query: Query[Key], file: str, text: str, seconds: float) -> tuple[Key, ...]:
+def _unconfirmed(
+    query: Query[Key], file: str, text: str, seconds: float, options: Mapping[str, str]
+) -> tuple[Key, ...]:
     """Return the goals that cvc5 does not confirm in time, first asked together, then each alone."""
-    ends, options = deadline(seconds), ONE_GOAL if len(query.goals) == 1 else OPTIONS
-    first = min(seconds, FIRST_SECONDS)
+    ends, first = deadline(seconds), min(seconds, FIRST_SECONDS)
     answers = recheck(file, text, len(query.goals), seconds=seconds, each=first, options=options)
     left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
     return tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
