@@ -1,7 +1,7 @@
 """Who imports whom, room by room, as it is read from the code's own imports.
 
 A room is a folder of `safeloc/`, or `models/` or `properties/`. What stands in `railway/` is a room each, and so is a file
-beside the folders, such as `errors`. The files `models/<mode>/target.py` are one room, `targets`: they tie a machine to its
+beside the folders, such as `errors`. The files `models/<machine>/target.py` are one room, `targets`: they tie a machine to its
 properties. The doors of the package belong to no room.
 """
 

@@ -103,7 +103,7 @@ KNOWS = {
 }  # fmt: skip
 """Each room, or module at the root, and what it may import beside itself and the errors. The railway's have a row each.
 
-`targets` are the files `models/<mode>/target.py`, which tie a machine to its properties: the machines know none of them.
+`targets` are the files `models/<machine>/target.py`, which tie a machine to its properties: the machines know none of them.
 """
 EXCEPTIONS = {
     ("safeloc/runtime/embedding/localizer.py", "models"): "`Localizer` is the localizer that ships, ready for a host",

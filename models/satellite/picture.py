@@ -1,4 +1,4 @@
-"""How a run along satellites is drawn, and which outputs are the interval that is drawn."""
+"""Declares the picture of a run with satellites, and the outputs that form its interval."""
 
 from __future__ import annotations
 

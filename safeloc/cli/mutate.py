@@ -106,7 +106,7 @@ def _reasons(target: Target, given: Path | None, *, changed: bool) -> Reasons:
 
 @dataclass(frozen=True, eq=False)
 class _Job:
-    """What was asked for; the results come with how many mutants there are, and the written reasons by id."""
+    """One call of the command; its results come with the number of all mutants, and the written reasons by id."""
 
     target: Target
     places: Places
