@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
-LOOKS_EVERY_S = 1.0
+LOOKS_EVERY_S = 2.0
 PROC = Path("/proc")
 
 
@@ -32,15 +34,40 @@ class Memory:
         self._thread.join()
 
     def _look(self) -> None:
+        known: dict[int, Taken] = {}
         while True:
-            self.most_bytes = max(self.most_bytes, taken_bytes(os.getpid()))
+            known = taken(os.getpid(), known)
+            self.most_bytes = max(self.most_bytes, sum(one.size_bytes for one in known.values()))
             if self._over.wait(LOOKS_EVERY_S):
                 return
 
 
-def taken_bytes(process: int) -> int:
-    """Return the memory, in bytes, that a process and all its descendants use now."""
-    return sum(map(_own_bytes, (process, *descendants(process))))
+@dataclass(frozen=True)
+class Taken:
+    """The memory of a process, and the processor time that it had used when this was measured."""
+
+    size_bytes: int
+    ticks: int
+
+
+@dataclass(frozen=True)
+class _Process:
+    parent: int
+    ticks: int
+
+
+def taken(process: int, known: Mapping[int, Taken]) -> dict[int, Taken]:
+    """Return the memory of a process and of each of its descendants.
+
+    The system needs milliseconds to add up the pages of a large process. A process that has not run since `known` was
+    measured keeps that figure.
+    """
+    every, found = _processes(), dict[int, Taken]()
+    for one in (process, *_descendants(process, every)):
+        ticks = every[one].ticks if one in every else -1
+        before = known.get(one)
+        found[one] = before if before and before.ticks == ticks else Taken(_own_bytes(one), ticks)
+    return found
 
 
 def _own_bytes(process: int) -> int:
@@ -51,13 +78,25 @@ def _own_bytes(process: int) -> int:
     return 0
 
 
-def descendants(process: int) -> list[int]:
-    """Return the ids of all descendants of a process."""
-    children: dict[int, list[int]] = {}
+def _processes() -> dict[int, _Process]:
+    """Return all processes of the system by id."""
+    found: dict[int, _Process] = {}
     for path in PROC.glob("[0-9]*/stat"):
         with suppress(OSError, ValueError):
             after_name = path.read_text().rpartition(")")[2].split()
-            children.setdefault(int(after_name[1]), []).append(int(path.parent.name))
+            found[int(path.parent.name)] = _Process(int(after_name[1]), int(after_name[11]) + int(after_name[12]))
+    return found
+
+
+def descendants(process: int) -> list[int]:
+    """Return the ids of all descendants of a process."""
+    return _descendants(process, _processes())
+
+
+def _descendants(process: int, every: Mapping[int, _Process]) -> list[int]:
+    children: dict[int, list[int]] = {}
+    for one, about in every.items():
+        children.setdefault(about.parent, []).append(one)
     found, open_ = list[int](), list(children.get(process, ()))
     while open_:
         found.append(open_.pop())

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.proof.verification import memory
-from safeloc.proof.verification.memory import Memory, descendants, taken_bytes
+from safeloc.proof.verification.memory import Memory, Taken, descendants, taken
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="the system does not tell")
 HOLD = "import sys; held = bytearray(80_000_000); print('held', flush=True); sys.stdin.read()"
@@ -21,7 +21,7 @@ START = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {HOLD!r}
 @pytest.mark.parametrize("code", [HOLD, START])
 def test_what_a_process_holds_is_seen(code: str) -> None:
     """The memory of a child process counts, and that of a grandchild."""
-    before, command = taken_bytes(os.getpid()), [sys.executable, "-c", code]
+    before, command = sum(one.size_bytes for one in taken(os.getpid(), {}).values()), [sys.executable, "-c", code]
     with Memory() as seen, subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
         assert one.stdout is not None
         assert "held" in one.stdout.readline()
@@ -36,3 +36,16 @@ def test_where_the_system_does_not_tell(monkeypatch: pytest.MonkeyPatch, tmp_pat
     with Memory() as seen:
         pass
     assert 0 == seen.most_bytes
+
+
+def test_an_idle_process_is_measured_once() -> None:
+    """A process that has not run since the last look keeps its figure; one that has run is measured again."""
+    with subprocess.Popen([sys.executable, "-c", HOLD], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
+        assert one.stdout is not None
+        assert "held" in one.stdout.readline()
+        time.sleep(0.2)  # it waits for its input now
+        first = taken(os.getpid(), {})
+        pretended = {one.pid: Taken(1, first[one.pid].ticks)}
+        assert taken(os.getpid(), pretended)[one.pid] == pretended[one.pid]
+        ran = {one.pid: Taken(1, first[one.pid].ticks - 1)}
+        assert taken(os.getpid(), ran)[one.pid].size_bytes > 70_000_000
