@@ -14,7 +14,6 @@ from typing import TypeAlias
 from safeloc.codegen.smtlib import Query
 from safeloc.language.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
 from safeloc.language.expr import TRUE, Bool
-from safeloc.language.interpret import run
 from safeloc.language.spec import Goal, Property, watch
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world, in_range
 from safeloc.language.terms import Substitution
@@ -31,6 +30,7 @@ from safeloc.proof.provers.recorded_witnesses import Recording, come_to
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
 from safeloc.proof.provers.workers import Lost, Task
+from safeloc.proof.runs.quick import run_again
 
 __all__ = ["Case", "Found", "antecedents", "found", "remember", "search_task"]
 
@@ -90,12 +90,12 @@ class Found:
         return Vacuous(f"{names}: {REMEDY}")
 
     def runs(self) -> list[Trace]:
-        """Return the runs that a search found, made again by the interpreter; recorded runs are known already.
+        """Return the runs that a search found, made again; recorded runs are known already.
 
         The run of a case of an unconditional property may begin in a first state that the environment excludes.
         """
         packed = {id(run_): run_ for run_ in map(_run, self.cases) if run_ is not None and not run_.part}
-        return [run(self._anyhow, one.stream, first=one.initial) for one in packed.values()]
+        return [run_again(self._anyhow, one.stream, first=one.initial) for one in packed.values()]
 
     def obligation(self) -> Iterator[Obligation]:
         """Yield the obligation that all cases occur, and one for each run that a search found; nothing if there are no

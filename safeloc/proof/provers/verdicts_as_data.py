@@ -1,7 +1,7 @@
 """Verdicts and findings as plain data, to be sent between processes.
 
 Terms are graphs too deep to pickle: they are sent as flat lists, parts before wholes. Traces are sent as first state and
-inputs; the receiver runs them again in the interpreter.
+inputs; the receiver makes the runs again.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, assert_never
 
 from safeloc.language.expr import TRUE, Bool, Expr, Var
-from safeloc.language.interpret import run
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import in_order
@@ -20,6 +19,7 @@ from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.implication import Failure
 from safeloc.proof.provers.proved_base import Base
+from safeloc.proof.runs.quick import run_again
 
 Flat = tuple[Any, ...]
 
@@ -89,10 +89,11 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
 
 
 def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
-    """Return the run, made again by the interpreter; a run of one machine alone is made without its assumption."""
+    """Return the run, made again; a run of one machine alone is made without its assumption."""
     if packed is None:
         return None
-    return run(_by_itself(packed.part, system) if packed.part else system, packed.stream, first=packed.initial)
+    of = _by_itself(packed.part, system) if packed.part else system
+    return run_again(of, packed.stream, first=packed.initial)
 
 
 def _by_itself(name: str, system: TransitionSystem) -> TransitionSystem:

@@ -2,18 +2,19 @@
 
     Quick(terms)      computes what `interpret.Program` does, by generated code; every SAMPLED-th time by both
     quick_run(...)    returns what `interpret.run` does
+    run_again(...)    does so for a run that the interpreter has confirmed, and compiles only where that pays
 
 EngineError if the two differ: then the generator is wrong, and its results must not be used.
 """
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property, lru_cache
 
 from safeloc.errors import EngineError
 from safeloc.language.expr import Expr, Var
-from safeloc.language.interpret import Program, fired_names, read_inputs, start
+from safeloc.language.interpret import Program, fired_names, read_inputs, run, start
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import variables
@@ -21,6 +22,8 @@ from safeloc.language.trace import Step, Trace
 from safeloc.proof.runs.allowed import compiled_terms
 
 SAMPLED = 50
+PAYS = 100
+"""Steps of one system after which generated code is quicker: to compile the step takes as long as to interpret it 100 times."""
 
 
 class Quick:
@@ -46,16 +49,34 @@ class Quick:
                 raise EngineError(f"generated code gives {quick!r} for term {number}, the interpreter {right!r}.")
 
 
-_STEPS: weakref.WeakKeyDictionary[TransitionSystem, tuple[Quick, Quick]] = weakref.WeakKeyDictionary()
+class _Steps:
+    """The step of a system and its outputs: interpreted at first, compiled once that pays."""
+
+    def __init__(self, moves: tuple[Expr, ...], outputs: tuple[Expr, ...]) -> None:
+        self._moves, self._outputs = moves, outputs
+        self.interpreted = 0
+
+    @cached_property
+    def code(self) -> tuple[Quick, Quick]:
+        """The generated code of the step and of the outputs."""
+        return Quick(self._moves), Quick(self._outputs)
+
+
+@lru_cache(maxsize=32)
+def _steps(moves: tuple[Expr, ...], outputs: tuple[Expr, ...]) -> _Steps:
+    return _Steps(moves, outputs)
+
+
+def _steps_of(system: TransitionSystem) -> _Steps:
+    """Return the steps of a system; systems that differ only in assumption and first states share them."""
+    return _steps((*system.next.values(), *system.fired.values()), tuple(system.outputs.values()))
 
 
 def quick_run(
     system: TransitionSystem, stream: Iterable[Mapping[str, object]], *, first: Mapping[str, Value] | None = None
 ) -> Trace:
     """Run a whole stream; the arguments, the Trace and the errors are those of `interpret.run`."""
-    if system not in _STEPS:
-        _STEPS[system] = Quick([*system.next.values(), *system.fired.values()]), Quick([*system.outputs.values()])
-    move, output = _STEPS[system]
+    move, output = _steps_of(system).code
     state = start(system, first)
     initial, steps = _named(state), list[Step]()
     for record in stream:
@@ -66,6 +87,18 @@ def quick_run(
         outputs = dict(zip(system.outputs, output(state), strict=True))
         steps.append(Step(_named(inputs), fired_names(fired), _named(state), outputs))
     return Trace(system, initial, tuple(steps))
+
+
+def run_again(
+    system: TransitionSystem, stream: Sequence[Mapping[str, object]], *, first: Mapping[str, Value] | None = None
+) -> Trace:
+    """Make a run once more that the interpreter has confirmed: the first PAYS steps of a system are interpreted, more are compiled.
+
+    The arguments, the Trace and the errors are those of `interpret.run`.
+    """
+    steps = _steps_of(system)
+    steps.interpreted += len(stream)
+    return (run if steps.interpreted <= PAYS else quick_run)(system, stream, first=first)
 
 
 def _named(values: Mapping[Var, Value]) -> dict[str, Value]:

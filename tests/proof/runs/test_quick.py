@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.errors import EngineError, InputError
-from safeloc.language.expr import NumVar
+from safeloc.language.expr import TRUE, NumVar
 from safeloc.language.interpret import run
 from safeloc.language.monitor import Checks, check_all
 from safeloc.language.units import ONE
 from safeloc.proof.runs import quick
-from safeloc.proof.runs.quick import SAMPLED, Quick, quick_run
+from safeloc.proof.runs.quick import PAYS, SAMPLED, Quick, quick_run, run_again
 from safeloc.runtime.streams.steps import read_steps
 
 TARGET = load_target("stop_point")
@@ -25,6 +27,17 @@ def test_the_same_run() -> None:
     right, found = run(TARGET.system, ROWS, first=STREAM.first), quick_run(TARGET.system, ROWS, first=STREAM.first)
     assert repr(right.steps) == repr(found.steps)
     assert right.initial == found.initial
+
+
+def test_a_run_made_again_is_the_same() -> None:
+    """Interpreted or compiled, a run that is made again is equal; many steps of one system are compiled."""
+    right = run(TARGET.system, ROWS, first=STREAM.first)
+    times = 2 + PAYS // len(ROWS)
+    for _ in range(times):
+        assert run_again(TARGET.system, ROWS, first=STREAM.first).steps == right.steps
+    assert quick._steps_of(TARGET.system).interpreted > PAYS
+    anyhow = replace(TARGET.system, assume=TRUE)
+    assert quick._steps_of(anyhow) is quick._steps_of(TARGET.system)
 
 
 def test_the_same_verdicts() -> None:

@@ -40,7 +40,9 @@ def test_where_the_system_does_not_tell(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
 def test_an_idle_process_is_measured_once() -> None:
     """A process that has not run since the last look keeps its figure; one that has run is measured again."""
-    with subprocess.Popen([sys.executable, "-c", HOLD], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as one:
         assert one.stdout is not None
         assert "held" in one.stdout.readline()
         time.sleep(0.2)  # it waits for its input now
