@@ -19,13 +19,15 @@ from safeloc.language.system import TransitionSystem, environment, first_without
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict
+from safeloc.proof.provers.beside import beside
+from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import base
-from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.reachability import AT_FIRST, first_runs
 from safeloc.proof.provers.recorded_witnesses import Recording, come_to
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
@@ -38,6 +40,7 @@ REMEDY = (
     "so the property requires nothing. Remove it or mend it; if you meant it the other way round, write the "
     "condition first, with implies."
 )
+RANDOM = "in random runs"
 PATIENCE = 3  # time limits of one property that all cases of a system get together
 
 
@@ -120,7 +123,8 @@ class Found:
                 if isinstance(case.outcome, Seen) and case.outcome.run is not None:
                     witness = unpack_trace(case.outcome.run, self._anyhow)
                     steps = len(case.outcome.run.stream)
-                    verdict = Proved(None, "bmc", steps, ("interpreter",), witness=witness)
+                    engine = "drawn" if case.outcome.where == RANDOM else "bmc"
+                    verdict = Proved(None, engine, steps, ("interpreter",), witness=witness)
                     alone = f" in {case.outcome.run.part}, by itself" if case.outcome.run.part else ""
                     name, text = case_name(prop, place), f"{_named(case)} occurs{alone}"
                     yield Obligation(name, text, verdict, f"a run of {steps} steps, {case.outcome.where}")
@@ -259,14 +263,17 @@ class _Together:
     def outcomes(self, recordings: Sequence[Recording]) -> dict[int, Outcome]:
         """Return the outcome of each case.
 
-        Tried in turn: exclusion in one step, bounded search, search from states of recordings, runs of one machine
-        alone, exclusion by k-induction and by Spacer. The rest stays open.
+        Tried in turn: exclusion in one step, random runs, bounded search, search from states of recordings, runs of one machine
+        alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search comes before the
+        runs of one machine, and the long one after them.
         """
         self._exclude(self._unlikely(), self._ends.left / 3)
-        self._search()
+        self._draw(recordings)
+        if self._system.parts:
+            self._search(min(self._ends.left, self._limits.seconds * AT_FIRST))
+            self._alone()
+        self._search(self._ends.left / 2)
         self._beside(recordings)
-        for number in self._left:
-            self._alone(number)
         self._exclude(self._left, self._ends.left / 2)
         self._exclude(self._left, self._ends.left, spacer)
         return self._found | {number: Open("not found") for number in self._left}
@@ -275,9 +282,18 @@ class _Together:
     def _left(self) -> list[int]:
         return [number for number in self._goals if number not in self._found]
 
-    def _search(self) -> None:
+    def _draw(self, recordings: Sequence[Recording]) -> None:
+        """Find cases in random runs, and in a composition beside recordings."""
+        numbers = {self._goals[number]: number for number in self._left}
+        found = drawn(list(numbers), self._limits.seed)
+        if self._system.parts:
+            found |= beside([goal for goal in numbers if goal not in found], recordings, self._limits.seed)
+        for goal, trace in found.items():
+            self._found[numbers[goal]] = Seen(RANDOM, pack_trace(trace))
+
+    def _search(self, seconds: float) -> None:
         left = self._left
-        runs = first_runs([self._goals[number] for number in left], self._within(self._ends.left / 2))
+        runs = first_runs([self._goals[number] for number in left], self._within(seconds))
         for number in left:
             trace = runs.found.get(self._goals[number])
             if trace is not None:
@@ -319,19 +335,19 @@ class _Together:
             if isinstance(verdict, Proved):
                 self._found[number] = Never(verdict.engine)
 
-    def _alone(self, number: int) -> None:
-        """Find a run of one machine alone, for an inherited property or a case that reads one machine only."""
-        if self._ends.passed:
-            return
-        prop = self._asked[number].prop
-        own = occurs_alone(
-            self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
-        )
-        if own is not None:
-            part, goal = own
-            trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
-            if trace is not None:
-                self._found[number] = Seen(f"of {part.name} by itself, none of the whole", pack_trace(trace))
+    def _alone(self) -> None:
+        """Find runs of one machine alone, for inherited properties and cases that read one machine only."""
+        for number in self._left:
+            if self._ends.passed:
+                return
+            prop = self._asked[number].prop
+            place = [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
+            own = occurs_alone(self._system, prop, place)
+            if own is not None:
+                part, goal = own
+                trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
+                if trace is not None:
+                    self._found[number] = Seen(f"of {part.name} by itself, none of the whole", pack_trace(trace))
 
     def _within(self, seconds: float) -> Limits:
         return replace(self._limits, seconds=max(0.001, seconds))

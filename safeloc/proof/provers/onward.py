@@ -12,16 +12,14 @@ from dataclasses import dataclass, replace
 import z3
 
 from safeloc.codegen.smt import Unrolling
-from safeloc.language.expr import BoolVar, Var
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace
-from safeloc.language.units import Enumeration
 from safeloc.proof.provers.asking import new_solver
 from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Deadline, deadline
-from safeloc.proof.provers.recorded_witnesses import Recording, Replay, known_first
+from safeloc.proof.provers.recorded_witnesses import Recording, Replay, is_label, known_first
 from safeloc.proof.provers.replayed_evidence import confirmed
 
 FURTHER = 3
@@ -71,7 +69,7 @@ def onward(
 def _starts(replay: Replay, recordings: Sequence[Recording], ends: Deadline) -> list[_Start]:
     """Return the states of the recordings that have a new combination of modes and flags, the latest first."""
     own = len(replay.system.state)
-    labels = [place for place, var in enumerate(replay.watched.state[:own]) if _is_label(var)]
+    labels = [place for place, var in enumerate(replay.watched.state[:own]) if is_label(var)]
     seen: dict[tuple[Value, ...], _Start] = {}
     for recording in recordings:
         for steps, (state, kept) in enumerate(replay.states(recording)):
@@ -79,10 +77,6 @@ def _starts(replay: Replay, recordings: Sequence[Recording], ends: Deadline) -> 
                 break
             seen.setdefault(tuple(state[place] for place in labels), _Start(recording, steps, state))
     return list(reversed(seen.values()))[:MOST_STARTS]
-
-
-def _is_label(var: Var) -> bool:
-    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
 
 
 @dataclass(frozen=True)

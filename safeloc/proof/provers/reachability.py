@@ -18,6 +18,7 @@ from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.asking import plain_solver
+from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.bmc import declared_state
 from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.drawn import drawn
@@ -25,6 +26,7 @@ from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recorded_witnesses import Recording, shown
 from safeloc.proof.provers.relevance import Relevance
@@ -33,6 +35,10 @@ from safeloc.proof.provers.spacer import spacer
 
 EXCLUSION = 0.2
 """Share of the limit for excluding goals that read the same machines; the goals left after it are searched."""
+AT_FIRST = 0.1
+"""Share of the limit for the first search of a composition: small ones need less, in large ones a machine alone is searched next."""
+SHALLOW = 3
+"""Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
 
 # ------------------------------------------------------------------ search for many targets at once
 
@@ -108,9 +114,13 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
     """Check that modes and transitions occur: under the assumption in random, recorded or searched runs, else without it."""
     targets = _targets(system)
     known = base(system, seconds=limits.seconds)
-    kept = _looked_for([one.goal for one in targets], known.everything, limits, recordings)
+    kept = _known_runs([one.goal for one in targets], limits, recordings)
+    kept = _excluded(kept, known.everything, limits)
+    kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST) if system.parts else limits)
+    alone, depth = _by_itself(system, targets, [one for one in targets if one.goal in kept.left], limits), kept.depth
+    if system.parts:
+        kept = _searched(kept, limits, without={one.goal for one in alone})
     open_ = [one for one in targets if one.goal not in kept.runs]
-    alone = _by_itself(system, targets, open_, limits)
     dead = _dead_in_the_whole(list(alone), known, limits)
     free = _looked_for([one.free for one in open_ if one not in alone], list(known.always.values()), limits)
     for one in targets:
@@ -123,7 +133,7 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
             why = f"a run of the machine alone reaches it ({alone[one].words}), but no run of the composition, whatever the inputs: dead in the composition"
             yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
         elif one in alone:
-            yield _only_alone(one, alone[one], kept.depth, excluded)
+            yield _only_alone(one, alone[one], depth, excluded)
         else:
             yield Obligation(one.name, one.statement, _dead(one.free, free.depth, limits), "bounded search")
 
@@ -157,25 +167,68 @@ class _Run:
 
 @dataclass(frozen=True, eq=False)
 class _Looked:
-    """Runs to targets, targets that are proved unreachable, and the number of steps searched completely for the others."""
+    """Goals, runs to some of them, those that are proved unreachable, and the number of steps searched completely for the others."""
 
+    goals: Sequence[Goal]
     runs: Mapping[Goal, _Run]
-    excluded: Container[Goal]
-    depth: int
+    excluded: Container[Goal] = ()
+    depth: int = -1
+
+    @property
+    def left(self) -> list[Goal]:
+        """The goals without a run."""
+        return [goal for goal in self.goals if goal not in self.runs]
+
+    def also(self, found: Mapping[Goal, Trace], engine: str, words: str) -> _Looked:
+        """Return the result with further runs."""
+        return replace(self, runs={**self.runs, **{goal: _Run(run, engine, words) for goal, run in found.items()}})
 
 
-def _looked_for(
-    goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, recordings: Sequence[Recording] = ()
-) -> _Looked:
-    """Find the goals that random or recorded runs reach; exclude the others in one step from `facts`, or search them."""
-    runs = {goal: _Run(run, "drawn", "a drawn run") for goal, run in drawn(goals, limits.seed).items()}
-    recorded = shown([goal for goal in goals if goal not in runs], recordings)
-    runs |= {goal: _Run(run, "recorded", "a recorded run") for goal, run in recorded.items()}
-    left = [goal for goal in goals if goal not in runs]
-    excluded = _never(left, facts, limits)
-    searched = first_runs([goal for goal in left if goal not in excluded], limits)
-    runs |= {goal: _Run(run, "bmc", "witness") for goal, run in searched.found.items()}
-    return _Looked(runs, excluded, searched.depth)
+def _looked_for(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> _Looked:
+    """Find the goals that random runs reach; exclude the others in one step from `facts`, or search them."""
+    return _searched(_excluded(_known_runs(goals, limits), facts, limits), limits)
+
+
+def _known_runs(goals: Sequence[Goal], limits: Limits, recordings: Sequence[Recording] = ()) -> _Looked:
+    """Find the goals that random runs or recordings reach, and in a composition random runs beside recordings."""
+    looked = _Looked(goals, {}).also(drawn(goals, limits.seed), "drawn", "a drawn run")
+    looked = looked.also(shown(looked.left, recordings), "recorded", "a recorded run")
+    if looked.left and looked.left[0].original.parts:
+        found = beside(looked.left, recordings, limits.seed)
+        looked = looked.also(found, "drawn", "a drawn run beside a recording")
+    return looked
+
+
+def _excluded(looked: _Looked, facts: Sequence[Bool], limits: Limits) -> _Looked:
+    return replace(looked, excluded=_never(looked.left, facts, limits))
+
+
+def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) -> _Looked:
+    """Search a run for each goal left that is not excluded and not in `without`."""
+    goals = [goal for goal in looked.left if goal not in looked.excluded and goal not in without]
+    if not goals:
+        return looked
+    near = _leaping(goals, limits) if goals and goals[0].prop.unconditional else {}
+    rest = [goal for goal in goals if goal not in near]
+    searched = first_runs(rest, limits)
+    depth = max(looked.depth, searched.depth)
+    return replace(looked.also({**near, **searched.found}, "bmc", "witness"), depth=depth)
+
+
+def _leaping(goals: Sequence[Goal], limits: Limits) -> dict[Goal, Trace]:
+    """Find runs of few steps, and go on from these: a mode that was reached is the way to the next one.
+
+    For goals without assumption: from a known state any inputs are possible, so a search of a few steps takes no time.
+    """
+    new = dict(first_runs(goals, replace(limits, depth=min(SHALLOW, limits.depth))).found)
+    found = dict(new)
+    while new and len(found) < len(goals):
+        left = dict(enumerate(goal for goal in goals if goal not in found))
+        known = [Recording(run.initial, run.stream()) for run in new.values()]
+        reached_ = onward(goals[0].plain, left, known, deadline(limits.seconds))
+        new = {left[number]: run for number, run in reached_.items()}
+        found |= new
+    return found
 
 
 def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:

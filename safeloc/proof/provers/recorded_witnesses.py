@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 from safeloc.errors import EngineError, InputError
-from safeloc.language.expr import Bool, Var
+from safeloc.language.expr import Bool, BoolVar, Var
 from safeloc.language.interpret import Program, Values, named, read_inputs, start, taken
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal, Watch, watch
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.trace import Step, Trace
+from safeloc.language.units import Enumeration
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.runs.allowed import compiled_terms
 
@@ -141,6 +142,11 @@ def come_to(
 def known_first(system: TransitionSystem, recording: Recording) -> dict[str, Value]:
     """Return the first values in a recording, for variables that the system has."""
     return _known(system, recording.first)
+
+
+def is_label(var: Var) -> bool:
+    """Return whether a variable is a mode, a choice or a flag, not a number: such variables tell situations apart."""
+    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
 
 
 class Replay:

@@ -15,7 +15,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Vacuous, word
 from safeloc.language.world import World
-from safeloc.proof.provers.antecedents import Never, Open, Seen, found, search
+from safeloc.proof.provers.antecedents import RANDOM, Never, Open, Seen, found, remember, search
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
@@ -114,16 +114,33 @@ def test_what_is_given_counts() -> None:
 
 
 def test_a_recording_shows_what_a_search_does_not() -> None:
-    """A case 40 steps deep is found in a recording; without one it is reported as neither found nor excluded."""
-    prop = always("deep", N.eq(40).implies(GATE.mode.ne(C)))
+    """A case 60 steps deep, farther than random runs go, is found in a recording; without one it is reported as neither found nor excluded."""
+    prop = always("deep", N.eq(60).implies(GATE.mode.ne(C)))
     quick = Limits(depth=5, seconds=5)
-    recording = Recording({}, [{"x": 4}] * 41)
+    recording = Recording({}, [{"x": 4}] * 61)
     (open_,) = search(lower(GATE), cases(prop), quick)
     assert isinstance(open_, Open)
     (seen,) = search(lower(GATE), cases(prop), quick, [recording])
     assert Seen("in recordings") == seen
-    (too_short,) = search(lower(GATE), cases(prop), quick, [Recording({}, [{"x": 4}] * 39)])
+    (too_short,) = search(lower(GATE), cases(prop), quick, [Recording({}, [{"x": 4}] * 59)])
     assert isinstance(too_short, Open)
+
+
+def test_a_random_run_shows_a_case() -> None:
+    """A case that no bounded search of so few steps comes to is found in random runs, with the run."""
+    prop = always("deep", N.eq(20).implies(GATE.mode.ne(C)))
+    (seen,) = search(lower(GATE), cases(prop), Limits(depth=5, seconds=5))
+    assert isinstance(seen, Seen)
+    assert RANDOM == seen.where
+    assert seen.run is not None
+    assert len(seen.run.stream) >= 20
+    gate_ = lower(GATE)
+    remember(gate_, [prop], Limits(), 0, [seen])
+    (_, shown) = found(gate_, [prop]).obligation()
+    assert isinstance(shown.verdict, Proved)
+    assert "drawn" == shown.verdict.engine
+    assert shown.verdict.witness is not None
+    assert 20 == shown.verdict.witness.steps[-1].state["n"]
 
 
 def test_a_recording_counts_as_far_as_it_keeps_what_is_relied_on() -> None:
