@@ -122,20 +122,21 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
         kept = _searched(kept, limits, without={one.goal for one in alone})
     open_ = [one for one in targets if one.goal not in kept.runs]
     dead = _dead_in_the_whole(list(alone), known, limits)
-    free = _looked_for([one.free for one in open_ if one not in alone], list(known.always.values()), limits)
+    free = [one.free for one in open_ if one not in alone]
+    broken = _without_assumption(free, list(known.always.values()), limits, kept)
     for one in targets:
         excluded = one.goal in kept.excluded
         if one.goal in kept.runs:
             yield Obligation(one.name, one.statement, *_shown(kept.runs[one.goal], ""))
-        elif one.free in free.runs:
-            yield Obligation(one.name, one.statement, *_shown(free.runs[one.free], _defence(kept.depth, excluded)))
+        elif one.free in broken.runs:
+            yield Obligation(one.name, one.statement, *_shown(broken.runs[one.free], _defence(kept.depth, excluded)))
         elif one in dead:
             why = f"a run of the machine alone reaches it ({alone[one].words}), but no run of the composition, whatever the inputs: dead in the composition"
             yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
         elif one in alone:
             yield _only_alone(one, alone[one], depth, excluded)
         else:
-            yield Obligation(one.name, one.statement, _dead(one.free, free.depth, limits), "bounded search")
+            yield Obligation(one.name, one.statement, _dead(one.free, broken.depth, limits), "bounded search")
 
 
 def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:
@@ -184,11 +185,6 @@ class _Looked:
         return replace(self, runs={**self.runs, **{goal: _Run(run, engine, words) for goal, run in found.items()}})
 
 
-def _looked_for(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> _Looked:
-    """Find the goals that random runs reach; exclude the others in one step from `facts`, or search them."""
-    return _searched(_excluded(_known_runs(goals, limits), facts, limits), limits)
-
-
 def _known_runs(goals: Sequence[Goal], limits: Limits, recordings: Sequence[Recording] = ()) -> _Looked:
     """Find the goals that random runs or recordings reach, and in a composition random runs beside recordings."""
     looked = _Looked(goals, {}).also(drawn(goals, limits.seed), "drawn", "a drawn run")
@@ -208,26 +204,31 @@ def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) ->
     goals = [goal for goal in looked.left if goal not in looked.excluded and goal not in without]
     if not goals:
         return looked
-    near = _leaping(goals, limits) if goals and goals[0].prop.unconditional else {}
-    rest = [goal for goal in goals if goal not in near]
-    searched = first_runs(rest, limits)
-    depth = max(looked.depth, searched.depth)
-    return replace(looked.also({**near, **searched.found}, "bmc", "witness"), depth=depth)
+    searched = first_runs(goals, limits)
+    return replace(looked.also(searched.found, "bmc", "witness"), depth=max(looked.depth, searched.depth))
 
 
-def _leaping(goals: Sequence[Goal], limits: Limits) -> dict[Goal, Trace]:
-    """Find runs of few steps, and go on from these: a mode that was reached is the way to the next one.
+def _without_assumption(goals: Sequence[Goal], always: Sequence[Bool], limits: Limits, lawful: _Looked) -> _Looked:
+    """Find runs to goals without the assumption, also beyond the lawful runs to other goals; exclude goals by the facts `always`."""
+    looked = _excluded(_known_runs(goals, limits), always, limits)
+    near = [goal for goal in looked.left if goal not in looked.excluded]
+    found = _leaping(near, limits, [run.trace for run in lawful.runs.values()])
+    return _searched(looked.also(found, "bmc", "witness"), limits)
 
-    For goals without assumption: from a known state any inputs are possible, so a search of a few steps takes no time.
+
+def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace]) -> dict[Goal, Trace]:
+    """Find runs of few steps, and go on from these and from `runs`: a mode that was reached is the way to the next one.
+
+    From a known state any inputs are possible without the assumption, so a search of a few steps takes no time.
     """
-    new = dict(first_runs(goals, replace(limits, depth=min(SHALLOW, limits.depth))).found)
-    found = dict(new)
+    found = dict(first_runs(goals, replace(limits, depth=min(SHALLOW, limits.depth))).found)
+    new = [*runs, *found.values()]
     while new and len(found) < len(goals):
         left = dict(enumerate(goal for goal in goals if goal not in found))
-        known = [Recording(run.initial, run.stream()) for run in new.values()]
-        reached_ = onward(goals[0].plain, left, known, deadline(limits.seconds))
-        new = {left[number]: run for number, run in reached_.items()}
-        found |= new
+        known = [Recording(run.initial, run.stream()) for run in new]
+        farther = onward(goals[0].plain, left, known, deadline(limits.seconds * AT_FIRST))
+        found |= {left[number]: run for number, run in farther.items()}
+        new = list(farther.values())
     return found
 
 
@@ -295,12 +296,13 @@ def _runs_alone(
 ) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
     """Return the targets that the machine reaches alone, each with its description and the run."""
     known = base(alone, seconds=limits.seconds)
-    lawful = _looked_for([mine.goal for mine, _ in pairs], known.everything, limits).runs
-    free = [mine.free for mine, _ in pairs if mine.goal not in lawful]
-    unlawful = _looked_for(free, list(known.always.values()), limits).runs
+    looked = _excluded(_known_runs([mine.goal for mine, _ in pairs], limits), known.everything, limits)
+    lawful = _searched(looked, limits)
+    free = [mine.free for mine, _ in pairs if mine.goal not in lawful.runs]
+    unlawful = _without_assumption(free, list(known.always.values()), limits, lawful).runs
     for mine, theirs in pairs:
-        if mine.goal in lawful:
-            run = lawful[mine.goal].trace
+        if mine.goal in lawful.runs:
+            run = lawful.runs[mine.goal].trace
             yield theirs, (f"witness of {len(run.steps)} steps under its assumption", run)
         elif mine.free in unlawful:
             run = unlawful[mine.free].trace
