@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import z3
+
 from safeloc.codegen.smt import Unrolling
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import Bool, Lit, NumVar, before, was
@@ -35,6 +37,8 @@ from safeloc.proof.provers.spacer import spacer
 
 EXCLUSION = 0.2
 """Share of the limit for excluding goals that read the same machines; the goals left after it are searched."""
+TOGETHER, ALONE = 0.1, 0.1
+"""Shares of the time left that a search spends on one question about all goals, and about one goal."""
 AT_FIRST = 0.1
 """Share of the limit for the first search of a composition: small ones need less, in large ones a machine alone is searched next."""
 SHALLOW = 3
@@ -54,35 +58,83 @@ class Runs:
 def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = ()) -> Runs:
     """Return the shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
 
-    The search ends when a run to every goal is found, or is `known` to exist.
+    The search ends when a run to every goal is found, or is `known` to exist. A goal for which the solver gives up at some
+    length is left out from then on, since it keeps the solver from the others; lengths count as searched completely
+    before that only.
     """
     if not goals:
         return Runs({}, limits.depth)
-    watched = watch(goals[0].plain, goals)
-    runs, found = Deepening(Unrolling(watched.system), plain_solver(limits.seed)), dict[Goal, Trace]()
-    ends = deadline(limits.seconds)
-    while runs.depth < limits.depth:
-        if not _search_length(watched, runs, found, ends):
-            return Runs(found, runs.depth)
-        if all(goal in found or goal in known for goal in goals):
-            return Runs(found, runs.depth + 1)
-        runs.deeper()
-    return Runs(found, limits.depth)
+    search = _Search(watch(goals[0].plain, goals), limits)
+    while search.length <= limits.depth and not search.ends.passed:
+        search.this_length()
+        if all(goal in search.found or goal in known for goal in goals):
+            return Runs(search.found, search.length)
+        if not search.left:
+            break
+        search.longer()
+    return Runs(search.found, min(search.complete, limits.depth))
 
 
-def _search_length(watched: Watch, runs: Deepening, found: dict[Goal, Trace], ends: Deadline) -> bool:
-    """Add the targets found at this length; return whether the length was searched completely."""
-    while left := [goal for goal in watched.goals if goal not in found]:
-        if ends.passed:
-            return False
-        model = runs.run(runs.fails(*(goal.good for goal in left)), ends)
+class _Search:
+    """A search for runs that become longer step by step.
+
+    left      the goals that are asked for: neither found nor given up
+    complete  number of steps that were searched completely for all goals that were not found; -1 if none
+    """
+
+    def __init__(self, watched: Watch, limits: Limits) -> None:
+        self._watched, self.ends = watched, deadline(limits.seconds)
+        self._seed = limits.seed
+        self._runs = Deepening(Unrolling(watched.system), plain_solver(self._seed))
+        self.left, self.found = list(watched.goals), dict[Goal, Trace]()
+        self.complete, self._given_up = -1, False
+
+    @property
+    def length(self) -> int:
+        """The number of steps of the runs that are searched now."""
+        return self._runs.depth + 1
+
+    def longer(self) -> None:
+        """Go on to runs that are one step longer."""
+        self._runs.deeper()
+
+    def this_length(self) -> None:
+        """Find the goals that runs of this length reach: asked for together, or where that is too hard one by one."""
+        while self.left and self._note(self._runs.run(self._one_of(self.left), self._share(TOGETHER))):
+            pass
+        if self._runs.stuck:
+            self._one_by_one()
+        if not self._given_up:
+            self.complete = self.length
+
+    def _one_by_one(self) -> None:
+        """Ask for each goal alone; give up those for which the solver has no answer."""
+        for goal in list(self.left):
+            if goal not in self.left:  # another goal's run reaches it
+                continue
+            solver = plain_solver(self._seed)
+            if (
+                not self._note(self._runs.run_anew(self._one_of([goal]), self._share(ALONE), solver))
+                and self._runs.stuck
+            ):
+                self.left.remove(goal)
+                self._given_up = True
+
+    def _one_of(self, goals: Sequence[Goal]) -> z3.BoolRef:
+        return self._runs.fails(*(goal.good for goal in goals))
+
+    def _share(self, share: float) -> Deadline:
+        return deadline(self.ends.left * share)
+
+    def _note(self, model: z3.ModelRef | None) -> bool:
+        """Note all goals that the run of a model reaches; return whether there is a run."""
         if model is None:
-            return not runs.stuck
-        first, stream = runs.first(model, declared_state(watched)), runs.stream(model)
-        for goal in left:
-            if runs.failed(model, goal.good):
-                found[goal] = confirmed(goal, first, stream, "bmc")
-    return True
+            return False
+        first, stream = self._runs.first(model, declared_state(self._watched)), self._runs.stream(model)
+        for goal in [one for one in self.left if self._runs.failed(model, one.good)]:
+            self.found[goal] = confirmed(goal, first, stream, "bmc")
+            self.left.remove(goal)
+        return True
 
 
 def happens(system: TransitionSystem, name: str, term: Bool) -> Goal:
