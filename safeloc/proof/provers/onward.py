@@ -37,11 +37,17 @@ class _Start:
 
 
 def onward(
-    system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
+    system: TransitionSystem,
+    goals: Mapping[int, Goal],
+    recordings: Sequence[Recording],
+    ends: Deadline,
+    further: int = FURTHER,
 ) -> dict[int, Trace]:
     """Return runs that follow a recording and reach a goal a few steps later, by number of the goal.
 
     All goals rely on the same assumption.
+
+    further  the greatest number of these steps
     """
     found: dict[int, Trace] = {}
     if not goals or not recordings:
@@ -54,7 +60,7 @@ def onward(
         if ends.passed or not left:
             break
         begins = zip(replay.watched.state, start.state, strict=True)
-        suffix = _suffix(unrolling, [unrolling.at(var, 0) == value for var, value in begins], left, ends)
+        suffix = _suffix(unrolling, [unrolling.at(var, 0) == value for var, value in begins], left, ends, further)
         if suffix is not None:
             names = {var.name for var in system.inputs}
             recorded: list[Mapping[str, object]] = [
@@ -88,12 +94,12 @@ class _Suffix:
 
 
 def _suffix(
-    unrolling: Unrolling, begins: Sequence[z3.BoolRef | bool], goals: Mapping[int, Goal], ends: Deadline
+    unrolling: Unrolling, begins: Sequence[z3.BoolRef | bool], goals: Mapping[int, Goal], ends: Deadline, further: int
 ) -> _Suffix | None:
     """Search for the fewest steps from a state to one of the goals; None if there are none within the limits."""
     ends = deadline(min(SECONDS_EACH, ends.left))
     runs = Deepening(unrolling, new_solver(), begins)
-    while runs.depth + 1 < FURTHER:
+    while runs.depth + 1 < further:
         runs.deeper()
         model = runs.run(runs.fails(*(goal.good for goal in goals.values())), ends)
         if model is not None:

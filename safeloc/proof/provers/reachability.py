@@ -43,6 +43,8 @@ AT_FIRST = 0.1
 """Share of the limit for the first search of a composition: small ones need less, in large ones a machine alone is searched next."""
 SHALLOW = 3
 """Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
+LEAPS = (3, 6)
+"""Steps by which such a search goes on from a run: a few at first, more for what is left."""
 
 # ------------------------------------------------------------------ search for many targets at once
 
@@ -153,13 +155,14 @@ def without_assumption(goal: Goal) -> Goal:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """A mode or a transition of machine number `part`; `goal` is under the assumption, `free` for all inputs in range."""
+    """A mode or else a transition of machine number `part`; `goal` is under the assumption, `free` for all inputs in range."""
 
     name: str
     statement: str
     goal: Goal
     free: Goal
     part: int
+    mode: bool
 
 
 def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()) -> Iterator[Obligation]:
@@ -175,7 +178,9 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
     open_ = [one for one in targets if one.goal not in kept.runs]
     dead = _dead_in_the_whole(list(alone), known, limits)
     free = [one.free for one in open_ if one not in alone]
-    broken = _without_assumption(free, list(known.always.values()), limits, kept)
+    broken = _without_assumption(
+        free, list(known.always.values()), limits, kept, [one.free for one in targets if one.mode]
+    )
     for one in targets:
         excluded = one.goal in kept.excluded
         if one.goal in kept.runs:
@@ -260,28 +265,35 @@ def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) ->
     return replace(looked.also(searched.found, "bmc", "witness"), depth=max(looked.depth, searched.depth))
 
 
-def _without_assumption(goals: Sequence[Goal], always: Sequence[Bool], limits: Limits, lawful: _Looked) -> _Looked:
-    """Find runs to goals without the assumption, also beyond the lawful runs to other goals; exclude goals by the facts `always`."""
+def _without_assumption(
+    goals: Sequence[Goal], always: Sequence[Bool], limits: Limits, lawful: _Looked, modes: Sequence[Goal]
+) -> _Looked:
+    """Find runs to goals without the assumption, also beyond the lawful runs to other goals; exclude goals by the facts `always`.
+
+    modes  goals without the assumption that may lie on the way: the modes of the machine
+    """
     looked = _excluded(_known_runs(goals, limits), always, limits)
     near = [goal for goal in looked.left if goal not in looked.excluded]
-    found = _leaping(near, limits, [run.trace for run in lawful.runs.values()])
+    found = _leaping(near, limits, [run.trace for run in lawful.runs.values()], modes) if near else {}
     return _searched(looked.also(found, "bmc", "witness"), limits)
 
 
-def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace]) -> dict[Goal, Trace]:
-    """Find runs of few steps, and go on from these and from `runs`: a mode that was reached is the way to the next one.
+def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes: Sequence[Goal]) -> dict[Goal, Trace]:
+    """Find runs of few steps to goals or modes, and go on from these and from `runs`: a mode is the way to the next one.
 
     From a known state any inputs are possible without the assumption, so a search of a few steps takes no time.
     """
-    found = dict(first_runs(goals, replace(limits, depth=min(SHALLOW, limits.depth))).found)
-    new = [*runs, *found.values()]
-    while new and len(found) < len(goals):
-        left = dict(enumerate(goal for goal in goals if goal not in found))
-        known = [Recording(run.initial, run.stream()) for run in new]
-        farther = onward(goals[0].plain, left, known, deadline(limits.seconds * AT_FIRST))
-        found |= {left[number]: run for number, run in farther.items()}
-        new = list(farther.values())
-    return found
+    wanted = list(dict.fromkeys([*goals, *modes]))
+    found = dict(first_runs(wanted, replace(limits, depth=min(SHALLOW, limits.depth))).found)
+    for further in LEAPS:
+        new = [*runs, *found.values()]
+        while new and any(goal not in found for goal in goals):
+            left = dict(enumerate(goal for goal in wanted if goal not in found))
+            known = [Recording(run.initial, run.stream()) for run in new]
+            farther = onward(goals[0].plain, left, known, deadline(limits.seconds * AT_FIRST), further)
+            found |= {left[number]: run for number, run in farther.items()}
+            new = list(farther.values())
+    return {goal: run for goal, run in found.items() if goal in set(goals)}
 
 
 def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:
@@ -347,11 +359,11 @@ def _runs_alone(
     alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits
 ) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
     """Return the targets that the machine reaches alone, each with its description and the run."""
-    known = base(alone, seconds=limits.seconds)
+    known, modes = base(alone, seconds=limits.seconds), [one.free for one in _targets(alone) if one.mode]
     looked = _excluded(_known_runs([mine.goal for mine, _ in pairs], limits), known.everything, limits)
     lawful = _searched(looked, limits)
     free = [mine.free for mine, _ in pairs if mine.goal not in lawful.runs]
-    unlawful = _without_assumption(free, list(known.always.values()), limits, lawful).runs
+    unlawful = _without_assumption(free, list(known.always.values()), limits, lawful, modes).runs
     for mine, theirs in pairs:
         if mine.goal in lawful.runs:
             run = lawful.runs[mine.goal].trace
@@ -388,11 +400,11 @@ def _targets_of(
     for number, label in enumerate(machine.modes):
         goal = observe(system, reachable(f"mode {number} of machine {part}", mode.eq(label)))
         name, text = f"mode {machine.name} {label.label}", f"{machine.name} reaches mode {label.label}"
-        yield _Target(name, text, goal, without_assumption(goal), part)
+        yield _Target(name, text, goal, without_assumption(goal), part, mode=True)
     for number, row in enumerate(machine.transitions, 1):
         goal = observe(system, reachable(f"row {number} of machine {part}", fired.eq(Lit(number, fired.unit))))
         name, text = f"transition {machine.name}: {row.name}", f"{machine.name}: {row.name!r} fires ({_place(row.src)})"
-        yield _Target(name, text, goal, without_assumption(goal), part)
+        yield _Target(name, text, goal, without_assumption(goal), part, mode=False)
 
 
 def _dead_in_the_whole(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
