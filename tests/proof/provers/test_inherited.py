@@ -114,7 +114,7 @@ def test_a_contract_that_is_kept_is_a_finding() -> None:
     findings = {one.id: one.result for one in prove(chain.whole.system, [], Limits())}
     proved = findings["chain/lemma/contract of follower holds"]
     assert isinstance(proved, Proved)
-    assert any("is-owed-is-kept" in file for file in proved.certificates)
+    assert any("contract-of-follower-holds" in file for file in proved.certificates)
 
 
 def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
