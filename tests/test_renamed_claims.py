@@ -13,7 +13,9 @@ from safeloc.shipped import ENTRIES
 from safeloc.target import Target
 from tests.rooms import ROOT
 
-RENAMED: Mapping[str, Mapping[str, str]] = tomllib.loads((ROOT / "docs/renamed_claims.toml").read_text(encoding="utf-8"))
+RENAMED: Mapping[str, Mapping[str, str]] = tomllib.loads(
+    (ROOT / "docs/renamed_claims.toml").read_text(encoding="utf-8")
+)
 MACHINES = sorted(RENAMED.keys() - {"*"})
 
 
