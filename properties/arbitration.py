@@ -47,7 +47,7 @@ def _safety(model: Arbitration) -> Iterator[Property]:
     )
     silent = all_of(own_var.eq(0) for own_var in (own.position, own.below, own.above, own.lag))
     yield _free(
-        "nothing withheld is told",
+        "no part of a withheld position is reported",
         given | (silent & _nothing_told(model.machine)),
         "while a position is withheld no part of it is told",
     )
@@ -128,13 +128,15 @@ def _stated(model: Arbitration) -> Iterator[Property]:
     )
     accepted = any_of(source.valid & source.reference for source in own.sources)
     yield _free(
-        "a reference is told when it is accepted",
+        "a reference is reported when it is accepted",
         model.machine.flag("reference_accepted").iff(given & accepted),
         "a reference is reported exactly in a step in which a position is given out and a valid source accepted a reference",
     )
     unnamed = own.first.eq(nobody) & own.second.eq(nobody)
     yield _free(
-        "nobody is named in vain", given.implies(unnamed), "while a position is given out no contradiction is named"
+        "no contradiction is named while a position is reported",
+        given.implies(unnamed),
+        "while a position is given out no contradiction is named",
     )
 
 

@@ -149,7 +149,7 @@ def _spoilt(model: AxleCounter) -> Iterator[Property]:
         "the rest of a spoilt passage is never counted as another train",
     )
     yield _held(
-        "a spoilt passage that is over is told",
+        "the end of a spoilt passage is reported",
         all_of([before_.eq(spoilt), own.over, own.axle.eq(NO_AXLE), ~own.fault]).implies(machine.flag("record_ready")),
         "when an input reports that a spoilt passage is over, in a cycle without an axle or a fault, the machine "
         "reports a passage without a record in that cycle",
@@ -175,10 +175,10 @@ def _flaws(model: AxleCounter) -> Iterator[Property]:
     machine, own = model.machine, model.own
     spoilt, _, passing, _ = machine.modes
     mode, before_ = machine.mode, before(machine.mode)
-    yield _held("a flaw is told", mode.eq(spoilt).implies(own.flaw.ne(p.SOUND)), "a spoilt passage has a reason")
+    yield _held("a flaw is reported", mode.eq(spoilt).implies(own.flaw.ne(p.SOUND)), "a spoilt passage has a reason")
     newly = before_.ne(spoilt) & mode.eq(spoilt)
     yield _held(
-        "a passage is spoilt for the reason told",
+        "a passage is spoilt only for the reported reason",
         newly.implies(any_of(own.flaw.eq(flaw) & cause for flaw, cause in _causes(own).items())),
         "a passage is spoilt only by what its flaw says",
     )

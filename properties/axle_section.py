@@ -260,7 +260,7 @@ def _from_power_up(model: AxleSection) -> Iterator[Property]:
         "after power-up the section is not clear until reset and swept",
     )
     yield _held(
-        "a needed reset is asked for",
+        "a needed reset is requested",
         machine.flag("needs_reset").iff(mode.one_of(unknown, disturbed)),
         "the section reports that it needs a reset after power-up and while it is disturbed, and at no other time",
     )
@@ -273,7 +273,7 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
     goes_on = mode.eq(sweeping) & before_.eq(sweeping) & ~accepted
     kept = all_of(latch.iff(was(latch) | axles.ne(0)) for latch, axles in _ways(own))
     yield _held(
-        "sweep ways are kept",
+        "axles of a sweep stay counted at each end",
         goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.count)),
         "whatever the sweep did since the reset, at each end and in each direction, is counted and not forgotten on the way",
     )

@@ -39,7 +39,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
     """Claim that a dead or silent chain is soon no longer tested."""
     own, config, works = model.own, model.own.config, model.machine.flag("chain_tested")
     yield within(
-        "dead chain is told",
+        "a dead chain is reported",
         config.due_cycles,
         ~own.works,
         own.works | ~works,
@@ -50,7 +50,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         helper=lambda waited: works.implies(waited <= own.since),
     )
     yield within(
-        "silence is told",
+        "silence is reported",
         config.due_cycles,
         ~own.pattern.present,
         own.pattern.present | ~works,
@@ -139,7 +139,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     ours, off_place = _ours(own), _off_place(own)
     here = ours & own.place.present & ~off_place
     yield under_assumption(
-        "what passes came through the chain",
+        "a pattern that passes came through the chain",
         told.eq(PASSED).implies(own.works),
         statement="in the cycle in which a pattern passes the whole chain works",
     )
@@ -152,7 +152,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     meanings = {NOTHING: ~own.pattern.present, FOREIGN: own.pattern.present & own.pattern.value.ne(config.pattern)}
     meanings |= {NO_PLACE: ours & ~own.place.present, ELSEWHERE: ours & own.place.present & off_place}
     yield for_all_inputs(
-        "a pattern that does not pass is told as what it is",
+        "the verdict names why a pattern does not pass",
         all_of(told.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
         statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the "
         "own one from elsewhere",
@@ -177,7 +177,7 @@ def _failures(model: Emitter) -> Iterator[Property]:
     *_, failed = machine.modes
     mode, elsewhere = machine.mode, own.judged.eq(ELSEWHERE)
     yield for_all_inputs(
-        "a failed chain is told",
+        "a failed chain is reported",
         machine.flag("failed").iff(mode.eq(failed)),
         statement="the chain is reported as failed from the failure until it is tested again",
     )
@@ -225,7 +225,7 @@ def _recovery(model: Emitter) -> Iterator[Property]:
         statement="after a failure each pattern that passes counts, and none counts any longer when the next one is missed",
     )
     yield for_all_inputs(
-        "as many patterns as asked for recover",
+        "as many patterns as required recover",
         (before(mode).eq(failed) & passed).implies(mode.eq(tested).iff(so_far + 1 >= config.passes_to_recover)),
         statement="a failed chain is tested again exactly with the last of the required patterns",
     )

@@ -102,7 +102,7 @@ def _guaranteed(model: FibreArea) -> Iterator[Property]:
     of, verified = model.composition.of, model.verification
     seen = of(verified.machine)
     yield under_assumption(
-        "the area is told the truth",
+        "the area reads a true report",
         _report_law(model),
         statement="the machines before the area guarantee its assumption on a train's report",
         requirements=CLEAR,
@@ -115,7 +115,7 @@ def _guaranteed(model: FibreArea) -> Iterator[Property]:
         requirements=(*STAY, *CLEAR),
     )
     yield under_assumption(
-        "the verification is told the truth",
+        "the verification reads a true interval",
         seen.bool(place_law(verified.own)),
         statement="the fibre machines guarantee the verification's assumption on the front's interval",
     )
@@ -281,7 +281,7 @@ def _latch(model: FibreArea) -> Iterator[Property]:
     )
     given = earlier_bool(_trusted(model))
     yield for_all_inputs(
-        "what was given out is revoked",
+        "a reported position is revoked",
         (given & mode.eq(untrusted)).implies(seen.bool(verified.machine.flag("revoked"))),
         statement="a position that was reported is revoked in the cycle in which the train becomes untrusted",
         requirements=(*CLAIM, *ERROR),
@@ -315,7 +315,7 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
         requirements=CLEAR,
     )
     yield for_all_inputs(
-        "only a count makes whole",
+        "only an axle count confirms integrity",
         (integer & _told(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
@@ -374,7 +374,7 @@ def _charged(model: FibreArea) -> Iterator[Property]:
     front, rear = of.num(own.front_low), of.num(own.rear_high)
     most = figures.count_run_mm + figures.roll_back_mm
     yield for_all_inputs(
-        "a count is charged its run",
+        "a count adds its run to the error",
         told.implies(
             ((low + most <= front - long) | (run < -figures.count_run_mm))
             & ((high - most >= rear + long) | (run > figures.count_run_mm))
@@ -399,7 +399,7 @@ def _parted(model: FibreArea) -> Iterator[Property]:
     parted = area.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
     low_um, high_um = (area.num(exact_to(bound, UM)) for bound in (slot.low, slot.high))
     yield under_assumption(
-        "what a train lost is where the area says that the train may be",
+        "lost parts lie in the train's interval",
         parted.implies((low_um <= area.num(slot.true_rear)) & (area.num(slot.true_front) <= high_um)),
         statement="whenever the train parted, its last lost part lies in the train's interval from rear end to front end: "
         "a section there is not clear, for it is clear on evidence only",

@@ -62,7 +62,7 @@ def _given(model: FibreHandover) -> Iterator[Property]:
         statement="the reported position contains the train's front, whichever area it comes from",
     )
     yield for_all_inputs(
-        "nobody trusts, nothing is given out",
+        "a train that no area trusts is not reported",
         (~_trusted(model, model.giving) & ~_trusted(model, model.taking)).implies(~given & low.eq(0) & high.eq(0)),
         statement="if neither area trusts the train, no position is reported",
         requirements=CLAIM,
@@ -82,7 +82,7 @@ def _both(model: FibreHandover) -> Iterator[Property]:
         requirements=BORDER,
     )
     yield under_assumption(
-        "each speaks of its own stretch",
+        "each area reports on its own stretch only",
         (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
         & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
         statement="the giving area never reports a train beyond the shared stretch, nor the taking one a train before it",

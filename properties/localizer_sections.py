@@ -78,7 +78,7 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
         of.num(machine.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
     )
     yield under_assumption(
-        "the far end is held",
+        "the far end is inside its interval",
         of.bool(machine.flag("valid")).implies(
             between(exact_to(position - below, NM), of.num(own.truth), exact_to(position + above, NM))
         ),

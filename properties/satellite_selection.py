@@ -89,7 +89,7 @@ def _told(model: Selection, one: Channel) -> Iterator[Property]:
         (EXCLUDED, here & measured & ready & violated(one, config, config.removal)),
     )
     yield for_all_inputs(
-        f"{name}: what is not usable is told as what it is",
+        f"{name}: an unusable satellite has its true reason",
         all_of(now.eq(label).iff(meaning) for label, meaning in meanings),
         statement="a channel is reported to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
         "violate the criterion exactly where that is so",
@@ -208,7 +208,7 @@ def _subset(model: Selection) -> Property:
     else:
         kept = [one.standing.eq(EXCLUDED).implies(violated(one, config, "either")) for one in own.channels]
     return for_all_inputs(
-        "the strict criterion keeps no more",
+        "the strict criterion admits no more satellites",
         all_of(kept),
         statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
         "as well",
@@ -237,13 +237,13 @@ def _counted(model: Selection) -> Iterator[Property]:
         total = total + ite(machine.flag(f"channel_{one.number}_usable"), as_num(1, COUNT), 0)
     none, some = machine.modes
     yield for_all_inputs(
-        "usable ones are told and counted",
+        "the number of usable satellites is reported",
         machine.output("usable").eq(total) & machine.mode.eq(ite(total.eq(0), none, some)),
         statement="as many satellites are told to be usable as channels are, and whether there are any",
         requirements=("SAT-1",),
     )
     yield for_all_inputs(
-        "a usable channel is told",
+        "a usable channel is reported",
         all_of(machine.flag(f"channel_{one.number}_usable").iff(one.standing.eq(USABLE)) for one in own.channels),
         statement="a channel is reported as usable exactly if its standing is USABLE",
         requirements=("SAT-1",),

@@ -66,7 +66,7 @@ def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
     """Claim the limits within which a report narrows the interval."""
     of, own = model.composition.of(model.area.machine), model.area.own
     yield for_all_inputs(
-        f"train {one.number} report is charged its age",
+        f"train {one.number} report is widened by its age",
         _aged(of, one),
         statement="a report narrows a train's interval no further than to the stretch that the train can have reached "
         "since, at top speed",
@@ -80,7 +80,7 @@ def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
         requirements=("FVA-9",),
     )
     yield for_all_inputs(
-        f"train {one.number} is whole by a trusted word only",
+        f"only trusted reports confirm the integrity of train {one.number}",
         _confirmed(of, one, own.config.integrity_is_trusted),
         statement="the time without confirmed integrity ends by an accepted report of a train that is whole, if such "
         "reports are trusted, and never otherwise while the train is in the area",
@@ -166,7 +166,7 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
     age = of.num(machine.output("evidence_age_cycles"))
     _, free, occupied, _ = machine.modes
     yield for_all_inputs(
-        f"{name} says what it rests on",
+        f"{name} names its evidence",
         mode.eq(free).iff(evidence.one_of(NO_TRAIN, TRAINS_ELSEWHERE))
         & mode.eq(occupied).iff(evidence.eq(TRAIN_FOLLOWED)),
         statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train with recent reports "
@@ -186,7 +186,7 @@ def _timed(model: Sections, one: Section) -> Iterator[Property]:
     mode = of.num(machine.mode)
     _, _, occupied, _ = machine.modes
     yield for_all_inputs(
-        f"{name} keeps to its timers",
+        f"{name} obeys its timers",
         mode.eq(occupied).implies(all_of(_in_time(model, one))),
         statement="the state is no longer OCCUPIED from the cycle on in which the mute timer or the integrity timer of a "
         "train in the section ends",

@@ -49,7 +49,7 @@ def _age(model: Transmission) -> Iterator[Property]:
         statement="no position older than the limit is given out: a link without reports withdraws the position in time",
     )
     yield for_all_inputs(
-        "age is charged",
+        "age widens a stored report",
         kept.implies(
             (wider >= with_unit(before(own.held.age) * own.config.run_mm, MM))
             & own.held.age.eq(before(own.held.age) + 1)
@@ -130,12 +130,12 @@ def _arrived(model: Transmission) -> Iterator[Property]:
     known = _Before(own.flying, own.config)
     arrives, usable = own.arrived & known.young, was(own.flying.valid) & known.narrow
     yield for_all_inputs(
-        "a report that arrives is given out",
+        "a report that arrives is passed on",
         (arrives & usable).implies(valid & known.is_in(own.held)),
         statement="a position that arrives, no wider than the limit when widened by its age, is given out as it was sent",
     )
     yield for_all_inputs(
-        "a report that arrives without a usable position takes the last one away",
+        "a report without a usable position removes the last one",
         (arrives & ~usable).implies(~valid),
         statement="a report that holds no position, or one that is too wide by now, takes away what arrived before it",
     )
@@ -146,12 +146,12 @@ def _kept(model: Transmission) -> Iterator[Property]:
     known, coming = _Before(own.held, own.config), _Before(own.flying, own.config)
     waits = earlier_bool(valid) & ~(own.arrived & coming.young)
     yield for_all_inputs(
-        "a position is given out until the next arrives",
+        "a position is passed on until the next arrives",
         (waits & known.young & known.narrow).implies(valid & known.is_in(own.held)),
         statement="while no report arrives, the one that is held is given out as long as it is young and narrow enough",
     )
     yield for_all_inputs(
-        "the age is told",
+        "the age is reported",
         ite(valid, age.eq(with_unit(own.held.age * own.config.period_ms, MS)), age.eq(0)),
         statement="the age of a given position is reported, and 0 where there is none",
     )

@@ -68,7 +68,7 @@ def _begins(model: TravelDirection) -> Iterator[Property]:
     begun = half & (own.balise | before(machine.mode).ne(machine.modes[1]))
     passed = _passed_last(own)
     yield for_all_inputs(
-        "equal models tell nothing",
+        "equal models start no decision",
         begun.implies(_tells(own)),
         statement="a balise between equal models, or without one on either side, starts no decision",
     )
@@ -148,7 +148,7 @@ def _stays(model: TravelDirection) -> Iterator[Property]:
         statement="the machine withdraws a direction only at a balise, or when the vehicle turns",
     )
     yield for_all_inputs(
-        "the model passed last is kept",
+        "the model passed last stays stored",
         own.last.eq(ite(own.backwards, NO_MODEL, _passed_last(own))),
         statement="the machine stores the model of the last reflector passed until the vehicle passes another one or turns",
     )

@@ -146,7 +146,7 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
         named: Updates = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
         noticed = together(_nothing(own), named, {own.reason: CONTRADICTION})
         yield Transition("contradiction while withheld", lost, lost, clash, noticed, REQUIREMENTS, 1)
-    yield Transition("nothing to give out", lost, lost, set=_nothing(own), requirements=REQUIREMENTS, rank=2)
+    yield Transition("nothing to report", lost, lost, set=_nothing(own), requirements=REQUIREMENTS, rank=2)
 
 
 def _told(own: Parts, cycle: Cycle, lag: Num) -> Updates:

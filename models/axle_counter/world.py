@@ -63,7 +63,7 @@ def _head_laws(own: Parts) -> dict[str, Bool | Law]:
             owner="supplier",
             check="speeds of consecutive axles; the train's own speed",
         ),
-        "a passage is told to be over when it is": Law(
+        "a passage is reported as over only when it is": Law(
             (own.over & own.true_axles.eq(0)).implies(_away_after(own)),
             "The input that the counter is clear is true only if the next axle belongs to another passage.",
             figures=("axle_gap_mm",),

@@ -347,5 +347,5 @@ def _alike(own: Parts) -> dict[str, Bool]:
     }
     if not own.config.told_distance:
         gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.heard)
-        found["the odometer is gated as the world would"] = gated
+        found["machine and world agree on the last odometer distance"] = gated
     return found

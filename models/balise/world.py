@@ -1,6 +1,6 @@
 """The world of the balise machine: where the front end really is, over which group its antenna stood, and what the map has of it.
 
-    the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    the odometer  delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
     the antenna   stood over the group whose telegram is read, within its detection accuracy, and time and counter say how
                   long ago
     the map       has a group within its location accuracy of where it lies, or so far off that no interval reaches there:
@@ -36,7 +36,7 @@ from safeloc.models.balise.telegram import LINKED, NOMINAL, PASSED, REVERSE, UNK
 from safeloc.models.balise.variables import BaliseConfig, Parts
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 
-ODOMETER = "the odometer keeps its law"
+ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can be made to keep, if it judges the distance."""
 KEPT = "the groups that the map announced are read where the machine keeps them; a claim shows that it keeps them as announced"
 
@@ -61,8 +61,8 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         ODOMETER: _odometer_law(own),
         "the vehicle stays on the line": _line_law(own),
         "the antenna stood over the group that is read": _antenna_law(own),
-        "the counter tells the run since the reading": _counter_law(own),
-        "the age tells the run since the reading": _age_law(own),
+        "the counter measures the run since the reading": _counter_law(own),
+        "the age bounds the run since the reading": _age_law(own),
         "the map has an announced group, or is far off": _announced_law(own),
         "a group's own place is right, or far off": _own_place_law(own),
         "groups that are far off do not follow each other": _rare_law(own),

@@ -174,7 +174,7 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
         "symbol not read", counting, counting, cycle.leaves & ~cycle.turned_back,
         together(heard, edge, passed, _no_word(own)), CODE, 4)  # fmt: skip
     yield Transition(
-        "word found", counting, located, whole, together(heard, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
+        "code word found", counting, located, whole, together(heard, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
     yield Transition("count on", counting, counting, TRUE, together(heard, on, no_signal), COUNTS, 6)
 
 
@@ -260,14 +260,16 @@ def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
         "a section can be uncounted": (inside & (counting | located)).implies(
             abs_(cycle.uncounted) <= own.config.section_limit
         ),
-        "the world hears what the machine hears": all_of(
+        "machine and world follow the same amplitude": all_of(
             [own.band.eq(seen.band), own.forwards.iff(seen.upwards), own.unheard.eq(seen.unheard)]
         ),
-        "the run is charged what it may be wrong by": (counting | located).implies(own.drift.eq(seen.wrong)),
+        "the run's error bound equals the world's": (counting | located).implies(own.drift.eq(seen.wrong)),
         "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),
         "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.base, NM))),
         "the section entered is the map's": (located & inside).implies(all_of([*of_map, *told])),
-        "its number is kept": (located & inside).implies(seen.ahead_by.eq(seen.count - own.count)),
+        "the world tracks the difference of the counts": (located & inside).implies(
+            seen.ahead_by.eq(seen.count - own.count)
+        ),
     }
 
 

@@ -240,7 +240,7 @@ def _laws(own: Parts, now: Passing) -> dict[str, Bool | Law]:
         "sections near each other in number look different": _code_law(own, now),
         "sections are passed one at a time": _count_law(own, now),
         "a reference is true": _reference_law(own, now),
-        "a word that is found is found where it lies": _word_law(own),
+        "a code word that is found lies at its place": _word_law(own),
     }  # fmt: skip
 
 

@@ -154,9 +154,9 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
     straight, counts = exact_to(own.straight, UM), own.since <= own.config.count_run_mm * UM_PER_MM
     body = (own.body_rear - own.since <= own.lowest) & (own.highest <= own.body_front + own.since)
     return {
-        "an end that leads since it was whole is the train's": (own.since < straight).implies(own.front_is)
+        "an end that leads since the train was complete is the train's": (own.since < straight).implies(own.front_is)
         & (own.since < -straight).implies(own.rear_is),
-        "a train that is told whole was so within the count's run": current.eq(whole).implies(counts),
+        "a train reported complete was so within the count's run": current.eq(whole).implies(counts),
         "a believed high end is the train's": current.eq(high).implies(own.front_is),
         "a believed low end is the train's": current.eq(low).implies(own.rear_is),
         "its body moved no farther than the train ran": counts.implies(body),
@@ -174,12 +174,12 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: Updates, rank: int
     ) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
-        yield Transition(f"{name}, not told", source, target, when & ~good, untold, REQUIREMENTS, rank)
+        yield Transition(f"{name}, not reported", source, target, when & ~good, untold, REQUIREMENTS, rank)
 
     yield from row("count matches", table, whole, own.counted, now.good_whole, charged, 0)
     led_up, led_down = now.up & now.led_high(own.straight), now.down & now.led_low(own.straight)
-    yield from row("runs up since it was whole", whole, high, led_up, now.good, told, 1)
-    yield from row("runs down since it was whole", whole, low, led_down, now.good, told, 1)
+    yield from row("runs up since it was complete", whole, high, led_up, now.good, told, 1)
+    yield from row("runs down since it was complete", whole, low, led_down, now.good, told, 1)
     yield from row("runs up still", high, high, now.up, now.good, told, 1)
     yield from row("runs down still", low, low, now.down, now.good, told, 1)
     yield Transition("may be in parts", table, neither, TRUE, untold, REQUIREMENTS, 2)

@@ -41,7 +41,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
     up, down = own.upwards & ~own.downwards, own.downwards & ~own.upwards
     return {
         "a count is that of the train within its last run": _count(own),
-        "a whole train is its pattern": Law(
+        "a complete train fills its pattern": Law(
             own.next_whole.implies(own.next_body_rear.eq(own.pattern_rear) & own.next_body_front.eq(own.pattern_front)),
             "A train that lost nothing lies from end to end of its pattern.",
             source="[D] a definition of the body",
@@ -49,7 +49,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
         ),
         "a pattern is part of the train": _part(own),
         "the train is no longer than its reference": _length(own),
-        "the run that is told was run": _run(own, up, down),
+        "the reported run was run": _run(own, up, down),
         "the leading high end stays the train's": _stays(own.front_is & up & ~own.gone, own.next_front_is, "high"),
         "the leading low end stays the train's": _stays(own.rear_is & down & ~own.gone, own.next_rear_is, "low"),
         "the train's high end is near the pattern's": _read(own, own.next_front_is, own.next_front, own.pattern_front, "high"),

@@ -6,10 +6,10 @@
     reflector      radar reflectors in the view zone
     selection, position   usable satellites, and the position along the track from them alone
     verification   the trackside's fibre position, verified against an axle counter
-    downlink       brings the verified fibre position on board; its age is charged
+    downlink       brings the verified fibre position on board; its age widens it
     arbitration    what all that state a position have in common
     delocalized    what the vehicle does with it: pass it on, or be restrictive
-    uplink         brings the position that is passed on to the trackside; its age is charged
+    uplink         brings the position that is passed on to the trackside; its age widens it
 
 A later machine sees what an earlier one computed in the same step. Any of the five sources may be left out. Each keeps its
 own proofs; what arbitration, the links and the restrictive state assume of the machines before them, and the satellites'

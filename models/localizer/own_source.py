@@ -33,7 +33,7 @@ TAKEN = (
     *SOURCES, "none", "withheld", "motion", "selection", "position", "verification", "downlink", "arbitration", "delocalized", "uplink",
 )  # fmt: skip
 """Names that the localizer's own machines and modes have."""
-SHARED_LAWS = ("the vehicle keeps to its highest speed", "the vehicle stays on the line")
+SHARED_LAWS = ("the vehicle never exceeds its highest speed", "the vehicle stays on the line")
 
 
 @dataclass(frozen=True, eq=False)

@@ -196,7 +196,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
             owner="operator",
             check="train data entry: which end is the front",
         ),
-        "a whole train has its length": Law(
+        "a complete train has its length": Law(
             own.whole.implies(between(length - slack, extent, length + slack)),
             "A train that integrity monitoring confirms as whole is as long as its data say, within their tolerance.",
             ("length_mm", "length_tolerance_mm"),
@@ -204,7 +204,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
             "operator",
             "train data entry; on-board integrity monitoring",
         ),
-        "the far end keeps to the highest speed": Law(
+        "the far end never exceeds the highest speed": Law(
             between(-most, own.next_far - own.far, most),
             "No part of the train runs faster than the line's highest speed.",
             source="[D] line speed",

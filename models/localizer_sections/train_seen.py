@@ -216,7 +216,7 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
         "the believed end is the front end's": all_of(
             [(told & up).implies(front <= high), (told & own.downwards).implies(low <= front)]
         ),
-        "a whole train is held": all_of(
+        "a complete train's far end is inside": all_of(
             [(whole & up).implies(low <= far), (whole & own.downwards).implies(far <= high)]
         ),
         "bounds in order": own.low <= own.high,

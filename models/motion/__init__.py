@@ -200,7 +200,7 @@ def _rows(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     distance = own.odometer.distance if own.check is None else own.check.distance
     every = together(own.odometer.listen(), *_checked(own.check), {own.distance: distance})
     agree = TRUE if own.check is None else ~own.check.disagree
-    yield Transition("distance told", table, measuring, own.told & agree, every, ("MRK-4",), 0)
+    yield Transition("distance reported", table, measuring, own.told & agree, every, ("MRK-4",), 0)
     if own.check is not None:
         yield Transition("units disagree", table, measuring, own.check.disagree, every, REQUIREMENTS, 0)
         alone = own.check.alone & ~own.failed

@@ -15,7 +15,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.motion.unit_check import UnitCheck
 from safeloc.models.motion.world import ODOMETER_LAWFUL, CheckGhosts, Surroundings
 
-DEFINED = "the one-off error of what is told"
+DEFINED = "the one-off error of the reported run"
 
 
 def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
@@ -44,9 +44,9 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
     assert seen is not None
     found = {DEFINED: seen.told.eq(seen.wander + _uncharged(seen, check.apart))}
     for unit, ghosts in ((check.odometer, seen.odometer), (check.unit, seen.check)):
-        found[f"{unit.step.value.name} is gated as the world would"] = unit.gap.eq(ghosts.silent) & unit.last.eq(
-            ghosts.heard
-        )
+        found[f"machine and world agree on the last distance of {unit.step.value.name}"] = unit.gap.eq(
+            ghosts.silent
+        ) & unit.last.eq(ghosts.heard)
     return found
 
 

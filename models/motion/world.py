@@ -1,6 +1,6 @@
 """The world of a vehicle's movement: its true position, and the laws of its two units.
 
-    the lawful unit   delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing; it is
+    the lawful unit   delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing; it is
                       unknown which of the two units this is
     the other unit    delivers anything
     standing          where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or
@@ -182,7 +182,7 @@ def _vehicle_laws(own: Surroundings) -> dict[str, Law]:
     seen, farthest = own.ghosts, own.physics.farthest_nm
     line = between(seen.truth.low, seen.truth + seen.true_step, seen.truth.high)
     return {
-        "the vehicle keeps to its highest speed": Law(
+        "the vehicle never exceeds its highest speed": Law(
             between(-farthest, seen.true_step, farthest),
             "The vehicle runs no faster than its highest speed, either way.",
             ("max_speed_mm_s", "period_ms"),
@@ -203,7 +203,7 @@ def _vehicle_laws(own: Surroundings) -> dict[str, Law]:
 
 def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
     laws = {
-        f"the {name}, where it is the lawful unit, keeps its law": _keeps(own, seen, unit, lawful, name)
+        f"the {name}, if it is the lawful unit, obeys its error law": _keeps(own, seen, unit, lawful, name)
         for name, unit, lawful in zip(("odometer", "check unit"), own.units, LAWFUL, strict=True)
     }
     if own.creep_mm_s is None:

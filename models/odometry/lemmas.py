@@ -17,7 +17,7 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
     for index, unit in enumerate(own.units):
         device, _ = own.partner(unit)
         sound = _holds(own, unit) & _set_no_earlier(own, index, device)
-        found[f"{unit.name} is gated as the world would"] = _gated_alike(own, index)
+        found[f"machine and world agree on the last distance of {unit.name}"] = _gated_alike(own, index)
         stray = current.eq(candidate) & (own.ghosts.since_stray <= device.age)
         found[f"{unit.name} holds the truth"] = unit.alive.implies(sound | stray)
         found[f"{unit.name} is dead while delocalized"] = current.eq(lost).implies(~unit.alive)

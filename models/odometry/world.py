@@ -2,7 +2,7 @@
 
 The world knows the inputs and the configuration, and nothing that the machine makes of them.
 
-    a unit     delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    a unit     delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
     a reader   stands over the marker whose identity it gives and says what was run since then, or, rarely, it gives the
                identity of a marker that lies far away
     the map    has a marker within its accuracy of where it really lies
@@ -66,7 +66,7 @@ def on_board(machine: Machine) -> Machine:
 
 
 def _laws(own: Parts) -> dict[str, Law]:
-    units = {f"{unit.name} keeps its error law": _unit_law(own, index) for index, unit in enumerate(own.units)}
+    units = {f"{unit.name} obeys its error law": _unit_law(own, index) for index, unit in enumerate(own.units)}
     readers: dict[str, Law] = {}
     for end, name in enumerate(ENDS):
         readers[f"{name} reader stood over its marker"] = _reader_law(own, end)
@@ -126,7 +126,7 @@ def _unit_law(own: Parts, index: int) -> Law:
 
 
 def lawful(own: Parts, unit: Unit) -> Bool:
-    """Return whether the unit keeps its error law; in a machine without faults every unit does."""
+    """Return whether the unit obeys its error law; in a machine without faults every unit does."""
     if own.ghosts.faulty is None:
         return TRUE
     return own.ghosts.faulty.ne(Lit(1 + own.units.index(unit), own.ghosts.faulty.unit))
@@ -176,7 +176,7 @@ def _reader_law(own: Parts, end: int) -> Law:
         "reading without that distance was taken at some time in this cycle. Within a cycle the speed changes by no more than "
         "the greatest acceleration allows.",
         ("reader_latency_ms", "max_acceleration_mm_s2", "rate_ppm"),
-        "[S] balise reader 10 +- 2 ms; the distance told since then [D]: by counting units, over less than a cycle",
+        "[S] balise reader 10 +- 2 ms; the distance reported since then [D]: by counting units, over less than a cycle",
         "supplier",
         "type test of reader and time stamp at the highest speed",
         "how far the vehicle ran since the reading, either way, is one input or 0; both speak of its size",
@@ -267,7 +267,7 @@ def _vehicle_laws(own: Parts) -> dict[str, Law]:
     said = exact_to(as_num(config.vehicle_length_mm, MM) if own.length is None else own.length, NM)
     slack = config.vehicle_length_tolerance_mm * NM_PER_MM
     return {
-        "the vehicle keeps to its highest speed": Law(
+        "the vehicle never exceeds its highest speed": Law(
             between(-farthest, seen.true_step, farthest),
             "The vehicle runs no faster than its highest speed, either way.",
             ("max_speed_mm_s", "period_ms"),
@@ -275,7 +275,7 @@ def _vehicle_laws(own: Parts) -> dict[str, Law]:
             "operator",
             "speed supervision",
         ),
-        "the vehicle is as long as told": Law(
+        "the readers are as far apart as configured": Law(
             between(said - slack, seen.length, said + slack),
             "The readers are as far apart as the vehicle's data say, within their tolerance.",
             ("vehicle_length_mm", "vehicle_length_tolerance_mm"),

@@ -177,7 +177,7 @@ def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
                 track.above - own.open_long,
             )
         ),
-        "a measured interval is charged what was left open": current.eq(view).implies(
+        "a measured interval includes the error left open": current.eq(view).implies(
             (track.above >= own.open_long) & (track.below >= own.open_short)
         ),
         "in a self-test the anchor holds the truth": current.eq(reference).implies(
@@ -193,10 +193,10 @@ def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
                 own.config.map_accuracy_mm,
             )
         ),
-        "the self-test left open what the radar is wrong by": ready.implies(
+        "the radar's error is within the error left open": ready.implies(
             between(-own.open_short, own.ghosts.bias, own.open_long)
         ),
-        "nothing is kept while delocalized": current.eq(lost).implies(
+        "no interval stays stored while delocalized": current.eq(lost).implies(
             all_of(var.eq(0) for var in (track.position, track.above, track.below))
         ),
         "the target is an entry of the map": current.one_of(reference, search, view, coast, passing).implies(

@@ -1,6 +1,6 @@
 """The world of the reflector machine: the true places of end A and of each echo's origin, and the laws of sensors and map.
 
-    odometer      delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    odometer      delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
     balise        lies at the place that the reading gives; a stray reading comes from a balise far away
     reflector     sends an echo that shows its model, and that has the minimum intensity only within the strong range; the
                   error of its range is the echo's own and the radar's
@@ -40,7 +40,7 @@ from safeloc.models.reflector.variables import Parts, ReflectorConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
-ODOMETER = "the odometer keeps its law"
+ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can guarantee if it checks the distance."""
 FAR_STEPS = 16
 """Distance at the highest speed, in cycles: more than all errors that a cycle adds on either side."""
@@ -92,9 +92,9 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
         "an echo of a reflector has its range": _range_law(own),
         "the radar's systematic error drifts slowly": _drift_law(own),
         "the radar's scale is within its figure": _scale_law(own),
-        "no reflector is heard from beyond the strong range": _reach_law(own),
+        "no strong echo comes from beyond the strong range": _reach_law(own),
         "the prescribed distance is that of the map": _prescribed_law(own),
-        "the map tells models apart by distance": _map_law(own),
+        "reflectors of one model are far apart on the map": _map_law(own),
         "other things show no reflector's signature": _clutter_law(own),
     }  # fmt: skip
 

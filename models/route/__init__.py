@@ -85,7 +85,7 @@ def build(own: Parts) -> Route:
         definitions={f"route {cycle.route.number} fits what is seen": cycle.fits for cycle in cycles},
         doc=(
             "The routes on which the vehicle may be, each with its interval. Assumed: at a start the true route is among the "
-            "candidates, and the vehicle is within the start's error; the odometer keeps its error law; each sighting is of a "
+            "candidates, and the vehicle is within the start's error; the odometer obeys its error law; each sighting is of a "
             "reflector beside the true route, with its range and model, and the map names that reflector for the route "
             "(layout rule: places of one model differ by more than all errors); the vehicle took a turn that was seen. Nothing "
             "is assumed of reflectors and turns that were not seen."

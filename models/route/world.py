@@ -1,6 +1,6 @@
 """The world of the route machine: the true route and place of the vehicle, and the laws of odometer, radar and map.
 
-    odometer   delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    odometer   delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
     start      gives the greatest distance from the common start, and the routes that begin there
     reflector  is sighted at its range within the error, and shows its own model, or no known one
     turn       that is seen is the one that the vehicle takes
@@ -33,12 +33,12 @@ def world(own: Parts) -> World:
         choices=own.declared.choices,
         moves=moved | odometer.moves(),
         clauses={
-            "the odometer keeps its law": _odometer_law(own),
-            "the vehicle keeps to its highest speed": _speed_law(own),
+            "the odometer obeys its error law": _odometer_law(own),
+            "the vehicle never exceeds its highest speed": _speed_law(own),
             "the vehicle stays on the line": _line_law(own),
             "the start names the true route and place": _start_law(own),
             "a reflector is sighted at its range": _range_law(own),
-            "a model that is recognised is the reflector's own": _model_law(own),
+            "a recognised model is the sighted reflector's": _model_law(own),
             "the map has the sighted reflector on the true route": _map_law(own),
             "a turn that is seen is taken": _turn_law(own),
             "the map has the course of the true route": _course_law(own),

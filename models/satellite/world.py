@@ -20,7 +20,7 @@ Trusted = Literal["satellites", "odometry"]
 REFERENCE = "a reference holds the true place"
 """The clause that an earlier machine can be made to keep, if the reference is its position."""
 
-SELECTED = "a usable satellite keeps its bound"
+SELECTED = "a usable satellite's error is within its bound"
 """The clause that the selection is proved to guarantee in a composition."""
 
 
@@ -175,7 +175,7 @@ def _solution_holds(own: Parts) -> Bool:
 def _run(own: Parts) -> dict[str, Law]:
     off, error = own.next_truth - own.truth - exact_to(own.odometry.value, NM), exact_to(own.odometry_error, NM)
     return {
-        "what is believed of odometry is true": Law(
+        "reported odometry is true": Law(
             own.odometry.present.implies(between(-error, off, error)),
             "The vehicle ran in the cycle what odometry reports, within the error reported with it.",
             ("max_speed_mm_s", "period_ms"),

@@ -84,7 +84,9 @@ def build(own: Parts) -> Selection:
         outputs=outputs,
         transitions=list(_table(own, table)),
         world=world(own),
-        lemmas={"usable ones are counted": own.usable.eq(_count(one.standing.eq(USABLE) for one in own.channels))},
+        lemmas={
+            "usable satellites are counted": own.usable.eq(_count(one.standing.eq(USABLE) for one in own.channels))
+        },
         doc=(
             "The usable satellites among the visible ones. Assumed: a difference is the signal's own error plus what the "
             "prediction's error makes of it, less the error of the clock. Nothing is assumed of a signal's error."

@@ -21,7 +21,7 @@ def world(own: Parts) -> World:
         clauses={
             "a valid interval holds the truth": _reported(own),
             "speed is measured within its error": _measured(own),
-            "the brakes keep their distance": _braked(own),
+            "the brakes reach their guaranteed rate": _braked(own),
             "a higher speed has a greater square": _squared(own),
         },
     )

@@ -29,9 +29,9 @@ def world(own: Parts) -> World:
         moves=moves,
         clauses={
             "trains keep their order": _order_law(own),
-            "a train that leaves is told with its end": _leaving_law(own),
-            "a train that enters is told with its end": _entering_law(own),
-            "an area that is told to be empty is empty": _empty_law(own),
+            "a leaving train is reported with its end": _leaving_law(own),
+            "an entering train is reported with its end": _entering_law(own),
+            "an area that is reported as empty is empty": _empty_law(own),
             "each of as many patterns holds a train": _pattern_law(own),
         },
     )

@@ -218,7 +218,7 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
                     owner="supplier",
                     check="replayed recordings with a known true position",
                 ),
-                "the vehicle keeps to its highest speed": Law(
+                "the vehicle never exceeds its highest speed": Law(
                     _moves(own),
                     "The vehicle runs no faster than its highest speed, either way.",
                     ("max_speed_mm_s", "period_ms"),
@@ -278,6 +278,6 @@ def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:
     return {
         "a report on its way holds the truth": flying.holds(own.truth, own.config),
         "a report that arrived holds the truth": kept.holds(own.truth, own.config),
-        "what is given out is held, and narrow enough": held.implies(kept.usable(own.config)),
-        "nothing is held that is not given out": held | ~kept.there,
+        "a report that is passed on is stored and usable": held.implies(kept.usable(own.config)),
+        "every stored report is passed on": held | ~kept.there,
     }

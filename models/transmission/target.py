@@ -19,7 +19,7 @@ def target(config: TransmissionConfig) -> Target:
 ENTRIES = (
     Entry(
         "transmission",
-        "a position on its way; its age is charged",
+        "a position on its way; its age widens it",
         TransmissionConfig,
         target,
         Family.LOCALIZER,

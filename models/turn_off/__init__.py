@@ -102,7 +102,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("runs straight on", over, decided, goes_on, on, REQUIREMENTS, 4)
     yield Transition("watch", over, over, TRUE, watched, REQUIREMENTS, 5)
     yield Transition("back before the switch", (decided, unseen), idle, own.before, forgotten, REQUIREMENTS, 5)
-    yield Transition("keep the course", decided, decided, TRUE, asked, REQUIREMENTS, 6)
+    yield Transition("course stays decided", decided, decided, TRUE, asked, REQUIREMENTS, 6)
 
 
 def _misses(own: Parts) -> Num:

@@ -23,13 +23,13 @@ def world(own: Parts) -> World:
             own.place: _place(own),
         },
         clauses={
-            "a switch is told while it lies ahead": _told_ahead(own),
+            "the map gives a switch only while it lies ahead": _told_ahead(own),
             "a vehicle takes one course": _one_course(own),
             "images are measured within their error": _measured(own),
             "the image rests before the switch": _rests(own),
-            "running straight it only sways": _sways(own, chosen),
-            "turning left it moves left": _turns(own, chosen, left=True),
-            "turning right it moves right": _turns(own, chosen, left=False),
+            "running straight only sways the image": _sways(own, chosen),
+            "turning left moves the image right": _turns(own, chosen, left=True),
+            "turning right moves the image left": _turns(own, chosen, left=False),
         },
     )
 

@@ -138,7 +138,7 @@ def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
     yield Transition("verified", known, trusted, good, together(goes_on, verified), course, 3)
     yield Transition("still verified", trusted, trusted, fresh, together(goes_on, verified), course, 4)
     yield Transition("not verified now", known, withheld, TRUE, together(goes_on, lack), course, 5)
-    yield Transition("mismatch is kept", untrusted, untrusted, TRUE, {}, REQUIREMENTS, 5)
+    yield Transition("mismatch stays latched", untrusted, untrusted, TRUE, {}, REQUIREMENTS, 5)
     yield Transition("no train", none, none, TRUE, gone, REQUIREMENTS, 5)
 
 

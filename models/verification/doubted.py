@@ -34,7 +34,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, Parts
 
 RECORD = "an axle counter's record is true"
-HANDED_OVER = "what a neighbour hands over is true"
+HANDED_OVER = "a neighbour's record is true"
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +192,7 @@ def _records(train: Doubted) -> dict[str, Bool | Law]:
             "The record that the neighbouring area hands over of a train that it trusts is true: axles, bounds "
             "of the length, and bounds of the front as many cycles ago as the record is old.",
             figures=("max_speed_mm_s", "period_ms"),
-            source="[D] claimed of this machine: what is handed over is true",
+            source="[D] claimed of this machine: a record that is handed over is true",
             owner="infrastructure",
             check="the neighbour verifies by this same machine; the link is safe against corruption (EN 50159)",
         ),

@@ -40,15 +40,15 @@ def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool
         "the front is where it can be": serves.implies(
             between(exact_to(own.possible_low, NM), own.truth, exact_to(own.possible_high, NM))
         ),
-        "what the record leaves open is counted": serves.implies(train.width.eq(exact_to(width, NM))),
-        "what the record leaves open grows": serves.implies(
+        "the world follows the width that the record leaves open": serves.implies(train.width.eq(exact_to(width, NM))),
+        "the width that the record leaves open grows": serves.implies(
             with_unit(train.record_ago * (2 * own.config.fastest_run_mm), MM) <= width
         ),
         "trusted is no farther than the record allows": trusted.implies(met & (width <= limit)),
-        "what is trusted is the last place": trusted.implies(
+        "a trusted position is the last place": trusted.implies(
             own.place_known & own.reach.eq(0) & own.last_place.eq(own.front)
         ),
-        "a verification is no younger than what the fibre told": known.implies(train.untold_for <= own.age),
+        "a verification is no younger than the fibre's right data": known.implies(train.untold_for <= own.age),
     }
 
 

@@ -119,7 +119,7 @@ def _references(model: Balise) -> Iterator[Property]:
     )
     accepted = own.memory.verdict.eq(v.ACCEPTED)
     yield for_all_inputs(
-        "only whole and undamaged groups count",
+        "only complete and undamaged groups count",
         own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.whole),
         statement="a group counts only if every balise of it was read, with right check bits, no longer ago than permitted, "
         "while running forwards",
@@ -174,13 +174,13 @@ def _facing(model: Balise) -> Iterator[Property]:
     remembers = own.memory.group.ne(0)
     now = step.counts & (step.oriented | step.surely_ahead)
     yield for_all_inputs(
-        "direction is told when balises tell it",
+        "only balise groups set the reported direction",
         along.iff(remembers & (was_along | now)),
         statement="the direction is told from the group on that was passed as it was to be, or that lies surely beyond the "
         "one before, as long as a group is remembered; never by anything else",
     )
     yield for_all_inputs(
-        "direction is put out",
+        "the stored direction is reported",
         machine.output("direction").eq(own.memory.direction),
         statement="the direction told is the one that is remembered",
     )
@@ -205,7 +205,7 @@ def _resets(model: Balise) -> Iterator[Property]:
         statement="no telegram moves an end of the interval outward or makes the margin greater than odometry alone had it",
     )
     yield always(
-        "a reset keeps the truth",
+        "a reset interval contains the true position",
         (accepted & valid).implies(between(interval.low, own.world.truth, interval.high)),
         statement="what the telegram and the interval have in common holds the true position",
         requirements=("RFL-5", "RFL-D4"),
@@ -233,7 +233,7 @@ def _told_ahead(model: Balise) -> Iterator[Property]:
     new = own.reflector.place.ne(earlier_num(own.reflector.place)) & own.reflector.known
     reach = own.read.reflector.value
     yield for_all_inputs(
-        "reflector told by an accepted telegram",
+        "only an accepted telegram gives a reflector",
         (told | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
         statement="the distance to the next reflector is taken only from a telegram that counts, from its group's place on",
         requirements=("RFL-9",),
@@ -252,7 +252,7 @@ def _told_of(model: Balise, name: str, distance: Optional) -> Property:
     kept = [known.iff(still), place.eq(ite(still, was, zero))]
     counted = own.memory.verdict.eq(v.ACCEPTED)
     return for_all_inputs(
-        f"{name} distance of the telegram is told",
+        f"the telegram's {name} distance is reported",
         valid.implies(ite(counted, all_of(afresh), (~earlier_bool(valid)) | all_of(kept))),
         statement=f"from an accepted telegram with a {name} distance on, the place so far beyond its group is told, until the "
         "min safe front end is beyond it or another group counts; without that distance nothing is told",

@@ -28,7 +28,7 @@ def _kept(model: Balise) -> Iterator[Property]:
     for number, slot in enumerate(slots, 1):
         was = [_as_it_was(slot, before) for before in slots[number - 1 :]]
         yield for_all_inputs(
-            f"announced group {number} is kept as announced",
+            f"announced group {number} stays stored as announced",
             slot.group.eq(0) | any_of([_as_announced(model, slot), *was]),
             statement="a group that is held is one that was held before, as it was and no nearer than it was, or the one "
             "announced in this very step: its place, accuracy, orientation and linking reaction",
@@ -125,7 +125,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
     )
     for name, event in _events(step).items():
         yield for_all_inputs(
-            f"told: {name}",
+            f"reported: {name}",
             (step.kept & event).implies(machine.fired(name)),
             statement=f"whenever it happens, the table says so: {name}",
         )

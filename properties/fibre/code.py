@@ -95,7 +95,7 @@ def _words(model: Fibre) -> Iterator[Property]:
     window = own.config.window
     taken = own.base.eq(own.answer_place) & own.count.eq(own.answer_count)
     yield for_all_inputs(
-        "a word is whole",
+        "a code word is complete",
         (was_counting & mode.eq(located) & ~own.reference).implies(own.answer & before(own.read).eq(window) & taken),
         statement="the code gives a place only when as many symbols were read as make a window of the line unique, and the "
         "place is the map's answer",
@@ -112,7 +112,7 @@ def _read(model: Fibre) -> Iterator[Property]:
     read = counts & seen.returns & (seen.long | seen.short)
     longer = own.read.eq(minimum(before(own.read) + 1, window))
     yield for_all_inputs(
-        "the word is what was read",
+        "the code word consists of the sections read",
         read.implies(_joined(model, _symbol(model)) & longer),
         statement="the kind and the length of the section passed join the word; the oldest symbol of a whole word is "
         "dropped",
@@ -128,7 +128,7 @@ def _unread(model: Fibre) -> Iterator[Property]:
     unread = counts & seen.returns & ~(seen.long | seen.short)
     turned = counts & seen.changes & was(own.counted) & seen.forwards.iff(~was(own.upwards))
     yield for_all_inputs(
-        "what is not read breaks the word",
+        "a section that is not read breaks the word",
         (unread | turned).implies(own.word.eq(0) & own.read.eq(0)),
         statement="a new word begins at a section whose length cannot be read or that was left again, and at a change of "
         "direction",

@@ -64,7 +64,7 @@ def _known(model: Fibre) -> Iterator[Property]:
     )
     follows = mode.ne(waiting) & ~machine.flag("error")
     yield for_all_inputs(
-        "a count that is known is told",
+        "a known count is reported",
         machine.flag("count_known").iff(own.counted & follows)
         & machine.output("count").eq(ite(follows & (own.counted | mode.eq(located)), own.count, as_num(0, COUNT))),
         statement="while sections are followed, the count is reported from the first signal on, and whenever the train is "

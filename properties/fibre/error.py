@@ -41,7 +41,7 @@ def _disagreements(model: Fibre) -> Iterator[Property]:
     newly = before(mode).ne(faulted) & mode.eq(faulted)
     causes = any_of(own.why.eq(reason) & cause for reason, cause in seen.flaws.items())
     yield _held(
-        "F is for the reason told",
+        "F arises only for the reported reason",
         newly.implies(was_located & causes),
         "F arises only from a disagreement that its reason names, in that cycle, and only if the end was located",
         CHECKED,

@@ -78,21 +78,21 @@ def _charged(model: Fibre) -> Iterator[Property]:
     own, seen = model.own, Seen(model.own)
     none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
     yield for_all_inputs(
-        "every run is charged",
+        "every run adds its error",
         (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if "
         "none was measured",
     )
     edge = follows & ~none
     yield for_all_inputs(
-        "an edge is charged the run of its cycle",
+        "an edge adds the run of its cycle to the error",
         edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
         statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before "
         "it: the whole run since the last amplitude is added to the error",
     )
     most = own.config.tolerance_mm * NM_PER_MM
     yield for_all_inputs(
-        "the run without an amplitude is kept",
+        "runs without an amplitude are summed",
         own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
         statement="in each cycle without an amplitude the run and its greatest error are added to the run without an "
         "amplitude, up to the tolerance",
@@ -134,7 +134,7 @@ def _referred(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     at_place = own.base.eq(own.reference_place) & own.since.eq(0) & own.drift.eq(0) & own.count.eq(own.reference_count)
     yield for_all_inputs(
-        "a reference is taken",
+        "an accepted reference locates the end",
         (own.reference & seen.normal).implies(machine.flag("valid") & at_place),
         statement="an accepted reference, with the amplitude normal, locates the end at its place and with its count",
         requirements=COUNTS,
@@ -155,7 +155,7 @@ def _kept(model: Fibre) -> Iterator[Property]:
     )
     calm = ~any_flaw(seen) & ~seen.lost
     yield for_all_inputs(
-        "a place is kept",
+        "a located end stays located",
         (before(mode).eq(located) & calm).implies(mode.eq(located)),
         statement="if nothing disagrees and the pattern is followed, the end stays located",
         requirements=SEEN,

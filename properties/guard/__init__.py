@@ -68,7 +68,7 @@ def _safety(model: Guard) -> Iterator[Property]:
         statement="a reported interval is never wider than the tolerable error, on either side",
     )
     yield for_all_inputs(
-        "what is passed is reported",
+        "a fix that is passed on is reported",
         machine.flag("passed").implies(valid),
         statement="a fix that is passed on comes with a valid interval",
     )
@@ -83,14 +83,14 @@ def _charged(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     low, high = step.place - step.charge, step.place + step.charge
     yield for_all_inputs(
-        "a fix is charged all it may be off",
+        "an interval begun by a fix covers the fix's whole error",
         machine.fired(*BEGINS).implies((own.low <= low) & (own.high >= high)),
         statement="an interval that begins with a fix is as wide as its error, its distance off the track, and its age at full "
         "speed make it",
     )
     narrowed = (own.low <= maximum(step.low, low)) & (own.high >= minimum(step.high, high))
     yield for_all_inputs(
-        "a fix narrows to its charge only",
+        "a fix narrows no further than to its own error",
         (_was_holding(model) & machine.flag("passed")).implies(narrowed),
         statement="a fix that is passed on narrows what is held no further than to what it may be off itself",
     )
@@ -102,7 +102,7 @@ def _told_whole(model: Guard) -> Iterator[Property]:
     behind = own.known_low - exact_to(machine.output("known_from_mm"), NM) - own.config.rollback_mm * NM_PER_MM
     ahead = exact_to(machine.output("known_to_mm"), NM) - own.known_high
     yield for_all_inputs(
-        "the place last known is told whole",
+        "the whole of the place last known is reported",
         between(0, behind, NM_PER_MM - 1) & between(0, ahead, NM_PER_MM - 1),
         statement="the reported last known place contains all of it, with the distance that a vehicle may roll back, to a millimetre",
     )
@@ -117,7 +117,7 @@ def _withheld(model: Guard) -> Iterator[Property]:
     passed, holding, was_holding = machine.flag("passed"), machine.flag("holding"), _was_holding(model)
     slow, fast = step.speeds
     yield for_all_inputs(
-        "what is withheld narrows nothing",
+        "a fix that is withheld narrows nothing",
         (was_holding & holding & ~passed).implies(
             own.low.eq(step.low) & own.high.eq(step.high) & own.slow.eq(slow) & own.fast.eq(fast)
         ),
@@ -144,7 +144,7 @@ def _gates(model: Guard) -> Iterator[Property]:
     )
     off = own.offset > own.config.offset_limit_mm
     yield for_all_inputs(
-        "the map is kept",
+        "a fix that is passed on agrees with the map",
         (off | own.ambiguous | own.elsewhere).implies(~passed),
         statement="a fix off the track, on no clear track, or where no way leads in the time, is not passed on",
     )
@@ -242,7 +242,7 @@ def _told(model: Guard) -> Iterator[Property]:
     lost = machine.modes[0]
     verdict = ite(before(machine.mode).eq(lost) | own.start_anew, step.fair, step.verdict)
     yield for_all_inputs(
-        "a delivery is told as what it is",
+        "a delivery agrees or has the first reason against it",
         ite(verdict.eq(PASSED), own.judged.one_of(PASSED, UNCONFIRMED), own.judged.eq(verdict)),
         statement="faults, then what the map, the vehicle's limits, its course, the place last known, and its place and speed by now "
         "speak against: the first of these is the reason, and without any of them the fix agrees",
@@ -285,7 +285,7 @@ def _stored(model: Guard) -> Iterator[Property]:
     least, most = step.near
     by_itself = step.alone.eq(PASSED)
     yield for_all_inputs(
-        "the last fix near the way is what the next is compared with",
+        "a fix is compared with the last one near the way",
         own.start_anew
         | own.near_low.eq(ite(by_itself, step.place - step.charge, least))
         & own.near_high.eq(ite(by_itself, step.place + step.charge, most)),
@@ -293,7 +293,7 @@ def _stored(model: Guard) -> Iterator[Property]:
         "highest speed",
     )
     yield for_all_inputs(
-        "what is held is given up when it bounds nothing",
+        "a stored interval that bounds nothing is dropped",
         was_holding.implies(holding.iff((step.can_be_held | step.fills) & ~own.start_anew)),
         statement="what is held is given up when it is too wide, beyond the line or contradicts itself, and only then, unless a "
         "fix that is passed on narrows it in the same step; and with a new start",

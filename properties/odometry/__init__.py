@@ -189,7 +189,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
             silent = unit.judged.ne(ADMITTED) & other.judged.ne(ADMITTED)
             farthest = own.config.max_speed_mm_s * own.config.period_ms * 1_000
             yield for_all_inputs(
-                f"{unit.name} charges silence",
+                f"silence of {unit.name} widens the margins",
                 (kept & silent).implies(unit.above - earlier_num(unit.above) >= farthest),
                 statement="in a cycle without an admitted distance of the device the margins grow by the run at the highest speed",
                 requirements=("MRK-D1", "MRK-4"),
@@ -245,7 +245,7 @@ def _unchecked(model: Odometry, device: Device, unit: Unit) -> Property:
     read = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in setting)
     heard, dead = unit.judged.eq(ADMITTED), all_of(~one.alive for one in device.units)
     return within(
-        f"{device.name} device is given up without {unit.name}",
+        f"{device.name} device loses its position without {unit.name}",
         own.config.lone_limit_cycles,
         ~heard,
         heard | dead | read,

@@ -28,7 +28,7 @@ def not_found(model: ReflectorMachine) -> Iterator[Property]:
 def _in_time(model: ReflectorMachine) -> Iterator[Property]:
     own, target, truth = model.own, model.own.target, model.own.ghosts.truth
     yield under_assumption(
-        "what is looked for is found in time",
+        "the search for a reflector ends in time",
         model.in_mode("SEARCH").implies(truth - width(own) <= found_by(own, target.position, target.view_from)),
         statement="the search for a reflector ends, at the latest, one search run and one interval width behind the beginning of "
         "its view zone",
@@ -59,13 +59,13 @@ def _not_before(model: ReflectorMachine) -> Iterator[Property]:
     own, target, ahead = model.own, model.own.target, model.own.ahead
     by = found_by(own, before(target.position), before(target.view_from))
     yield under_assumption(
-        "not found is said only beyond the search",
+        "not found is reported only beyond the search run",
         _missed(model, "SEARCH").implies(own.ghosts.truth > by),
         statement="the machine reports a searched reflector as not found only if the vehicle truly is beyond the search run",
     )
     by_next = found_by(own, ahead.position.value, ahead.view_from)
     yield under_assumption(
-        "passed unseen is said only beyond the search",
+        "passed unseen is reported only beyond the search run",
         _missed(model, "ODOMETRY").implies((own.ghosts.truth > by_next) & (ahead.position.value > before(own.found))),
         statement="the machine reports a reflector as passed unseen only if the vehicle truly is beyond its search run, and if the "
         "reflector was not found before",

@@ -53,7 +53,7 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
         unconditional=own.odometer.more is None,
     )
     yield always(
-        "a self-test is ambiguous only where another is heard",
+        "a self-test is ambiguous only if another reflector is in range",
         (kept & in_test(model) & any_of(ambiguous)).implies(_other_heard(own, clear)),
         statement="in a self-test the machine refuses an echo as ambiguous only if the radar could receive another reflector of the "
         "model with the minimum intensity, from somewhere in the interval",

@@ -66,7 +66,7 @@ def _as_told(model: ReflectorMachine) -> Iterator[Property]:
         requirements=("RFL-3", "RFL-8"),
     )
     yield for_all_inputs(
-        "what is looked for is on the map",
+        "a searched reflector is on the map",
         model.in_mode("SEARCH", "VIEW", "COAST", "PASSING", "REFERENCE").iff(target.model.ne(NO_MODEL)),
         statement="the machine searches or tracks a reflector exactly while it has a target",
         requirements=("RFL-3",),

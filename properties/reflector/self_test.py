@@ -178,7 +178,7 @@ def _from_the_line(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     line = ite(begun(own), ite(~own.balise.search.present, 0, own.balise.search.value), before(own.search_from))
     yield for_all_inputs(
-        "looked for from the prescribed line",
+        "no self-test passes before the prescribed search distance",
         (machine.fired(*PASSED) & (line > 0)).implies(_run_now(own) >= line),
         statement="if the telegram gives the distance at which the search begins, the self-test does not pass before it",
         requirements=("RFL-8",),
@@ -202,14 +202,14 @@ def _found_out(model: ReflectorMachine) -> Iterator[Property]:
     )
     measured = any_of(slot.judged.eq(FITS) for slot in own.slots)
     yield under_assumption(
-        "a radar that errs is called so",
+        "a radar that errs is reported",
         (in_test(model) & machine.flag("valid") & measured & _beyond(own, figure)).implies(own.error.eq(MISMATCH)),
         statement="if a radar whose systematic error exceeds the reference tolerance measures the reference reflector, the machine "
         "reports a mismatch",
     )
     short, long = _most(own, machine.output("range_mm"), machine.output("range_error_mm"))
     yield under_assumption(
-        "what passes is no worse than the test can see",
+        "a radar that passes errs no more than the test can detect",
         machine.fired(*PASSED).implies(~_beyond(own, short + long)),
         statement="a radar passes the self-test only if its systematic error is within twice the errors of balise, echo, survey and the "
         "odometer since the balise",
@@ -242,7 +242,7 @@ def _ages(model: ReflectorMachine) -> Iterator[Property]:
     sides = (own.open_long, own.open_short)
     later = was(model, *READY) & model.in_mode(*READY) & ~machine.fired(*PASSED)
     yield for_all_inputs(
-        "what a test left open grows by the drift",
+        "the error that a test left open grows by the drift",
         later.implies(all_of((side - before(side)).eq(drift) for side in sides)),
         statement="in each cycle after a self-test the bounds on the systematic error grow by the greatest drift, on either side",
     )

@@ -77,7 +77,7 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
     late = with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
     place = machine.output("reflector_position_mm") + config.radar_offset_mm
     yield for_all_inputs(
-        "the radar's own bound",
+        "errors of radar and survey make up the margins",
         machine.flag("precise").implies(
             (own.track.position + machine.output("range_mm")).eq(place)
             & all_of((least <= side) & (side - least <= late) for side, least in sides)
@@ -109,12 +109,12 @@ def _used(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     fits = any_of(slot.judged.eq(FITS) | slot.judged_next.eq(FITS) for slot in own.slots)
     yield under_assumption(
-        "what fits is used",
+        "an echo that fits is used",
         (machine.flag("valid") & fits).implies(machine.flag("precise") | own.error.eq(MISMATCH)),
         statement="an echo that fits gives the position, or fails the self-test",
     )
     yield under_assumption(
-        "the target's own echo is in the window",
+        "the target's echo is in the window",
         all_of(
             (machine.flag("valid") & _from_target(own, slot)).implies(slot.judged.ne(OUT_OF_WINDOW))
             for slot in own.slots
@@ -136,7 +136,7 @@ def _reasons(model: ReflectorMachine) -> Iterator[Property]:
         return empty & paused & verdict.eq(WEAK).iff((slot.intensity <= floor - 1) & frame & there)
 
     yield for_all_inputs(
-        "an echo that is not judged has its reason",
+        "an echo that is not evaluated has its true reason",
         all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.judged, slot.judged_next)),
         statement="the verdicts empty slot, radar pause and too weak appear exactly when they are true",
     )

@@ -48,7 +48,7 @@ def _gone_by(model: ReflectorMachine) -> Iterator[Property]:
         statement="passing lasts until the whole interval lies beyond the reflector",
     )
     yield always(
-        "what was passed lies behind",
+        "a passed reflector lies behind the vehicle",
         (was(model, "PASSING") & model.in_mode("ODOMETRY")).implies(own.ghosts.truth >= exact_to(passed + offset, NM)),
         statement="when passing ends, the radar truly is beyond the reflector's place on the map",
         requirements=("RFL-D2",),
@@ -60,7 +60,7 @@ def _search_left(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     begins = seen_from(own, target.position, target.view_from)
     yield for_all_inputs(
-        "it is looked for where it may be in view",
+        "a reflector is searched only where it may be in view",
         model.in_mode("SEARCH").implies(foremost(own) >= begins),
         statement="the search lasts only while the vehicle may be in the view zone",
         requirements=("RFL-8",),

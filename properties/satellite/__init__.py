@@ -112,7 +112,7 @@ def _restart(model: Satellite) -> Iterator[Property]:
     fresh = [now.position.eq(place), now.speed.eq(speed), now.change.eq(0), of.num(own.coasted).eq(0)]
     anchored = [of.bool(own.anchored), of.num(own.anchor_offset).eq(0)]
     yield for_all_inputs(
-        "a position begins with nothing of what was before",
+        "a position begins with no earlier data",
         (valid & ~earlier_bool(valid)).implies(told & all_of([*fresh, *anchored])),
         statement="a position begins at the reference, with its speed or none, no change of speed, no cycle coasted, and "
         "odometry counts from there",

@@ -61,7 +61,7 @@ def used(model: Satellite) -> Iterator[Property]:
     config = model.selection.own.config
     bad = [chosen.bool(violated(one, config, config.removal)) for one, _ in channels(model)]
     yield for_all_inputs(
-        "what violates the criterion never counts",
+        "a satellite that violates the criterion never counts",
         accepted.implies(all_of(~flag | ~violation for flag, violation in zip(used, bad, strict=True))),
         statement="no satellite of a solution that counts violates the criterion by what was measured of it in this cycle",
         requirements=("SAT-1", "SAT-4", "SAT-5"),
@@ -80,7 +80,7 @@ def used(model: Satellite) -> Iterator[Property]:
         "along the track 2 solve, 3 detect, 4 exclude; free of it 4, 5, 6",
     )
     yield for_all_inputs(
-        "what does not count changes nothing",
+        "a solution that does not count changes nothing",
         of.bool(model.machine.fired("solution counts")).implies(accepted),
         statement="the state takes on a solution only where it was accepted",
     )
@@ -128,14 +128,14 @@ def judged(model: Satellite) -> Iterator[Property]:
     apart = ite(located, ite(any_of(foreign), told.eq(NOT_USABLE), apart), told.eq(NOT_LOCATED))
     there = of.bool(own.fix.present)
     yield for_all_inputs(
-        "a solution is told as what it is",
+        "a solution counts or has the first reason against it",
         ite(there, apart, told.eq(NO_FIX)),
         statement="a solution counts, or has drifted away from odometry, where a position is known, all its satellites are "
         "usable and enough, it is not too coarse and meets the prediction; otherwise the first of these is the reason",
         requirements=("SAT-1", "SAT-5"),
     )
     yield for_all_inputs(
-        "why there is none is told",
+        "the reason for a missing solution is reported",
         of.num(own.why_missing).eq(ite(there, MISSING[0], of.num(own.missing))),
         statement="a cycle without a solution tells why",
     )

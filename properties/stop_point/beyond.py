@@ -39,13 +39,13 @@ def _overrun(model: StopPoint) -> Iterator[Property]:
     towards = earlier_bool(model.in_mode("APPROACH", "BRAKING", "CREEPING"))
     past = _measured(model) & (foremost(own) > far_end(own))
     yield for_all_inputs(
-        "an overrun is told on a measurement only",
+        "an overrun is reported on a measurement only",
         (overrun & towards).implies(past),
         statement="the machine reports an overrun of a vehicle on its way to the stop only if the vehicle, as measured, is possibly "
         "beyond the window",
     )
     yield for_all_inputs(
-        "a measured overrun is told",
+        "a measured overrun is reported",
         (towards & past & own.pending.eq(before(own.pending))).implies(overrun),
         statement="the machine reports an overrun if a vehicle on its way to the pending stop, as measured, is possibly beyond the "
         "window",
@@ -85,7 +85,7 @@ def _short(model: StopPoint) -> Iterator[Property]:
         statement="the machine reports that a vehicle stopped short only if the vehicle, as measured, stands possibly before the window",
     )
     yield for_all_inputs(
-        "stopped short is told",
+        "stopping short is reported",
         (ordered_before(model).eq(BRAKE) & before_it & (foremost(own) <= far_end(own))).implies(short),
         statement="the machine reports that a braked vehicle stopped short if the vehicle, as measured, stands possibly before the "
         "window and surely not beyond it",

@@ -104,7 +104,7 @@ def _coarse(model: StopPoint) -> Iterator[Property]:
     moved = ~earlier_bool(model.in_mode("IDLE")) & ~model.in_mode("IDLE", "HELD")
     chosen = model.machine.fired("another stop selected")
     yield for_all_inputs(
-        "too coarse a measurement is told",
+        "too coarse a measurement is reported",
         (moved & ~chosen).implies(own.reason.eq(ite(coarse, TOO_COARSE, NO_REASON))),
         statement="while a stop is pending, the machine reports TOO_COARSE exactly if the interval reaches beyond both ends of the window",
     )

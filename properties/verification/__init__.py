@@ -140,7 +140,7 @@ def _latch(model: Verification) -> Iterator[Property]:
         statement="an untrusted train changes its state only by an accepted reference, or by leaving",
     )
     yield for_all_inputs(
-        "first reason is kept",
+        "the first reason stays stored",
         (was_untrusted & mode.eq(untrusted)).implies(own.reason.eq(before(own.reason))),
         statement="the first reason stays until the train is trusted again or gone",
         requirements=COURSE,
@@ -159,7 +159,7 @@ def _withheld(model: Verification) -> Iterator[Property]:
         requirements=CLAIM,
     )
     yield for_all_inputs(
-        "a reason is told",
+        "a reason is reported",
         mode.one_of(none, withheld, untrusted).implies(own.reason.ne(v.VERIFIED)),
         statement="every train that is not trusted has a reason",
         requirements=COURSE,
@@ -172,7 +172,7 @@ def _revoked(model: Verification) -> Iterator[Property]:
     _, _, trusted_mode, untrusted = machine.modes
     mode = machine.mode
     yield for_all_inputs(
-        "what was given out is revoked",
+        "a reported position is revoked",
         (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
         statement="a mismatch revokes, in the same cycle, the position that was reported before",
         requirements=(*CLAIM, *COURSE),
@@ -187,7 +187,7 @@ def _given_out(model: Verification) -> Iterator[Property]:
     was_untrusted, believed = before(mode).eq(untrusted), mode.one_of(withheld, trusted_mode)
     given_out = since(believed & ~own.due, trusted)
     yield for_all_inputs(
-        "whether something was given out is kept",
+        "the machine stores that a position was reported",
         believed.implies(own.given.iff(given_out))
         & (was_untrusted & mode.eq(untrusted)).implies(own.given.iff(was(own.given))),
         statement="while the train is withheld, the machine remembers that a position was reported, from the last trusted "
@@ -195,7 +195,7 @@ def _given_out(model: Verification) -> Iterator[Property]:
         requirements=(*CLAIM, *COURSE),
     )
     yield for_all_inputs(
-        "what was given out is revoked after a pause too",
+        "a reported position is revoked after a pause too",
         (before(mode).eq(withheld) & mode.eq(untrusted)).implies(machine.flag("revoked").iff(was(own.given))),
         statement="a mismatch of a train that is withheld for the time being revokes the position that was reported "
         "before, if there was one",
@@ -260,7 +260,7 @@ def _record(model: Verification) -> Iterator[Property]:
     same = all_of(one.eq(before(one)) for one in kept)
     new = all_of(one.eq(told) for one, told in zip(kept, record, strict=True))
     yield for_all_inputs(
-        "reference is taken once",
+        "each reference is stored once",
         known.implies(same | (own.due & new)),
         statement="the stored reference changes only in the cycle of another accepted record",
         requirements=(*STAY, *ENTRY),

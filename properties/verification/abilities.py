@@ -124,7 +124,7 @@ def _last_readings(model: Verification) -> Iterator[Property]:
     ]
     for given, kept, told, known in last:
         yield for_all_inputs(
-            f"{kept.name} is the last one told",
+            f"{kept.name} is the last reading",
             follows.implies(ite(given, kept.eq(told.value) & known, kept.eq(before(kept)) & known.iff(was(known)))),
             statement="later readings are compared with the last reading of the train's own pattern",
         )

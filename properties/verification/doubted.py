@@ -137,7 +137,7 @@ def _place_at_any_time(figures: Figures) -> Iterator[Property]:
     )
     doubt = exact_to(figures.model.machine.output("place_doubt_mm"), NM)
     yield whatever_the_fibre_tells(
-        "the doubt that is told",
+        "the reported doubt holds",
         trusted.implies(figures.within(doubt) & doubt.eq(figures.train.width + figures.tolerance_nm)),
         statement="the machine reports how far from the front a trusted interval can be if the fibre is wrong",
     )
@@ -172,12 +172,12 @@ def _values(figures: Figures) -> Iterator[Property]:
     own, trusted = figures.own, figures.trusted
     counted = own.associated & own.seen_count.present
     yield whatever_the_fibre_tells(
-        "a count that is told",
+        "a wrong count withholds",
         (trusted & counted).implies(own.axles.eq(own.seen_count.value)),
         statement="a count that is not the train's withholds in the same cycle, whatever else is right or wrong",
     )
     yield whatever_the_fibre_tells(
-        "a length that is told",
+        "a wrong length withholds",
         (trusted & own.associated & own.seen_length.present).implies(_long(figures, own.seen_length.value)),
         statement="a length that is farther from the train's than the tolerance and the spread of the record withholds in the "
         "same cycle",
@@ -200,7 +200,7 @@ def _control(figures: Figures) -> Iterator[Property]:
     said = own.control_count.present.implies(own.axles.eq(own.control_count.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
     yield whatever_the_fibre_tells(
-        "what train control tells",
+        "wrong data by train control withhold",
         trusted.implies(said & long),
         statement="a count by train control that is not the train's, or a length beyond tolerance and spread, withholds in the "
         "same cycle",
@@ -241,7 +241,7 @@ def _fast(figures: Figures) -> Bool:
 def _cycles(figures: Figures) -> Iterator[Property]:
     own, trusted, train = figures.own, figures.trusted, figures.train
     yield whatever_the_fibre_tells(
-        "nothing right is told any more",
+        "a fibre without right count or length withholds",
         trusted.implies(train.untold_for <= own.config.currency_cycles),
         statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
         "currency_cycles and one cycle",
@@ -264,7 +264,7 @@ def _handed_over(figures: Figures) -> Iterator[Property]:
     long = (machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm"))
     place = (machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm"))
     yield whatever_the_fibre_tells(
-        "what is handed over is true",
+        "a record that is handed over is true",
         machine.flag("handover_trusted").implies(
             all_of(
                 [

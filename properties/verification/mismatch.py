@@ -110,7 +110,7 @@ def properties(model: Verification) -> Iterator[Property]:
     )
     newly = before(mode).ne(untrusted) & mode.eq(untrusted)
     yield for_all_inputs(
-        "untrusted is for the reason told",
+        "a train is untrusted only for the reported reason",
         newly.implies(compared & any_of(own.reason.eq(reason) & one for reason, one in may.items())),
         statement="a train becomes untrusted only by a mismatch of that cycle, and the reason names it",
         requirements=COURSE,

@@ -84,7 +84,7 @@ def _reported(model: Verification) -> Iterator[Property]:
     doubt = own.possible_high + own.config.place_tolerance_mm - own.possible_low
     told = machine.output("place_doubt_mm")
     yield for_all_inputs(
-        "the doubt of a place is told",
+        "the doubt of a place is reported",
         ite(machine.flag("trusted"), told.eq(doubt), told.eq(0)),
         statement="with a trusted place the machine reports how far from the front it can be if the fibre is wrong; "
         "without one it reports zero",

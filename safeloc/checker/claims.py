@@ -178,7 +178,7 @@ class Claims:
         for name, term in self.target.system.lemmas.items():
             yield name, lambda row, term=term: self._lemma(row, term)  # type: ignore[misc]
         for part in self.theory.parts:
-            yield f"what {part} is owed is kept", lambda _, part=part: proven(part in self.theory.owed)  # type: ignore[misc]
+            yield f"contract of {part} holds", lambda _, part=part: proven(part in self.theory.owed)  # type: ignore[misc]
 
     def _lemma(self, row: Row, term: Bool) -> Answer:
         free = "for all inputs in range" in row["method"]

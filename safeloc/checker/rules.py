@@ -3,9 +3,9 @@
 A certificate establishes the conclusion of its rule, if the rule allows all its hypotheses. So no circular proof is
 possible, whatever basis the certificates name. A certificate may omit allowed hypotheses.
 
-    layer, induction, invariant      terms over state that hold in the first state and after every step: facts, properties
-    heard, owed, overlap, overflow   terms over a step, from facts about the states before and after it
-    implied, first state             properties that follow from facts; properties in the first state
+    layer, induction, invariant         terms over state that hold in the first state and after every step: facts, properties
+    wires, contract, overlap, overflow  terms over a step, from facts about the states before and after it
+    implied, first state                properties that follow from facts; properties in the first state
     absence, lasts, overflow of first values    obligations with hypotheses of their own
 """
 
@@ -24,8 +24,8 @@ from safeloc.language.system import TransitionSystem, environment, in_range
 
 Terms = frozenset[int]
 Files = frozenset[str]
-_LAWFUL = ("facts", "owed", "overflow of ghosts")  # layers and rules that rest on the assumption
-_STEPS = ("heard", "owed", "overlap", "overflow", "overflow of ghosts")
+_LAWFUL = ("facts", "contract", "overflow of ghosts")  # layers and rules that rest on the assumption
+_STEPS = ("wires", "contract", "overlap", "overflow", "overflow of ghosts")
 _ROLES = {"layer": ("start", "step"), "induction": ("start", "step"), "invariant": ("start", "step", "implies")}
 _FACTS_FIRST = ("layer", *_STEPS)
 

@@ -10,4 +10,9 @@ def lemma_name(machine: str, name: str) -> str:
 
 def contract_text(machine: str) -> str:
     """Return the name of the lemma that a machine's discharged assumption becomes in a composition."""
-    return f"what {machine} is owed is kept"
+    return f"contract of {machine} holds"
+
+
+def inputs_text(machine: str) -> str:
+    """Return the name of the fact that the wired inputs of a machine of a composition are in range."""
+    return f"wired inputs of {machine} are in range"

@@ -119,7 +119,7 @@ def test_of_another_layer(proofs: dict[str, Evidence]) -> None:
 def test_contracts_have_an_order(proofs: dict[str, Evidence]) -> None:
     """A contract that was shown from what the machine keeps only because of the contract establishes nothing."""
     evidence = proofs["whole"]
-    file = evidence.file("what-listener-is-owed")
+    file = evidence.file("contract-of-listener-holds")
     kept = "(declare-const |listener.kept| Int)\n(assert (<= 1 |listener.kept|))\n(push 1)"
     known = evidence.judged({file: evidence.texts[file].replace("(push 1)", kept, 1)})
     assert [] == refused(known)  # the whole keeps it also without the contract
@@ -129,10 +129,10 @@ def test_contracts_have_an_order(proofs: dict[str, Evidence]) -> None:
     assert any("listener: keeps what it hears" in one for one in refused(found))
 
 
-def test_what_a_machine_is_owed_has_to_be_shown(proofs: dict[str, Evidence]) -> None:
+def test_a_contract_has_to_be_shown(proofs: dict[str, Evidence]) -> None:
     """Without it the machine's own property is none of the whole."""
     evidence = proofs["whole"]
-    found = evidence.judged({evidence.file("what-listener-is-owed"): None})
+    found = evidence.judged({evidence.file("contract-of-listener-holds"): None})
     assert any("listener: keeps what it hears" in one for one in refused(found))
     assert not any("kept is small" in one and "source" in one for one in refused(found))
 

@@ -32,7 +32,7 @@ def test_a_breach_is_named_in_its_cycle(call: Call) -> None:
     done = call("replay", "odometry", SLIDE, "--assumptions")
     assert done.code == 1
     assert (
-        "BROKEN  odometry/A1 front_wheel keeps its error law against odometry/A3 rear_wheel keeps its error law"
+        "BROKEN  odometry/A1 front_wheel obeys its error law against odometry/A3 rear_wheel obeys its error law"
         in done.out
     )
     assert "at least one of them is broken: they exclude each other" in done.out

@@ -111,11 +111,11 @@ def test_a_fact_that_does_not_hold_is_told(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_contract_that_is_not_kept_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """That a machine hears what it may, and that what it is owed is kept."""
+    """Wired inputs out of range and a broken contract are both reported."""
     later = World("b", 1, (Var("q", "number", 0, 1),), {}, assumption=("le", ("var", "q"), ("lit", 0)))
     whole = Whole("w", (replace(COUNTER, name="a"), later), {"b.q": ("var", "a.x")}, discharge=("b",))
     asked = Case(whole, build(whole), search(whole), Expect(), Tally())
-    kept = {"what b is owed is kept": TRUE}
+    kept = {"contract of b holds": TRUE}
     monkeypatch.setattr(verdicts, "base", lambda system, seconds: Base({}, {}, {}, {}, 1.0, kept, ["b"]))
     verdicts.facts(asked)
     assert ["heard", "contract"] == [one.split(":")[0] for one in asked.tally.wrong]

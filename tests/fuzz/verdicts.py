@@ -192,7 +192,7 @@ def _hold(case: Case, space: Space, found: Mapping[str, Bool], allowed: Callable
 def _contracts(case: Case, whole: Whole, known: Base) -> None:
     """What is heard and what is owed, in every step."""
     for world in whole.worlds:
-        name = f"what {world.name} is owed is kept"
+        name = f"contract of {world.name} holds"
         if world.name in known.heard:
             bad = next((e.known for _, e in case.space.steps(anyhow) if not whole.hears(world.name, e.known)), None)
             case.tally.judge("heard", "" if bad is None else f"{world.name} hears what it may not: {bad}")

@@ -18,7 +18,7 @@ from tests.models.one_step import not_kept_by
 
 CONFIG = SectionsConfig(area=AreaConfig(trains=2))
 HELD, LOOSE = "train 1 containment", "loose vehicles are accounted for"
-NARROWS, AGED = "train 1 narrows only by an accepted report", "train 1 report is charged its age"
+NARROWS, AGED = "train 1 narrows only by an accepted report", "train 1 report is widened by its age"
 LEADS = "train 1 that may be split is believed at its leading end only"
 
 
@@ -75,7 +75,7 @@ Wrong = Callable[..., object]
 OF_A_TRAIN: dict[str, tuple[type, str, Wrong, str]] = {
     "a train not heard of stands": (Slot, "run_on", lambda one, _: at_rest(one), HELD),
     "age is not charged": (Reach, "charge_mm", lambda _r, _, _age: as_num(0, MM), AGED),
-    "half of the age is charged": (Reach, "charge_mm", lambda _r, right, _age: right - 22_000, AGED),
+    "half of the age is added": (Reach, "charge_mm", lambda _r, right, _age: right - 22_000, AGED),
     "a part that is lost is forgotten": (Slot, "holds_low", lambda _s, _r: TRUE, LEADS),
     "the other end leads": (Slot, "holds_high", lambda one, _: one.integer | one.downwards, LEADS),
     "an old report narrows": (Slot, "bounds", lambda one, _, *ends: narrows(one, *ends), NARROWS),
@@ -103,7 +103,7 @@ def test_a_wrong_edit_of_a_train_is_noticed(monkeypatch: pytest.MonkeyPatch, edi
     assert not keeps(claim)
 
 
-WORD = "train 1 is whole by a trusted word only"
+WORD = "only trusted reports confirm the integrity of train 1"
 OF_A_WORD: dict[str, tuple[str, Wrong, str]] = {
     "a word of integrity is believed at the low end": ("holds_low", lambda one, right: right | one.integer, LEADS),
     "and at the high end": ("holds_high", lambda one, right: right | one.integer, LEADS),

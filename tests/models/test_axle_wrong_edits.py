@@ -117,7 +117,7 @@ def test_a_way_of_the_sweep_that_is_not_kept_is_noticed(end: int, way: str, monk
     monkeypatch.setattr(
         axle_section, "_ways", lambda own: [one for one in ways(own) if one[0] is not getattr(own, way)[end]]
     )
-    assert _section_lacks("sweep ways are kept")
+    assert _section_lacks("axles of a sweep stay counted at each end")
 
 
 # ------------------------------------------------------------------ entry records

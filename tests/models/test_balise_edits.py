@@ -81,10 +81,10 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "interval and telegram agree without the constant": (
         Judged, "agrees", lambda c, _: c.run_on.overlap(c.fix) >= -100 * CONFIG.tolerance_mm * NM_PER_MM, "containment"),
     "accuracy that linking gives is forgotten": (
-        Announcement, "record", lambda _a, right: replace(right, accurate=FALSE), "announced group 1 is kept as announced"),
+        Announcement, "record", lambda _a, right: replace(right, accurate=FALSE), "announced group 1 stays stored as announced"),
     "announced place taken 10 m farther": (
         Announcement, "record", lambda _a, right: replace(right, place=right.place + 10_000),
-        "announced group 1 is kept as announced"),
+        "announced group 1 stays stored as announced"),
     "odometer error not charged": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
     "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, "containment"),
 }  # fmt: skip

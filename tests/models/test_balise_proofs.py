@@ -116,7 +116,7 @@ def telegram_alone(good: Balise) -> Mapping[Var, Expr]:
 BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
     "check bits ignored": (
         taking(lambda own: (own.read.check.value, ite(own.heading.backwards, PASSED, PASSED))),
-        ("containment", "corrupted changes nothing", "only whole and undamaged groups count"),
+        ("containment", "corrupted changes nothing", "only complete and undamaged groups count"),
     ),
     "identity ignored": (
         taking(lambda own: (own.read.group.value, own.linking.slots[0].group)),
@@ -161,10 +161,10 @@ BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
         taking(lambda own: (own.memory.missed, minimum(own.memory.missed, 0))),
         ("two missed brake", "missed groups are counted"),
     ),
-    "a miss not told": (without("expected group missed"), ("told: expected group missed",)),
+    "a miss not told": (without("expected group missed"), ("reported: expected group missed",)),
     "detection accuracy taken for none": (
         changed("expected group resets the position", lambda good: sharper(good)),
-        ("containment", "a reset keeps the truth"),
+        ("containment", "a reset interval contains the true position"),
     ),
 }
 
@@ -262,8 +262,8 @@ def _without_floor(_: object) -> Callable[[ErrorLaw, Num, Num, int], Num]:
     return lambda law, distance, age, period_ms: distance * Lit(law.rate_ppm, PPM)
 
 
-TOLD = "search distance of the telegram is told"
-DIRECTION = "direction is told when balises tell it"
+TOLD = "the telegram's search distance is reported"
+DIRECTION = "only balise groups set the reported direction"
 EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
     "search distance ignored": (balise, "_group_counts", _search_forgotten, TOLD),
     "search from where the reflector is": (balise, "_group_counts", _search_from_the_reflector, TOLD),

@@ -24,9 +24,15 @@ from tests.models.one_step import not_kept_by
 
 Found = tuple[TransitionSystem, dict[str, Property]]
 CHARGES = {
-    "fibre": ("every run is charged", "an edge is charged the run of its cycle"),
-    "guard": ("a fix is charged all it may be off", "a fix narrows to its charge only"),
-    "sections": ("train 1 report is charged its age", "train 1 that may be split is believed at its leading end only"),
+    "fibre": ("every run adds its error", "an edge adds the run of its cycle to the error"),
+    "guard": (
+        "an interval begun by a fix covers the fix's whole error",
+        "a fix narrows no further than to its own error",
+    ),
+    "sections": (
+        "train 1 report is widened by its age",
+        "train 1 that may be split is believed at its leading end only",
+    ),
 }
 
 
@@ -73,13 +79,13 @@ def _rate_only(cycle: Cycle) -> Num:
 def test_a_run_without_its_floor_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in a fibre that is charged its rate only."""
     monkeypatch.setattr(Cycle, "charge", property(_rate_only))
-    assert "every run is charged" in _lost("fibre")
+    assert "every run adds its error" in _lost("fibre")
 
 
 def test_an_edge_without_its_run_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """An edge in a fibre that is taken to have been passed at the end of its cycle."""
     monkeypatch.setattr(Cycle, "fresh", property(lambda cycle: as_num(0, NM) + cycle.charge))
-    assert _lost("fibre") == ["an edge is charged the run of its cycle"]
+    assert _lost("fibre") == ["an edge adds the run of its cycle to the error"]
 
 
 def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,7 +101,7 @@ def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_report_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """A train's report that is taken for one of now."""
     monkeypatch.setattr(Reach, "charge_mm", lambda reach, age_ms: as_num(0, MM))
-    assert _lost("sections") == ["train 1 report is charged its age"]
+    assert _lost("sections") == ["train 1 report is widened by its age"]
 
 
 def test_a_split_train_that_is_believed_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

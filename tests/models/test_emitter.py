@@ -1,4 +1,4 @@
-"""The test emitter: only its own pattern, from its place, when it is due; a dead chain is told in time."""
+"""The test emitter: only its own pattern, from its place, when it is due; a dead chain is reported in time."""
 
 from __future__ import annotations
 
@@ -106,10 +106,10 @@ def test_everything_is_proved() -> None:
 @pytest.mark.parametrize(
     ("row", "fields", "broken"),
     [
-        ("pattern does not come", {"when": FALSE}, "dead chain is told"),
+        ("pattern does not come", {"when": FALSE}, "a dead chain is reported"),
         ("own pattern from elsewhere", {"when": FALSE}, "own pattern from elsewhere fails"),
         ("first pattern passes", {"when": TRUE}, "tested rests on a pattern"),
-        ("wait for the next pattern", {"set": {}}, "dead chain is told"),
+        ("wait for the next pattern", {"set": {}}, "a dead chain is reported"),
     ],
 )
 def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
@@ -126,12 +126,12 @@ def test_a_pattern_that_counts_at_any_time_is_refused() -> None:
 
 Edit = Callable[[Parts], Bool]
 EDITS: dict[str, tuple[str, Edit, str]] = {
-    "the pattern counts at any time": ("due", lambda own: TRUE, "dead chain is told"),
-    "and shows a chain that is dead": ("due", lambda own: TRUE, "what passes came through the chain"),
+    "the pattern counts at any time": ("due", lambda own: TRUE, "a dead chain is reported"),
+    "and shows a chain that is dead": ("due", lambda own: TRUE, "a pattern that passes came through the chain"),
     "one cycle too early": (
         "due",
         lambda own: (own.since + 2 >= own.config.due_cycles - own.config.window_cycles) | (own.asked > 0),
-        "what passes came through the chain",
+        "a pattern that passes came through the chain",
     ),
     "the answer to a request does not count": (
         "due",
@@ -142,12 +142,12 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     "from anywhere below": (
         "near",
         lambda own: own.place.value - own.config.place_mm <= own.config.place_tolerance_mm,
-        "what passes came through the chain",
+        "a pattern that passes came through the chain",
     ),
     "no pattern is awaited": (
         "overdue",
         lambda own: own.asked >= own.config.answer_cycles,
-        "silence is told",
+        "silence is reported",
     ),
     "no answer is awaited": (
         "overdue",
@@ -173,7 +173,9 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
         ("one more pattern passes", "passes", "patterns count one after the other"),
         ("pattern does not come", "asked", "a pattern passes when the emitter is to send, and only then"),
         ("own pattern from elsewhere", "asked", "a pattern passes when the emitter is to send, and only then"),
-        pytest.param("pattern does not come", "since", "what passes came through the chain", marks=pytest.mark.slow),
+        pytest.param(
+            "pattern does not come", "since", "a pattern that passes came through the chain", marks=pytest.mark.slow
+        ),
         ("wait for a pattern after the failure", "passes", "patterns count one after the other"),
     ],
 )

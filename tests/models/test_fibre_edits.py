@@ -71,7 +71,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "a section missed while running down": ("overdue", missed_above_only, "missed section raises F at once"),
     "no section is ever missed": ("overdue", lambda _c, _r: FALSE, "missed section raises F at once"),
     "the window without what the run may be wrong by": (
-        "fits", lambda c, _: expected(c, READ_MM + CONFIG.max_step_mm), "a place is kept"),
+        "fits", lambda c, _: expected(c, READ_MM + CONFIG.max_step_mm), "a located end stays located"),
     "a window far too wide": ("fits", lambda c, _: expected(c, 3_000_000), "containment"),
     "any place for a section": (
         "fits", lambda c, _: c.own.ahead.known & ~c.full, "false section raises F at once"),
@@ -80,7 +80,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "the run of an edge's cycle is not charged": ("fresh", lambda c, _: c.charge, "containment"),
     "the run without an amplitude is not charged": ("fresh", of_this_cycle, "containment"),
     "the run without an amplitude is not charged, claimed": (
-        "fresh", of_this_cycle, "an edge is charged the run of its cycle"),
+        "fresh", of_this_cycle, "an edge adds the run of its cycle to the error"),
     "an edge after any silence": ("late", lambda _c, _r: FALSE, "a change of long ago is no signal"),
     "the leaving cycle is not charged in the length": (
         "edge_slack", leaving_cycle_free, "a length that is read is the true one"),
@@ -89,7 +89,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "lengths without what the run may be wrong by": ("_reads", reads, "a length that is read is the true one"),
     "turned back by half a section": ("turned_back", half_way, "containment"),
     "turned back by half a section, claimed": ("turned_back", half_way, "a section left again was not passed"),
-    "never turned back": ("turned_back", lambda _c, _r: FALSE, "a place is kept"),
+    "never turned back": ("turned_back", lambda _c, _r: FALSE, "a located end stays located"),
     "always turned back": ("turned_back", lambda _c, _r: TRUE, "containment"),
     "a long section is whatever is left late": (
         "reads_long", lambda c, _: abs_(c.inside) > CONFIG.short_mm, "a length that is read is the true one"),

@@ -94,7 +94,7 @@ def test_a_train_goes_over() -> None:
 
 
 def test_a_lost_record() -> None:
-    """A record that never arrives: untrusted in the taking area; beyond the shared stretch nobody speaks."""
+    """A record that never arrives: untrusted in the taking area; beyond the shared stretch neither area reports."""
     trace = handed_over(arrives=None)
     assert taking(trace) == ["NO_REFERENCE", "UNTRUSTED", "NO_REFERENCE"]
     assert speakers(trace) == ["NOBODY", "GIVING", "NOBODY"]
@@ -157,9 +157,9 @@ def spoilt(part: str, row: str, **fields: object) -> FibreHandover:
         ("border", "record is sent", {"when": TRUE}, "a record goes over from the shared stretch on"),
         ("border", "record is sent", {"when": FALSE}, "a record goes over from the shared stretch on"),
         ("speaker", "both agree", {"when": TRUE}, "both only where the place is shared"),
-        ("speaker", "the taking area speaks", {"when": TRUE}, "each speaks of its own stretch"),
-        ("speaker", "nobody speaks", {"set": {}}, "nobody trusts, nothing is given out"),
-        ("speaker", "the giving area speaks", {"set": {}}, "containment"),
+        ("speaker", "the taking area reports", {"when": TRUE}, "each area reports on its own stretch only"),
+        ("speaker", "neither area reports", {"set": {}}, "a train that no area trusts is not reported"),
+        ("speaker", "the giving area reports", {"set": {}}, "containment"),
     ],
 )
 def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object], broken: str) -> None:

@@ -256,20 +256,20 @@ def _nothing_forgotten(_: object) -> Callable[[Parts], dict[object, object]]:
 CARRIED = "the place last known is carried"
 COSTS = "an implausible fix costs the trust"
 CONTRADICTS = "a receiver that contradicts itself loses the trust"
-COMPARED = "the last fix near the way is what the next is compared with"
+COMPARED = "a fix is compared with the last one near the way"
 EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "trusted with any fix that agrees": (Judged, "confirmed", _trusted_at_once, "no resurrection"),
     "trusted with one fix too few": (Judged, "confirmed", _one_too_few, "no resurrection"),
     "a jump costs no trust": (Judged, "implausible", _jumps_forgiven, COSTS),
     "a speed costs no trust": (Judged, "implausible", _speed_forgiven, COSTS),
-    "a fix in doubt counts": (Judged, "agrees", _doubt_counts, "a delivery is told as what it is"),
+    "a fix in doubt counts": (Judged, "agrees", _doubt_counts, "a delivery agrees or has the first reason against it"),
     "the row grows by two": (Judged, "more", _row_by_two, "a row that does not agree begins anew"),
     "anything begins a row": (Judged, "begins", _begins_by_anything, "a row begins with a fix that may be true"),
-    "brakes are not reckoned with": (judgement, "moved", _brake_forgotten, "what is withheld narrows nothing"),
-    "age is not charged": (box, "half_nm", _age_forgotten, "a fix is charged all it may be off"),
+    "brakes are not reckoned with": (judgement, "moved", _brake_forgotten, "a fix that is withheld narrows nothing"),
+    "age is not charged": (box, "half_nm", _age_forgotten, "an interval begun by a fix covers the fix's whole error"),
     "a receiver may contradict itself": (Judged, "follows", _contradiction_forgiven, CONTRADICTS),
     "a vehicle runs farther than it can": (judgement, "near_now", _farther_than_run, COMPARED),
-    "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "what is held is given up when it bounds nothing"),
+    "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "a stored interval that bounds nothing is dropped"),
 }  # fmt: skip
 
 

@@ -27,7 +27,7 @@ from tests.proof.provers.small import told as names
 
 SOURCES: tuple[SourceName, ...] = get_args(SourceName)
 CHOICES = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]
-OWED = "what position is owed is kept"
+CONTRACT = "contract of position holds"
 INSIDE = "position: the truth is inside"
 
 
@@ -57,7 +57,7 @@ def told(whole: Localizer) -> Num:
 def test_a_reference_is_owed_not_assumed() -> None:
     """What a balise tells the satellites' position is proved to be true, and then the truth is inside."""
     known = base(up_to_the_position(referring(), {}))
-    assert OWED in names(known.kept)
+    assert CONTRACT in names(known.kept)
     assert INSIDE in names(known.facts)
     assert not known.refuted
 
@@ -89,7 +89,7 @@ def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Ex
     """No accuracy, a reference that is not trusted, the margin of one side alone: owed, and not kept."""
     whole = referring()
     known = base(up_to_the_position(whole, wrong(whole)))
-    assert OWED in names(known.refuted)
+    assert CONTRACT in names(known.refuted)
     assert INSIDE not in names(known.facts)
 
 

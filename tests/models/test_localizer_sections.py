@@ -39,7 +39,7 @@ FULL = LocalizerSectionsConfig(
     localizer=LocalizerConfig(),
     sections=SectionsConfig(sections=2, area=AreaConfig(trains=2, period_ms=100, limit_mm=1_000_000_000)),
 )
-OWED = [f"what {name} is owed is kept" for name in ("ends", "far_uplink", "trackside", "area")]
+CONTRACTS = [f"contract of {name} holds" for name in ("ends", "far_uplink", "trackside", "area")]
 
 
 @cache
@@ -55,16 +55,18 @@ def not_proved(config: LocalizerSectionsConfig) -> list[str]:
     return [one.id for one in findings if not isinstance(one.result, Proved)]
 
 
-# ------------------------------------------------------------------ what is owed
+# ------------------------------------------------------------------ contracts
 
 
 def test_what_is_told_of_the_train_is_owed_not_assumed() -> None:
     """From the interval on board to the area: each machine's contract is proved."""
     known = base(small().composition.system)
-    assert set(OWED) <= told(known.kept)
-    assert {"area: train 1 within", "trackside: a whole train is held", "ends: the far end is inside"} <= told(
-        known.facts
-    )
+    assert set(CONTRACTS) <= told(known.kept)
+    assert {
+        "area: train 1 within",
+        "trackside: a complete train's far end is inside",
+        "ends: the far end is inside",
+    } <= told(known.facts)
     assert not known.refuted
 
 
@@ -92,7 +94,7 @@ def test_a_wrong_wire_to_the_area_is_not_proved(wrong: str, monkeypatch: pytest.
 
     monkeypatch.setattr(behind, "_into_area", into_area)
     known = base(compose_machines(SMALL).composition.system)
-    assert "what area is owed is kept" in told(known.refuted)
+    assert "contract of area holds" in told(known.refuted)
     assert "area: train 1 within" not in told(known.facts)
 
 
@@ -129,7 +131,7 @@ def test_a_whole_train_is_told_to_its_far_end() -> None:
     seen = small().trackside
     [row] = [t for t in seen.machine.transitions if t.name == "new report of both ends"]
     wrong = changed(seen.machine, "new report of both ends", set={**row.set, seen.own.low: seen.own.front.low})
-    assert "a whole train is held" in refuted(wrong)
+    assert "a complete train's far end is inside" in refuted(wrong)
 
 
 @pytest.mark.slow
@@ -156,13 +158,13 @@ NEVER_MET = {
     "no resurrection",
     "trackside containment",
     "trackside forgets",
-    "train 1 report is charged its age",
+    "train 1 report is widened by its age",
     "train 1 that may be split is believed at its leading end only",
     "section_1 names the rule",
     "section_1 is trusted as far as its reports are fresh",
-    "section_1 keeps to its timers",
+    "section_1 obeys its timers",
     "both views agree",
-    "the far end is held",
+    "the far end is inside its interval",
     "the trackside's view is never the narrower one",
     "a report counts once",
     "section_1 is never clear with this train in it",

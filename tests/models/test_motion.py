@@ -52,7 +52,7 @@ def test_motion_keeps_its_obligations() -> None:
 def test_the_law_is_owed_and_kept(source: SourceName) -> None:
     """What a user of the distance assumes of it is proved for either unit at fault, and with it that its interval is true."""
     known = base(one_user(compose_machines(LocalizerConfig(sources=(source,))), {}))
-    assert f"what {source} is owed is kept" in names(known.kept)
+    assert f"contract of {source} holds" in names(known.kept)
     assert not known.refuted
 
 
@@ -69,7 +69,7 @@ def _with(motion: MotionConfig) -> Localizer:
 def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConfig) -> None:
     """The same is proved where a vehicle that measures nothing may creep, and where nothing is assumed of it."""
     known = base(one_user(_with(motion), {}))
-    assert "what balise is owed is kept" in names(known.kept)
+    assert "contract of balise holds" in names(known.kept)
     assert not known.refuted
 
 
@@ -79,7 +79,7 @@ def test_a_creep_is_charged_to_the_last_unit() -> None:
     charged = whole.motion.machine.output("more_nm")
     assert isinstance(charged, Num)
     one_less = ite(charged.eq(CREEPS.creep_mm_s * 100_000), charged - 1, charged)
-    assert "what balise is owed is kept" in names(base(one_user(whole, {"odometer_more_nm": one_less})).refuted)
+    assert "contract of balise holds" in names(base(one_user(whole, {"odometer_more_nm": one_less})).refuted)
 
 
 def test_standing_is_one_clause_or_none() -> None:
@@ -122,7 +122,7 @@ def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
 def test_a_smaller_charge_is_not_enough(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
     """No charge, one nm less, or the odometer as it measured: owed, and not kept."""
     whole = compose_machines(LocalizerConfig(sources=("balise",)))
-    assert "what balise is owed is kept" in names(base(one_user(whole, wrong(whole))).refuted)
+    assert "contract of balise holds" in names(base(one_user(whole, wrong(whole))).refuted)
 
 
 def one_user(whole: Localizer, changed: Mapping[str, Expr]) -> TransitionSystem:

@@ -69,7 +69,7 @@ QUICK = ("no more than 0.1 m a cycle is charged", "silence is charged with half 
     "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in EDITS]
 )
 def test_a_wrong_edit_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The balise machine is not kept what it is owed, or a fact of motion falls."""
+    """The contract of the balise machine no longer holds, or a fact of motion falls."""
     refuted = owed(monkeypatch, EDITS[name]).refuted
     assert [str(fact) for fact, why in refuted.items() if isinstance(why, Refuted)]
 

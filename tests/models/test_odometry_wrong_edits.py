@@ -132,7 +132,10 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
     "knee of the law too high": (law_with(knee_mm_s=10_000), "containment"),
     "one-off constant not charged": (constant_free, "containment"),
     "silence charged with half the top speed": (half_blind, "containment"),
-    "silence charged with half the top speed, without the world": (half_blind, "front_wheel charges silence"),
+    "silence charged with half the top speed, without the world": (
+        half_blind,
+        "silence of front_wheel widens the margins",
+    ),
     "age limit doubled": (limits_with(age_limit_ms=172_800_000), "age limit"),
     "change of speed not gated": (limits_with(max_step_change_mm=100_000), "front_wheel gate"),
     "top speed not gated": (limits_with(max_step_mm=9_000), "front_wheel gate"),
@@ -166,7 +169,7 @@ def test_without_an_edit_nothing_is_refuted(claim: str) -> None:
 @pytest.mark.parametrize("kept", [0, 1])
 def test_a_unit_that_may_be_silent_for_ever_is_noticed(kept: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The lone limit holds for either unit of a device: asked of one of them only, the other one's claim is lost."""
-    claims = [f"front device is given up without front_{unit}" for unit in ("wheel", "radar")]
+    claims = [f"front device loses its position without front_{unit}" for unit in ("wheel", "radar")]
     right = odometry.build(parts(OdometryConfig()))
     assert [_lacks(right, claim) for claim in claims] == [set(), set()]
 

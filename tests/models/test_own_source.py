@@ -56,9 +56,9 @@ def test_its_contract_is_proved_by_itself() -> None:
 
 
 def test_the_localizer_hears_it_alone() -> None:
-    """What arbitration is owed of it is kept, and no fact is lost."""
+    """The contract of arbitration holds with it, and no fact is lost."""
     known = base(load_target(f"alone+{BEACONS}:source").system)
-    assert "what arbitration is owed is kept" in names(known.kept)
+    assert "contract of arbitration holds" in names(known.kept)
     assert not known.refuted
 
 
@@ -66,7 +66,7 @@ def test_the_localizer_hears_it_alone() -> None:
 def test_the_localizer_hears_it_beside_its_own() -> None:
     """The same beside all sources that ship."""
     known = base(load_target(f"localizer+{BEACONS}:source").system, seconds=60)
-    assert "what arbitration is owed is kept" in names(known.kept)
+    assert "contract of arbitration holds" in names(known.kept)
     assert not known.refuted
 
 

@@ -69,24 +69,24 @@ EDITS: Edits = {
     "steadiness 20 m too lax": (Judged, "steady", lambda c, _: lax_run(c, 20 * M), "error is constant"),
     "never steady": (Judged, "steady", lambda _c, _r: FALSE, "a sound radar raises no alarm"),
     "not found 100 m late": (
-        Reflector, "over", lambda r, _, held, run: held.low > r.search_ends(run + 100 * M), "what is looked for is found in time"),
+        Reflector, "over", lambda r, _, held, run: held.low > r.search_ends(run + 100 * M), "the search for a reflector ends in time"),
     "not found 100 m early": (
         Reflector, "over", lambda r, _, held, run: held.low > r.search_ends(run - 100 * M),
-        "not found is said only beyond the search"),
+        "not found is reported only beyond the search run"),
     "passed unseen and not said": (Judged, "passed_unseen", lambda _c, _r: FALSE, "nothing is skipped"),
     "passed unseen whatever was found": (
         Judged, "passed_unseen", lambda c, _: c.own.ahead.known & c.own.ahead.reflector.over(c.held, CONFIG.search_run_mm),
-        "passed unseen is said only beyond the search"),
+        "passed unseen is reported only beyond the search run"),
     "the reference is waited for without end": (
         Judged, "reference_over", lambda _c, _r: FALSE, "the reference reflector is found in time"),
-    "the search goes on behind": (Judged, "search_left", lambda _c, _r: FALSE, "it is looked for where it may be in view"),
+    "the search goes on behind": (Judged, "search_left", lambda _c, _r: FALSE, "a reflector is searched only where it may be in view"),
     "the search is left in the view zone": (
         Judged, "search_left", lambda c, _: c.held.low < c.reflector.view_begins(), "the search is left only before the view zone"),
     "too close by the rear end": (
         Judged, "too_close", lambda c, _: c.held.low >= exact_to(c.reflector.place - c.reflector.view_to, NM),
         "no echo is waited for when too close"),
     "gone by with the front end": (
-        Judged, "gone_by", lambda c, _: c.held.high >= exact_to(c.reflector.place, NM), "what was passed lies behind"),
+        Judged, "gone_by", lambda c, _: c.held.high >= exact_to(c.reflector.place, NM), "a passed reflector lies behind the vehicle"),
     "never gone by": (Judged, "gone_by", lambda _c, _r: FALSE, "passing goes on until it lies behind"),
     "any neighbour": (Reflector, "roomy", lambda _r, _, _held: TRUE, "never too early"),
     "view without the radar's offset": (
@@ -143,7 +143,7 @@ OF_RADAR: Edits = {
     "self-test 1 nm too tight": (
         Judged, "reference_holds", lambda c, _: reference(c, lax_nm=-1), "a right radar passes the self-test"),
     "self-test by the prescribed distance alone": (
-        Judged, "agrees", lambda c, _: c.reference_holds, "what passes is no worse than the test can see"),
+        Judged, "agrees", lambda c, _: c.reference_holds, "a radar that passes errs no more than the test can detect"),
     "self-test by the map alone": (
         Judged, "agrees", lambda c, _: c.target.fix.meets(c.known), "the test is the prescribed distance"),
     "the radar's scale not charged": (
@@ -164,7 +164,7 @@ OF_RADAR: Edits = {
     "nothing charged in the cycle of the test, and claimed": (
         Judged, "tested_fix", lambda c, _: c.target.bare, "a test that passed makes nothing better known"),
     "drift 1 nm slower than it is": (ReflectorConfig, "drift_nm", lambda _, right: right - 1, "containment"),
-    "drift not charged": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "what a test left open grows by the drift"),
+    "drift not charged": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "the error that a test left open grows by the drift"),
     "never out of date": (
         Judged, "outdated", lambda _c, _r: FALSE, "precise only with a radar that is nearly right"),
     "always out of date": (
@@ -180,19 +180,19 @@ OF_RADAR: Edits = {
         Situation, "alone", lambda now, _, r: exact_to(r.clear, NM) - now.law.accuracy_nm
         > now.window.high - exact_to(r.place, NM) + now.lag[1] + now.law.strong_nm, "the target is never mistaken"),
     "no self-test alone enough": (
-        Situation, "alone", lambda _n, _, _r: FALSE, "a self-test is ambiguous only where another is heard"),
+        Situation, "alone", lambda _n, _, _r: FALSE, "a self-test is ambiguous only if another reflector is in range"),
     "the balise's one-off constant not charged in the wait": (
         Judged, "begins_at", lambda c, _: c.balise, "containment"),
     "a wait however coarse": (Judged, "too_coarse", lambda _c, _r: FALSE, "containment"),
     "drift taken for a fault": (Judged, "drifted", lambda c, _: c.anchored, "a sound radar raises no alarm"),
     "where the radar has the vehicle, sides exchanged": (
         cycles, "_seen_by", lambda i, _, o: Interval(i.position, i.above + o[0], i.below + o[1]),
-        "the target's own echo is in the window"),
+        "the target's echo is in the window"),
     "a jump that what was left open hides": (
         cycles, "_measured_on", lambda own, right: nearer(right, -own.open_long, -own.open_short), "no measurement jumps"),
     "the last measurement without drift": (
         cycles, "_measured_on", lambda _, right: nearer(right, *2 * (CONFIG.drift_nm,)),
-        "the target's own echo is in the window"),
+        "the target's echo is in the window"),
 }  # fmt: skip
 """What the radar may be wrong by, and what the self-test says of it."""
 
@@ -210,7 +210,7 @@ def test_a_wrong_charge_for_the_radar_is_noticed(monkeypatch: pytest.MonkeyPatch
 OF_TWO: Edits = {
     "echoes that exclude each other are believed": (
         Recognition, "conflict", lambda _c, _r: FALSE, "echoes that exclude each other give no position"),
-    "every second echo is a conflict": (Recognition, "conflict", lambda _c, _r: TRUE, "what fits is used"),
+    "every second echo is a conflict": (Recognition, "conflict", lambda _c, _r: TRUE, "an echo that fits is used"),
     "the last echo instead of the first": (
         Recognition, "of_chosen", lambda _c, _, terms: terms[-1], "the reported reflector sent the echo"),
     "views that overlap always contradict": (

@@ -55,7 +55,7 @@ def test_the_sound_machine_keeps_its_lemmas() -> None:
         (AMBIGUOUS, "the target is never mistaken"),
         (AMBIGUOUS, "the next reflector is never mistaken"),
         (TOO_COARSE, "tolerance"),
-        (NOT_SEARCHED, "looked for from the prescribed line"),
+        (NOT_SEARCHED, "no self-test passes before the prescribed search distance"),
     ],
     ids=lambda value: value.label if isinstance(value, Lit) else value,
 )
@@ -113,7 +113,7 @@ def test_a_continuation_from_the_balise_is_noticed() -> None:
         ("self-test failed", {"target": 3}, "a mismatch ends the procedure"),
         ("not ready", {"target": 3}, "no retry"),
         ("odometry zone", {"target": 5}, "clutter is no reflector"),
-        ("search goes on", {"target": 5}, "the radar's own bound"),
+        ("search goes on", {"target": 5}, "errors of radar and survey make up the margins"),
         ("echo missing", {"target": 5}, "minimum intensity"),
         ("measurement pauses", {"target": 5}, "unfit echoes change nothing"),
         ("wait for a balise", {"target": 1}, "no resurrection"),

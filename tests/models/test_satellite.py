@@ -437,7 +437,7 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
             marks=pytest.mark.slow,
         ),
         ("_change", lambda _: lambda own, state: as_num(0, UM_S), "the prediction goes on with the change of speed"),
-        ("_at_reference", _beside, "a position begins with nothing of what was before"),
+        ("_at_reference", _beside, "a position begins with no earlier data"),
         ("referred", lambda right: lambda own: replace(right(own), low=right(own).low - 1), "a reference bounds the position"),
         ("reportable", lambda right: lambda own, state: right(own, state) & own.anchored, "a good reference begins a position"),
     ],
@@ -453,7 +453,7 @@ def test_a_wrong_edit_of_prediction_or_restart_is_noticed(
     assert lost_by(model.composition.system, properties(model), noticed)
 
 
-@pytest.mark.parametrize("noticed", ["containment", "what violates the criterion never counts"])
+@pytest.mark.parametrize("noticed", ["containment", "a satellite that violates the criterion never counts"])
 def test_a_selection_that_accepts_every_satellite_is_noticed(noticed: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """SAT-1: that usable signals keep their bounds follows from the criterion, and from nothing that is assumed of them."""
     from safeloc.models import satellite_selection

@@ -86,8 +86,8 @@ def test_timers_are_durations() -> None:
 @pytest.mark.parametrize(
     ("timers", "broken"),
     [
-        ({"mute_ms": 3_000}, "section_1 keeps to its timers"),
-        ({"integrity_wait_ms": 4_000}, "section_1 keeps to its timers"),
+        ({"mute_ms": 3_000}, "section_1 obeys its timers"),
+        ({"integrity_wait_ms": 4_000}, "section_1 obeys its timers"),
         ({"mute_ms": 4_000}, "section_1 is trusted as far as its reports are fresh"),
     ],
 )

@@ -1,4 +1,4 @@
-"""A position on its way: its age is charged, a newer report replaces it, silence and revocation take it away."""
+"""A position on its way: its age widens it, a newer report replaces it, silence and revocation take it away."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_a_link_without_a_limit_of_width_is_noticed() -> None:
     assert not_kept(wrong, prop) != set()
 
 
-@pytest.mark.parametrize("property_", ["containment", "age is charged"])
+@pytest.mark.parametrize("property_", ["containment", "age widens a stored report"])
 def test_a_link_that_forgets_to_age_is_noticed(property_: str) -> None:
     """A held report that stays as it is neither keeps the truth nor charges its age."""
     model = link()

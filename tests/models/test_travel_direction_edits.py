@@ -25,13 +25,13 @@ def made() -> tuple[Machine, list[Property]]:
 
 Wrong = Callable[..., object]
 EDITS: dict[str, tuple[str, Wrong, str]] = {
-    "the model of an older reflector": ("latest", lambda o, _: o.last, "the model passed last is kept"),
-    "any balise tells": ("telling", lambda o, _: o.balise, "equal models tell nothing"),
+    "the model of an older reflector": ("latest", lambda o, _: o.last, "the model passed last stays stored"),
+    "any balise tells": ("telling", lambda o, _: o.balise, "equal models start no decision"),
     "no balise tells": ("telling", lambda _o, _r: FALSE, "a model passed before a balise begins a decision"),
     "equal neighbours tell": (
         "telling",
         lambda o, _: o.balise & o.before.ne(NO_MODEL) & o.after.ne(NO_MODEL),
-        "equal models tell nothing",
+        "equal models start no decision",
     ),
     "any model ahead confirms": (
         "confirmed",
@@ -64,7 +64,7 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
         ("fits along", {"awaited": "before"}, "a decision begins with the model passed"),
         ("fits against", {"awaited": "after"}, "a decision begins with the model passed"),
         ("stay along", {"asked": "asked"}, "another direction than expected contradicts"),
-        ("stay half", {"last": "passed"}, "the model passed last is kept"),
+        ("stay half", {"last": "passed"}, "the model passed last stays stored"),
         ("turned", {"last": "passed"}, "turning forgets"),
     ],
 )

@@ -71,7 +71,7 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     [
         ("turns left", 2, {}, "beyond the turnout a measured image decides"),
         ("watch", 2, {"set": {}}, "cycles without a measurement are counted"),
-        ("keep the course", 3, {"set": {}}, "contradiction"),
+        ("course stays decided", 3, {"set": {}}, "contradiction"),
         ("back before the switch", 0, {"when": FALSE}, "before the switch nothing is stated of it"),
         ("switch in view", 0, {}, "a switch in view is watched"),
     ],

@@ -247,7 +247,7 @@ def test_other_configurations_are_proved(config: VerificationConfig) -> None:
         ("mismatch", {"when": FALSE}, "another train is withheld"),
         ("still verified", {"when": TRUE}, "trusted is currently verified"),
         ("verified", {"when": TRUE}, "trust begins with a verification"),
-        ("mismatch is kept", {"target": "WITHHELD"}, "mismatch is latched"),
+        ("mismatch stays latched", {"target": "WITHHELD"}, "mismatch is latched"),
         ("no train", {"target": "WITHHELD"}, "no train without a reference"),
         ("still verified", {"set": {}}, "containment"),
     ],
@@ -270,11 +270,11 @@ def giving(row: str, given: Bool) -> Verification:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("row", "given"), [("not verified now", FALSE), ("not verified now", TRUE), ("mismatch is kept", FALSE)]
+    ("row", "given"), [("not verified now", FALSE), ("not verified now", TRUE), ("mismatch stays latched", FALSE)]
 )
 def test_what_was_given_out_and_is_forgotten_is_noticed(row: str, given: Bool) -> None:
     """What was given out stays known while the train is withheld, and while it is untrusted."""
-    claim, wrong = "whether something was given out is kept", giving(row, given)
+    claim, wrong = "the machine stores that a position was reported", giving(row, given)
     assert set(lost(wrong.machine, properties(wrong), claim)) == {claim}
     assert lost(made().machine, properties(made()), claim) == {}
 
@@ -282,7 +282,7 @@ def test_what_was_given_out_and_is_forgotten_is_noticed(row: str, given: Bool) -
 @pytest.mark.parametrize("given", [FALSE, TRUE])
 def test_revoked_says_whether_something_was_given_out(given: Bool) -> None:
     """A mismatch after a pause revokes just what was given out: not nothing, and not always."""
-    claim, wrong = "what was given out is revoked after a pause too", giving("mismatch", given)
+    claim, wrong = "a reported position is revoked after a pause too", giving("mismatch", given)
     [prop] = [one for one in properties(wrong) if one.name == claim]
     assert claim in not_kept(wrong.machine, prop)
     assert lacking(claim) == set()

@@ -88,11 +88,11 @@ SHARP = [
     ("a place later", "place_tolerance_mm"),
     ("a place at any time", "place_doubt_limit_mm"),
     ("a place from cycle to cycle", "jump_mm"),
-    ("a length that is told", "length_tolerance_mm"),
+    ("a wrong length withholds", "length_tolerance_mm"),
     ("a distance of the ends", "length_tolerance_mm"),
-    ("what train control tells", "length_tolerance_mm"),
+    ("wrong data by train control withhold", "length_tolerance_mm"),
     ("a speed at the counter", "speed_tolerance_mm_s"),
-    ("nothing right is told any more", "currency_cycles"),
+    ("a fibre without right count or length withholds", "currency_cycles"),
     ("a place whose record is old", "place_doubt_limit_mm"),
 ]
 
@@ -113,11 +113,15 @@ def test_one_less_is_refuted_by_a_run(claim: str, figure: str) -> None:
 
 EDITS: dict[str, tuple[str, Callable[[Judged], object], str]] = {
     "nothing is a mismatch": ("mismatch", lambda _: FALSE, "a place at any time"),
-    "count ignored": ("count_matches", lambda j: j.own.associated & j.own.seen_count.present, "a count that is told"),
+    "count ignored": (
+        "count_matches",
+        lambda j: j.own.associated & j.own.seen_count.present,
+        "a wrong count withholds",
+    ),
     "length ignored": (
         "length_matches",
         lambda j: j.own.associated & j.own.seen_length.present,
-        "a length that is told",
+        "a wrong length withholds",
     ),
     "ends ignored": ("ends_apart", lambda _: FALSE, "a distance of the ends"),
     "place at the counter ignored": ("place_fits", lambda _: TRUE, "a place at the counter"),
@@ -129,14 +133,18 @@ EDITS: dict[str, tuple[str, Callable[[Judged], object], str]] = {
         lambda j: any_of([~j.own.located, ~j.own.place.present, ~j.own.chain_tested, j.doubtful]),
         "a pattern of nobody",
     ),
-    "age of the count ignored": ("current", lambda _: TRUE, "nothing right is told any more"),
+    "age of the count ignored": ("current", lambda _: TRUE, "a fibre without right count or length withholds"),
     "age of the place ignored": ("doubtful", lambda _: FALSE, "a place whose record is old"),
     "a record is as new as it comes": (
         "possible",
         lambda j: (j.own.record_place_low, j.own.record_place_high),
-        "what is handed over is true",
+        "a record that is handed over is true",
     ),
-    "train control's count ignored": ("_control_count_differs", lambda _: FALSE, "what train control tells"),
+    "train control's count ignored": (
+        "_control_count_differs",
+        lambda _: FALSE,
+        "wrong data by train control withhold",
+    ),
 }
 
 

@@ -155,7 +155,7 @@ SCENARIOS = (
         "emitter-failure",
         "The emitter fails",
         "The emitter falls silent. When its pattern is overdue, the chain counts as failed: UNTRUSTED (CHAIN_FAILED) in that "
-        "cycle, and what was given out is revoked. Sections become UNKNOWN as the train's interval grows.",
+        "cycle, and the reported position is revoked. Sections become UNKNOWN as the train's interval grows.",
         replace(STAY, scene=_with(soundings=sounding(98), seed=6), chain_from=93.0),
     ),
 )

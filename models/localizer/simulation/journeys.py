@@ -159,7 +159,7 @@ CASES: tuple[Case, ...] = (
     _freight("fibre miscount", ("verification: mismatch", "downlink: report revokes"),
              "the counter's axles are not the fibre's: untrusted, and its position never comes on board"),
     _freight("fibre error", ("verification: mismatch", "downlink: report revokes"),
-             "error signal F: what was given out is revoked, on board in the same cycle"),
+             "error signal F: the reported position is revoked, on board in the same cycle"),
     _freight("downlink silent", ("downlink: report has become too old",), "the fibre's position ages and is withdrawn"),
     _freight("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; satellites lead", group=6),
     _freight("balise missed", _BALISE_UNREAD, "the margin grows; satellites lead", group=6),

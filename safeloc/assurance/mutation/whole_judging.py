@@ -19,6 +19,7 @@ from safeloc.assurance.mutation.playing import first_broken, outputs_along
 from safeloc.assurance.mutation.results import Outcome
 from safeloc.assurance.mutation.wires import WireEdit
 from safeloc.errors import SafelocError
+from safeloc.language.composed_names import contract_text, inputs_text
 from safeloc.language.expr import TRUE, Bool, NumVar
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range
@@ -123,8 +124,8 @@ def _questions(system: TransitionSystem, claims: Sequence[Property], canon: Cano
     known, lawful = list[Bool](), environment(system)
     for part, own in zip(system.parts, facts, strict=True):
         for words, term in (
-            (f"what {part.name} hears is in range", part.heard),
-            (f"what {part.name} is owed", part.owed),
+            (inputs_text(part.name), part.heard),
+            (contract_text(part.name), part.owed),
         ):
             if term is not TRUE:
                 given = relevant.select([lawful, *before, *known], [term])

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.language.composed_names import contract_text
+from safeloc.language.composed_names import contract_text, inputs_text
 from safeloc.language.expr import NumVar
 from safeloc.language.system import Part, TransitionSystem
 
@@ -17,13 +17,13 @@ from safeloc.language.system import Part, TransitionSystem
 class Fact:
     """One fact; `of` names the variable, lemma or machine that it is about, each unique in its system.
 
-    range  a state variable stays in its declared range
-    lemma  a declared lemma
-    heard  the wired inputs of a machine of a composition are in range
-    owed   the contract of a machine of a composition: its discharged assumption holds
+    range     a state variable stays in its declared range
+    lemma     a declared lemma
+    wires     the wired inputs of a machine of a composition are in range
+    contract  the contract of a machine of a composition: its discharged assumption holds
     """
 
-    kind: Literal["range", "lemma", "heard", "owed"]
+    kind: Literal["range", "lemma", "wires", "contract"]
     of: str
 
     def __str__(self) -> str:
@@ -32,9 +32,9 @@ class Fact:
                 return f"range of {self.of}"
             case "lemma":
                 return self.of
-            case "heard":
-                return f"what {self.of} hears is in range"
-            case "owed":
+            case "wires":
+                return inputs_text(self.of)
+            case "contract":
                 return contract_text(self.of)
 
 
@@ -45,12 +45,12 @@ def range_of(var: NumVar) -> Fact:
 
 def heard_by(part: Part) -> Fact:
     """Return the key of the fact that the wired inputs of a machine stay in their ranges."""
-    return Fact("heard", part.name)
+    return Fact("wires", part.name)
 
 
 def owed_to(part: Part) -> Fact:
     """Return the key of the fact that earlier machines guarantee the discharged assumption of a machine."""
-    return Fact("owed", part.name)
+    return Fact("contract", part.name)
 
 
 def about(system: TransitionSystem, rule: str, **more: object) -> dict[str, str]:

@@ -2,9 +2,9 @@
 
 Machine by machine, in the order of the step:
 
-    heard  its wired inputs are in range: proved of the composition; then the machine's facts for all inputs hold
-    owed   its contract, which is its discharged assumption: proved of the composition, from facts about the machines
-           before it, before AND after the step; then the machine's facts under its assumption hold
+    wires     its wired inputs are in range: proved of the composition; then the machine's facts for all inputs hold
+    contract  its discharged assumption: proved of the composition, from facts about the machines before it,
+              before AND after the step; then the machine's facts under its assumption hold
 
 No fact of a machine is used before it is proved, and a machine's own proof never uses a later machine. If a discharged
 assumption is not proved, the facts of that machine are proved jointly, as if nothing were known of it.

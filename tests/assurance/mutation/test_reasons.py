@@ -71,7 +71,7 @@ def test_no_such_file(tmp_path: Path) -> None:
 
 
 def test_told_apart() -> None:
-    """A survivor with a reason is told with it, behind those without; a mutant that a proof notices needs none."""
+    """A survivor with a reason is listed with it, behind those without; a mutant that a proof notices needs none."""
     survived = outcome("update skipped", "brakings keeps its value")
     killed = outcome("comparison turned", "< becomes >", "'brakes'")
     other = replace(survived, id="brake-other", everywhere=Outcome("survived"))

@@ -84,7 +84,7 @@ def test_what_is_owed_is_proved_and_used() -> None:
     """The source guarantees the follower's assumption: the contract is proved, and then the follower's facts."""
     chain = Chain(limit=5, assumed=5)
     known = base(chain.whole.system)
-    assert told(known.kept) == {"what follower is owed is kept"}
+    assert told(known.kept) == {"contract of follower holds"}
     assert {"follower: within what is assumed", "follower: the truth is low"} <= told([*known.facts, *known.always])
     assert not known.refuted
 
@@ -102,7 +102,7 @@ def test_a_contract_that_is_broken_is_shown_by_a_run() -> None:
     kept = chain.whole.of(chain.follower)
     prop = always("remembered", kept.bool(chain.kept <= 5))
     findings = {one.id: one.result for one in prove(chain.whole.system, [prop], Limits(depth=8))}
-    broken = findings["chain/lemma/what follower is owed is kept"]
+    broken = findings["chain/lemma/contract of follower holds"]
     assert isinstance(broken, Violated)
     assert broken.trace is not None
     assert isinstance(findings["chain/property/remembered"], Violated)
@@ -112,16 +112,16 @@ def test_a_contract_that_is_kept_is_a_finding() -> None:
     """A proved contract is reported like a lemma, with the text that was re-checked."""
     chain = Chain(limit=5, assumed=5)
     findings = {one.id: one.result for one in prove(chain.whole.system, [], Limits())}
-    proved = findings["chain/lemma/what follower is owed is kept"]
+    proved = findings["chain/lemma/contract of follower holds"]
     assert isinstance(proved, Proved)
-    assert any("is-owed-is-kept" in file for file in proved.certificates)
+    assert any("contract-of-follower-holds" in file for file in proved.certificates)
 
 
 def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
     """The follower's input goes up to 4, the source up to 10: facts for all inputs in range are not inherited."""
     chain = Chain(limit=10, assumed=10, widest=4, discharge=False)
     known = base(chain.whole.system)
-    assert "what follower hears is in range" in told(known.refuted)
+    assert "wired inputs of follower are in range" in told(known.refuted)
     assert "range of source.level" in told(known.always)
 
 
@@ -139,7 +139,7 @@ def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
     whole = owed_by_clause(limit=5, assumed=5)
     known = base(whole.system)
     assert [var.name for var in variables([whole.system.assume])] == ["follower.next_truth"]
-    assert told(known.kept) == {"what follower is owed is kept"}
+    assert told(known.kept) == {"contract of follower holds"}
     assert "follower: within what is assumed" in told(known.facts)
     assert not known.refuted
 
@@ -147,7 +147,7 @@ def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
 def test_a_clause_that_is_not_kept_loses_the_facts() -> None:
     """The source rises to 10, the clause says 5: not proved, and no fact of the follower under it is used."""
     known = base(owed_by_clause(limit=10, assumed=5).system)
-    assert {"what follower is owed is kept", "follower: within what is assumed"} <= told(known.refuted)
+    assert {"contract of follower holds", "follower: within what is assumed"} <= told(known.refuted)
     assert not known.kept
 
 

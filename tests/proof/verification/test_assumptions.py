@@ -64,10 +64,10 @@ def test_a_breach_that_only_the_truth_shows(tmp_path: Path) -> None:
     laws = by_name(judge_recording(target, path))
     broken = {name: one for name, one in laws.items() if one.breaches}
     assert {
-        f"odometry: {end}_{unit} keeps its error law" for end in ("front", "rear") for unit in ("wheel", "radar")
+        f"odometry: {end}_{unit} obeys its error law" for end in ("front", "rear") for unit in ("wheel", "radar")
     } <= set(broken)
     assert not any(" / " in name for name in broken)  # what units say has not changed
-    wheel = broken["odometry: front_wheel keeps its error law"]
+    wheel = broken["odometry: front_wheel obeys its error law"]
     assert [(300, False)] == [(at.cycle, at.seen) for at in wheel.breaches]
     assert ("truth", "nm", 300) == (wheel.by, wheel.unit, wheel.cycle)
     breach = wheel.breaches[0].breach
@@ -80,7 +80,7 @@ def test_a_breach_that_inputs_show_is_told_apart(tmp_path: Path) -> None:
     """A switch is reported behind the vehicle: this breach is seen without the truth."""
     target = load_target("turn_off")
     path = changed(target.streams[0], tmp_path / "run.jsonl", 20, switch_position_mm=-900_000)
-    law = by_name(judge_recording(target, path))["turn_off: a switch is told while it lies ahead"]
+    law = by_name(judge_recording(target, path))["turn_off: the map gives a switch only while it lies ahead"]
     (at,) = law.breaches
     assert ("inputs", 20, True) == (law.by, at.cycle, at.seen)
     assert law.least == at.breach.distance
@@ -103,14 +103,16 @@ def test_a_recording_and_a_controller_tell_the_same() -> None:
     }
     assert told == live
     first = min(cycle for cycle, _, _ in told)
-    assert all("odometry: front_wheel keeps its error law" in laws for cycle, laws, _ in told if cycle == first)
+    assert all("odometry: front_wheel obeys its error law" in laws for cycle, laws, _ in told if cycle == first)
 
 
 def test_what_a_recording_does_not_show_is_not_judged() -> None:
     """Without the truth most laws cannot be checked; they are listed, not passed over."""
     judged = judge_recording(load_target("odometry"), SLIDE)
     assert not judged.with_truth
-    assert {"the vehicle is as long as told", "stray readings are rare"} < {law.name for law in judged.unjudged}
+    assert {"the readers are as far apart as configured", "stray readings are rare"} < {
+        law.name for law in judged.unjudged
+    }
     assert not {law.name for one in judged.laws for law in one.laws} & {law.name for law in judged.unjudged}
 
 

@@ -15,7 +15,7 @@ from safeloc.runtime.source_clocks import ONE_CLOCK
 from safeloc.runtime.streams.records import DistanceRecord, Record
 from tests.runtime.embedding.driving import ENDS, PERIOD_MS, STEP_MM, drive, shipped, trusting
 
-FRONT_WHEEL = "odometry: front_wheel keeps its error law"
+FRONT_WHEEL = "odometry: front_wheel obeys its error law"
 LEAST_MM, SLOWER_MM = 300, 50
 
 
@@ -60,7 +60,7 @@ def test_a_slide_is_named_in_its_cycle() -> None:
     assert first.values["front_wheel_mm"] == max(LEAST_MM, STEP_MM - SLOWER_MM * found[0].cycle)
     assert f"law broken: {FRONT_WHEEL} (supplier) or " in found[0].words()
     (told, *_) = found[0].as_data()["assumptions_broken"]
-    assert {"machine": "odometry", "name": "front_wheel keeps its error law", "owner": "supplier"} in told["laws"]
+    assert {"machine": "odometry", "name": "front_wheel obeys its error law", "owner": "supplier"} in told["laws"]
     assert "assumptions_broken" not in reports[0][0].as_data()
 
 
