@@ -123,8 +123,8 @@ def _questions(system: TransitionSystem, claims: Sequence[Property], canon: Cano
     known, lawful = list[Bool](), environment(system)
     for part, own in zip(system.parts, facts, strict=True):
         for words, term in (
-            (f"what {part.name} hears is in range", part.heard),
-            (f"what {part.name} is owed", part.owed),
+            (f"wired inputs of {part.name} are in range", part.heard),
+            (f"discharged assumption of {part.name}", part.owed),
         ):
             if term is not TRUE:
                 given = relevant.select([lawful, *before, *known], [term])
