@@ -84,7 +84,7 @@ LAST = 1000
 
 @dataclass(frozen=True, eq=False)
 class Entry(Generic[AnyConfig]):
-    """A machine of the catalogue, declared in `ENTRIES` of its `models/<mode>/target.py`.
+    """A machine of the catalogue, declared in `ENTRIES` of a `models/<folder>/target.py`.
 
     config          the class of its configuration; `safeloc verify` proves the machine with its defaults
     maker           makes the target from a configuration

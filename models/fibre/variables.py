@@ -50,7 +50,9 @@ class FibreConfig(Config):
     change_cdb: int = quantity(700, "cdB", 1, 4_000, "[D] a section changes 12 dB, coupling 2 dB a standard deviation")
     return_cdb: int = quantity(400, "cdB", 0, 4_000, "[D] less than that is normal again")
     short_mm: int = quantity(150_000, "mm", 1_000, 1_000_000, "[D] above twice what an edge is known to")
-    long_mm: int = quantity(400_000, "mm", 2_000, 10_000_000, "[D] told from the short one at 45 m/s, runs as measured")
+    long_mm: int = quantity(
+        400_000, "mm", 2_000, 10_000_000, "[D] distinguished from the short one at 45 m/s, runs as measured"
+    )
     edge_tolerance_mm: int = quantity(30_000, "mm", 1, 1_000_000, "[D] gauge, pulse and window; [S] l. 160: 5 to 10 m")
     rate_ppm: int = quantity(60_000, "ppm", 0, 200_000, "[D] measured over simulation (docs/fibre.md); bogies: 5 000")
     floor_mm: int = quantity(2_000, "mm", 0, 10_000, "[D] measured: of the run of one cycle")
@@ -61,7 +63,9 @@ class FibreConfig(Config):
     )
     flight_threshold_mm: int = quantity(60_000, "mm", 1, 10_000_000, "[D] index and slack over 40 km, and the edge")
     reflection_threshold_mm: int = quantity(40_000, "mm", 1, 10_000_000, "[D] the point's own place, and the edge")
-    window: int = quantity(5, "sections", 2, 20, "[D] fibre.code: 5 tell 12 sections apart, 6 tell 24, 8 tell 40")
+    window: int = quantity(
+        5, "sections", 2, 20, "[D] fibre.code: 5 distinguish 12 sections, 6 distinguish 24, 8 distinguish 40"
+    )
     reach: int = quantity(2, "sections", 1, 10, "[D] the code's law: so near, no two are alike")
 
     @model_validator(mode="after")

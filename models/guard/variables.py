@@ -38,7 +38,9 @@ class GuardConfig(Config):
 
     period_ms: int = quantity(100, "ms", 2, 2_000, "[D] a step of the guard; a multiple of 2")
     tolerance_mm: int = quantity(30_000, "mm", 2, 500_000, "[S] OCORA 7239: 30 m on main line")
-    window_limit_mm: int = quantity(60_000, "mm", 2, 10_000_000, "[D] half width up to which the window is kept")
+    window_limit_mm: int = quantity(
+        60_000, "mm", 2, 10_000_000, "[D] greatest half width of the window; a wider one is given up"
+    )
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
     acceleration_mm_s2: int = quantity(1_500, "mm/s2", 1, 10_000, "[D] 1.5 m/s2, passenger")
     brake_mm_s2: int = quantity(1_500, "mm/s2", 1, 10_000, "[M] the strongest brake, emergency brake included")
@@ -46,7 +48,7 @@ class GuardConfig(Config):
     offset_charge_permille: int = quantity(1_500, "per mille", 0, 100_000, "[M] further error, of the distance off")
     offset_limit_mm: int = quantity(10_000, "mm", 0, 1_000_000, "[M] most distance off the track")
     track_clearance_mm: int = quantity(
-        30_000, "mm", 0, 1_000_000, "[M] a fix nearer than this to two tracks tells neither"
+        30_000, "mm", 0, 1_000_000, "[M] a fix nearer than this to two tracks does not decide between them"
     )
     speed_error_mm_s: int = quantity(1_000, "mm/s", 1, 20_000, "[M] of the receiver's own speed")
     confirmations: int = quantity(5, "fixes", 2, 100, "[M] fixes in a row that must agree with map and motion")
@@ -57,10 +59,10 @@ class GuardConfig(Config):
         QUARTER_TURN_MRAD - 1,
         "[D] 15 degrees: 9.5 of a 1:6 switch, and the error of a course over course_base_mm",
     )
-    course_base_mm: int = quantity(20_000, "mm", 1_000, 1_000_000, "[D] between two fixes that a course is told from")
+    course_base_mm: int = quantity(20_000, "mm", 1_000, 1_000_000, "[D] distance between two fixes that give a course")
     course_age_ms: int = quantity(10_000, "ms", 100, 600_000, "[D] most between them; with 20 m: 2 m/s and more")
     rollback_mm: int = quantity(5_000, "mm", 0, 1_000_000, "[S] D_NVROLL 2 m (SUBSET-026 A.3.2), and the way to stop")
-    speed_window_ms: int = quantity(4_000, "ms", 4, 60_000, "[D] over which speed is told from distance")
+    speed_window_ms: int = quantity(4_000, "ms", 4, 60_000, "[D] time over which distance gives speed")
     max_age_ms: int = quantity(1_000, "ms", 0, 60_000, "[M] an older fix is stale")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
 

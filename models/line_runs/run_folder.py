@@ -1,6 +1,6 @@
 """Runs of vehicles over the routes of a line, written into a folder: one stream for each machine, route and vehicle.
 
-`runs.json` lists the streams, each with its configuration, vehicle, seed, route and faults (schema safeloc-runs/1).
+`runs.json` lists the streams, each with its configuration, vehicle, seed, route and faults (schema safeloc-line-runs/1).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from safeloc.railway.map.model import Line, content_checksum
 from safeloc.railway.map.walk import Walk
 from safeloc.runtime.streams.steps import write_steps
 
-_SCHEMA = "safeloc-runs/1"
+_SCHEMA = "safeloc-line-runs/1"
 _BY_GROUPS = ("odometry", "balise")
 """Machines that report nothing after a single group, unless it is trusted without a second one."""
 

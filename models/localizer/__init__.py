@@ -88,14 +88,11 @@ def compose_machines(
     """
     config = config or LocalizerConfig()
     moves = motion.build(motion.parts(config.motion))
-    pieces: dict[str, Piece] = {}
-    shipped = () if only_own else config.arbitration.sources
-    for source in shipped:
-        pieces[source] = PIECES[source](config, moves, pieces)
+    shipped = _shipped_pieces(config, moves, () if only_own else config.arbitration.sources)
     further = _own_pieces(config, moves, own)
-    pieces |= further
+    pieces = {**shipped, **further}
     downlink, link_wires = _downlink(config, moves, pieces)
-    counts = arbitration.build(arbitration_parts(config.arbitration_of(shipped, tuple(further))))
+    counts = arbitration.build(arbitration_parts(config.arbitration_of(tuple(shipped), tuple(further))))
     restrictive = delocalized.parts(
         delocalized.DelocalizedConfig(
             tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm
@@ -125,6 +122,14 @@ def compose_machines(
         discharge=[*owed, *links, counts.machine, guard, uplink.machine, *more.discharge],
     )
     return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
+
+
+def _shipped_pieces(config: LocalizerConfig, moves: Motion, sources: Sequence[str]) -> dict[str, Piece]:
+    """The shipped sources of these names; a later one may read those before it."""
+    pieces: dict[str, Piece] = {}
+    for source in sources:
+        pieces[source] = PIECES[source](config, moves, pieces)
+    return pieces
 
 
 def _own_pieces(config: LocalizerConfig, moves: Motion, own: Sequence[Maker]) -> dict[str, Piece]:

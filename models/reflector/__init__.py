@@ -17,6 +17,7 @@ radar's drift since then. In every other mode odometry goes on from the last pos
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, as_num, between, ceil_to, exact_to, ite
 from safeloc.language.machine import Machine, current_mode, modes
@@ -153,17 +154,19 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
 # ------------------------------------------------------------------ lemmas
 
 
+def _reckoned(own: Parts, position: Num, above: Num, below: Num, wrong: Num | None = None) -> Bool:
+    """Return that a dead-reckoned interval holds the truth (less `wrong`), apart from the odometer's wander."""
+    half = as_num(own.odometer.law.wander_nm, NM)
+    where = own.ghosts.truth if wrong is None else own.ghosts.truth - wrong
+    off = where - exact_to(position, NM) - own.ghosts.wander
+    return between(half - below, off, above - half)
+
+
 def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
     lost, _, reference, odometry, search, view, coast, passing = mode
-    truth, wander = own.ghosts.truth, own.ghosts.wander
+    truth = own.ghosts.truth
     ready = current.one_of(odometry, search, view, coast, passing)
-    half = as_num(own.odometer.law.wander_nm, NM)
-
-    def reckoned(position: Num, above: Num, below: Num, wrong: Num | None = None) -> Bool:
-        where = truth if wrong is None else truth - wrong
-        off = where - exact_to(position, NM) - wander
-        return between(half - below, off, above - half)
-
+    reckoned = partial(_reckoned, own)
     track, anchor = own.track, own.anchor
     located = all_of([current.ne(lost), current.ne(view)])
     on_map = named(own, own.ghosts.told) | named(own, own.ghosts.sought)

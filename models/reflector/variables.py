@@ -63,7 +63,9 @@ class ReflectorConfig(Config):
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
     radar_offset_mm: int = quantity(0, "mm behind end A", 0, 500_000, "[D] radar at the front end")
     range_limit_mm: int = quantity(300_000, "mm", 1_000, 2_000_000, "[M] 24/77 GHz radar: 100 to 200 m")
-    near_range_mm: int = quantity(3_000, "mm", 1, 100_000, "[M] nearer, the radar hears itself (source l. 209)")
+    near_range_mm: int = quantity(
+        3_000, "mm", 1, 100_000, "[M] nearer, the radar receives its own signal (source l. 209)"
+    )
     minimum_intensity_cdb: int = quantity(-8_500, "0.01 dB", -20_000, 5_000, "[D] 20 dB over noise, full scale 105")
     map_accuracy_mm: int = quantity(50, "mm", 0, 10_000, "[M] surveying of one place against another")
     frame_latency_ms: int = quantity(50, "ms", 0, 1_000, "[M] one frame at 20 Hz")

@@ -15,7 +15,7 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.machine import ANY
-from safeloc.language.units import COUNT, MM, MM_S, MM_S2, NM, UM, UM_S
+from safeloc.language.units import COUNT, MM, MM_S, MM_S2, NM, NM_PER_MM, UM, UM_S
 
 REASON = members(
     "verification_reason",
@@ -41,7 +41,7 @@ class VerificationConfig(Config):
     axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
     length_limit_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
-    margin_limit_mm: int = quantity(500_000, "mm", 1, 100_000_000, "[D] wider tells nothing")
+    margin_limit_mm: int = quantity(500_000, "mm", 1, 100_000_000, "[D] a wider interval is of no use")
     max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
     length_tolerance_mm: int = quantity(
         40_000, "mm", 0, 200_000, "[D] of the front end, measured; [S] l. 160: 10 to 20 m"
@@ -77,6 +77,22 @@ class VerificationConfig(Config):
         """The run of a cycle at top speed, mm rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // 1_000)
 
+    @property
+    def span_mm(self) -> int:
+        """The farthest that two positions may lie apart, mm, each with its margin."""
+        return 2 * (self.position_limit_mm + self.margin_limit_mm)
+
+    @property
+    def oldest_record_cycles(self) -> int:
+        """The greatest age of a record that the machine can be handed, in cycles; a record this old is too old."""
+        return 2 * self.reference_age_limit_cycles + 1
+
+    @property
+    def possible_mm(self) -> int:
+        """The farthest bound of the front by the reference alone, mm: as wide as it may become, or as old as a record may be."""
+        widest = max(self.place_doubt_limit_mm, self.oldest_record_cycles * self.fastest_run_mm)
+        return self.position_limit_mm + self.fastest_run_mm + widest
+
 
 class Parts:
     """The variables of the machine.
@@ -103,13 +119,20 @@ class Parts:
     """
 
     def __init__(self, config: VerificationConfig, truth: NumVar | None = None) -> None:
-        self.declared = declared = Declared()
-        limit, fast = config.position_limit_mm, config.max_speed_mm_s
-        long, axles = config.length_limit_mm, config.axle_limit
-        margin, change, ages = config.margin_limit_mm, config.change_limit_um_s, config.currency_cycles + 1
-        far, oldest = 2 * (limit + margin), 2 * config.reference_age_limit_cycles + 1
-        possible = limit + config.fastest_run_mm + max(config.place_doubt_limit_mm, oldest * config.fastest_run_mm)
         self.config = config
+        self.declared = declared = Declared()
+        self._read_reference(declared, config)
+        self._read_fibre(declared, config)
+        self._read_others(declared, config)
+        self._keep_reference(declared, config)
+        self._keep_readings(declared, config)
+        self._keep_trust(declared)
+        self._imagine(declared, config, truth)
+
+    def _read_reference(self, declared: Declared, config: VerificationConfig) -> None:
+        """Declare the reference of this cycle and its record."""
+        axles, long = config.axle_limit, config.length_limit_mm
+        limit, fast = config.position_limit_mm, config.max_speed_mm_s
         self.due = declared.sensor(boolean("reference_due"))
         self.source = declared.sensor(choice("reference_from", enumeration(FROM)))
         self.sound = declared.sensor(boolean("record_sound"))
@@ -120,39 +143,57 @@ class Parts:
         self.record_speed_high = declared.sensor(number("record_speed_high_mm_s", MM_S, -fast, fast))
         self.record_place_low = declared.sensor(number("record_place_low_mm", MM, -limit, limit))
         self.record_place_high = declared.sensor(number("record_place_high_mm", MM, -limit, limit))
-        self.record_age = declared.sensor(number("record_age_cycles", COUNT, 0, oldest))
+        self.record_age = declared.sensor(number("record_age_cycles", COUNT, 0, config.oldest_record_cycles))
         self.associated = declared.sensor(boolean("associated"))
-        self.seen_count = declared.sensor(optional("fibre_axles", COUNT, 0, axles))
-        self.seen_length = declared.sensor(optional("fibre_length_mm", MM, 0, long))
+
+    def _read_fibre(self, declared: Declared, config: VerificationConfig) -> None:
+        """Declare the fibre's readings of this cycle."""
+        limit, fast, far = config.position_limit_mm, config.max_speed_mm_s, config.span_mm
+        self.seen_count = declared.sensor(optional("fibre_axles", COUNT, 0, config.axle_limit))
+        self.seen_length = declared.sensor(optional("fibre_length_mm", MM, 0, config.length_limit_mm))
         self.seen_speed = declared.sensor(optional("fibre_speed_mm_s", MM_S, -fast, fast))
         self.place = declared.sensor(optional("fibre_position_mm", MM, -limit, limit))
-        self.place_above = declared.sensor(number("fibre_margin_above_mm", MM, 0, margin))
-        self.place_below = declared.sensor(number("fibre_margin_below_mm", MM, 0, margin))
+        self.place_above = declared.sensor(number("fibre_margin_above_mm", MM, 0, config.margin_limit_mm))
+        self.place_below = declared.sensor(number("fibre_margin_below_mm", MM, 0, config.margin_limit_mm))
         self.located = declared.sensor(boolean("fibre_located"))
         self.ends_low = declared.sensor(optional("fibre_ends_low_mm", MM, -far, far))
         self.ends_high = declared.sensor(optional("fibre_ends_high_mm", MM, -far, far))
         self.fibre_error = declared.sensor(boolean("fibre_error"))
-        self.control_count = declared.sensor(optional("control_axles", COUNT, 0, axles))
-        self.control_length = declared.sensor(optional("control_length_mm", MM, 0, long))
+
+    def _read_others(self, declared: Declared, config: VerificationConfig) -> None:
+        """Declare what the train control system and the test emitter report, and the train's leaving."""
+        self.control_count = declared.sensor(optional("control_axles", COUNT, 0, config.axle_limit))
+        self.control_length = declared.sensor(optional("control_length_mm", MM, 0, config.length_limit_mm))
         self.control_brake = declared.sensor(optional("control_brake_mm_s2", MM_S2, 0, 5_000))
         self.chain_tested = declared.sensor(boolean("chain_tested"))
         self.chain_failed = declared.sensor(boolean("chain_failed"))
         self.leaves = declared.sensor(boolean("train_leaves"))
-        self.kept_count = declared.state(number("kept_axles", COUNT, 0, axles), first=0)
+
+    def _keep_reference(self, declared: Declared, config: VerificationConfig) -> None:
+        """Declare the stored reference, and what follows from it alone."""
+        limit, long, possible = config.position_limit_mm, config.length_limit_mm, config.possible_mm
+        self.kept_count = declared.state(number("kept_axles", COUNT, 0, config.axle_limit), first=0)
         self.kept_low = declared.state(number("kept_length_low_mm", MM, 0, long), first=0)
         self.kept_high = declared.state(number("kept_length_high_mm", MM, 0, long), first=0)
         self.possible_low = declared.state(number("possible_low_mm", MM, -possible, limit), first=0)
         self.possible_high = declared.state(number("possible_high_mm", MM, -limit, possible), first=0)
-        self.last_length = declared.state(number("last_length_mm", MM, 0, long), first=0)
+
+    def _keep_readings(self, declared: Declared, config: VerificationConfig) -> None:
+        """Declare the last readings, the front that was derived from them, and the age of the verification."""
+        limit, fast, margin = config.position_limit_mm, config.max_speed_mm_s, config.margin_limit_mm
+        self.last_length = declared.state(number("last_length_mm", MM, 0, config.length_limit_mm), first=0)
         self.last_speed = declared.state(number("last_speed_mm_s", MM_S, -fast, fast), first=0)
-        self.slower = declared.state(number("slower_by_um_s", UM_S, 0, change), first=0)
-        self.faster = declared.state(number("faster_by_um_s", UM_S, 0, change), first=0)
+        self.slower = declared.state(number("slower_by_um_s", UM_S, 0, config.change_limit_um_s), first=0)
+        self.faster = declared.state(number("faster_by_um_s", UM_S, 0, config.change_limit_um_s), first=0)
         self.last_place = declared.state(number("last_place_mm", MM, -limit, limit), first=0)
-        self.reach = declared.state(number("reach_since_mm", MM, 0, far), first=0)
+        self.reach = declared.state(number("reach_since_mm", MM, 0, config.span_mm), first=0)
         self.front = declared.state(number("front_mm", MM, -limit, limit), first=0)
         self.front_above = declared.state(number("front_margin_above_mm", MM, 0, margin), first=0)
         self.front_below = declared.state(number("front_margin_below_mm", MM, 0, margin), first=0)
-        self.age = declared.state(number("verified_ago_cycles", COUNT, 0, ages), first=0)
+        self.age = declared.state(number("verified_ago_cycles", COUNT, 0, config.currency_cycles + 1), first=0)
+
+    def _keep_trust(self, declared: Declared) -> None:
+        """Declare the flags and the reason."""
         self.by_count = declared.state(boolean("by_count"), first=False)
         self.by_length = declared.state(boolean("by_length"), first=False)
         self.by_speed = declared.state(boolean("by_speed_at_entry"), first=False)
@@ -164,14 +205,18 @@ class Parts:
         self.place_known = declared.state(boolean("last_place_known"), first=False)
         self.given = declared.state(boolean("given_out"), first=False)
         self.reason = declared.state(choice("why", enumeration(REASON)), first=NO_RECORD)
-        self.axles = declared.ghost(number("true_axles", COUNT, 0, axles), first=ANY)
-        self.length = declared.ghost(number("true_length_um", UM, 0, 2_000 * long), first=ANY)
+
+    def _imagine(self, declared: Declared, config: VerificationConfig, truth: NumVar | None) -> None:
+        """Declare the ghosts: the train's true axles, length and front, and the world's choices of their next values."""
+        longest, farthest = 2_000 * config.length_limit_mm, 4 * config.span_mm * NM_PER_MM
+        self.axles = declared.ghost(number("true_axles", COUNT, 0, config.axle_limit), first=ANY)
+        self.length = declared.ghost(number("true_length_um", UM, 0, longest), first=ANY)
         if truth is None:
-            truth = number("truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6)
+            truth = number("truth_nm", NM, -farthest, farthest)
         self.truth = declared.ghost(truth, first=ANY)
-        self.next_axles = declared.choice(number("next_true_axles", COUNT, 0, axles))
-        self.next_length = declared.choice(number("next_true_length_um", UM, 0, 2_000 * long))
-        self.next_truth = declared.choice(number("next_truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6))
+        self.next_axles = declared.choice(number("next_true_axles", COUNT, 0, config.axle_limit))
+        self.next_length = declared.choice(number("next_true_length_um", UM, 0, longest))
+        self.next_truth = declared.choice(number("next_truth_nm", NM, -farthest, farthest))
 
     @property
     def flags(self) -> tuple[BoolVar, ...]:

@@ -56,6 +56,14 @@ def shared_terms(target: Target) -> list[Shared]:
     return found
 
 
+def by_term(found: Iterable[Shared]) -> list[list[Shared]]:
+    """Return the shared sub-terms grouped by term, the largest term first."""
+    groups: dict[str, list[Shared]] = {}
+    for one in found:
+        groups.setdefault(one.term, []).append(one)
+    return sorted(groups.values(), key=lambda group: -group[0].nodes)
+
+
 @dataclass(frozen=True)
 class _Follows:
     """A clause or a ghost's move that reads values computed by its machine.

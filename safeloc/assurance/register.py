@@ -6,7 +6,7 @@ and documents, and how it can be checked in operation. It is made from the claus
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -89,6 +89,25 @@ def register(target: Target) -> list[Assumption]:
         for machine in target.machines
         for one in _of_machine(machine, target.config, guaranteed.get(machine, ()))
     ]
+
+
+@dataclass(frozen=True)
+class Register:
+    """The assumptions of several targets, each with its target's name, and the figures that the operator has to confirm."""
+
+    rows: Sequence[tuple[str, Assumption]]
+    to_confirm: Mapping[str, _Figure]
+
+    @property
+    def observable(self) -> int:
+        """The number of assumptions of which a breach shows in operation, at least partly or against another one."""
+        return sum(one.observable != "no" or bool(one.against) for _, one in self.rows)
+
+
+def register_of(targets: Sequence[Target]) -> Register:
+    """Return the register of these targets, with the assumption of every target that runs on records."""
+    rows = [(target.name, one) for target in targets for one in register(target)]
+    return Register([*rows, ("every target on records", of_border())], to_confirm(targets))
 
 
 def of_border() -> Assumption:

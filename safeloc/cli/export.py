@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,33 +11,25 @@ import typer
 
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err
-from safeloc.codegen.c99 import to_c
 from safeloc.codegen.compiled import to_python
-from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table
-from safeloc.codegen.fmu import to_fmu
+from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table_text
 from safeloc.errors import InputError
-from safeloc.language.expr import Bool
 from safeloc.language.system import without_ghosts
-from safeloc.proof.provers.lasting import lasting
+from safeloc.proof.exported import c_folder, fmi_unit
 from safeloc.proof.provers.proved_base import base
-from safeloc.proof.runs.lawful import first_state
-from safeloc.proof.runs.sampled import sampled_runs
-from safeloc.runtime.embedding.cycle_length import configured_period_ms
 
 _TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),
     "mermaid": lambda target: "".join(map(to_mermaid, target.machines)),
     "dot": lambda target: "".join(map(to_dot, target.machines)),
     "svg": lambda target: "".join(map(to_svg, target.machines)),
-    "table": lambda target: _table(target),
+    "table": lambda target: to_table_text(target.machines),
     "smtlib": lambda target: "\n".join(base(target.system).certificates.values()),
 }
 _FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
-    "c": lambda target: to_c(
-        without_ghosts(target.system), sampled_runs(target), doc=target.doc, kept=_lasting(target)
-    ),
+    "c": lambda target: c_folder(target, _say),
 }
-_FILES: Mapping[str, Callable[[Target], bytes]] = {"fmu": lambda target: _unit(target)}
+_FILES: Mapping[str, Callable[[Target], bytes]] = {"fmu": lambda target: fmi_unit(target, _say)}
 _FORMS = (*_TEXTS, *_FOLDERS, *_FILES)
 
 
@@ -85,28 +76,5 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
     err.print(f"{len(files)} files in {folder}", markup=False)
 
 
-def _unit(target: Target) -> bytes:
-    """Return an FMI co-simulation unit; its period comes from the configuration, or from the machines."""
-    on_board = without_ghosts(target.system)
-    period_ms = configured_period_ms(target.name, target.config)
-    first = first_state(on_board, random.Random(0))
-    return to_fmu(on_board, period_ms=period_ms, first=first, doc=target.doc, kept=_lasting(target))
-
-
-def _lasting(target: Target) -> Mapping[str, Bool] | None:
-    """Return the invariants that a restored state must satisfy; None, and a warning, if not all ranges are proved."""
-    err.print(f"{target.name}: proving the invariants for check_state", markup=False)
-    found = lasting(target.system)
-    if found is None:
-        err.print("not every range is proved: check_state checks ranges only, and a step may leave them", markup=False)
-    return found
-
-
-def _table(target: Target) -> str:
-    lines = []
-    for machine in target.machines:
-        for row in to_table(machine):
-            lines.append(
-                f"{row.name}\t{row.source}\t{row.target}\t{row.guard}\t{' '.join(row.requirements)}\t{row.declared}"
-            )
-    return "\n".join(lines) + "\n"
+def _say(line: str) -> None:
+    err.print(line, markup=False)

@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from safeloc.assurance.mutation.choosing import by_id, chosen, judge
-from safeloc.assurance.mutation.composed_work import JudgingComposed
-from safeloc.assurance.mutation.composed_work import parts as parts_of
-from safeloc.assurance.mutation.declared import whole_of
-from safeloc.assurance.mutation.members import composed
-from safeloc.assurance.mutation.places import Places, noted
+from safeloc.assurance.mutation.analysis import Analysis
+from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.reasons import Reasons, read_reasons, shipped_reasons
-from safeloc.assurance.mutation.results import SCHEMA, Judged, Of, as_data
+from safeloc.assurance.mutation.results import SCHEMA, Of, as_data
 from safeloc.assurance.mutation.strength import keep_strengths
 from safeloc.assurance.mutation.table import lines
-from safeloc.assurance.mutation.work import Judging, Plan
+from safeloc.assurance.mutation.work import Plan
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import Progressing
-from safeloc.errors import InputError
-from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 
 
@@ -85,15 +77,26 @@ def mutate(
     parts: list[Of] = [one.value for one in of or [_Part.MACHINE]]
     with Progressing(1, quiet=as_json) as progress:
         known = _reasons(loaded, reasons, changed=config is not None)
-        job = _Job(loaded, places, plan, most, tuple(only or ()), known, progress, None if fresh else store, store)
-        judged, number, why = job.of_composition(parts) if loaded.system.parts else job.of_machine(parts)
+        analysis = Analysis(
+            loaded,
+            places,
+            plan,
+            known,
+            on_begin=lambda number: progress.say(f"mutants of {loaded.name}", number),
+            on_judged=lambda one: progress.tick(f"{one.everywhere.fate:32} {one.id}"),
+            most=most,
+            only=only or (),
+            look_in=None if fresh else store,
+            keep_in=store,
+        )
+        found = analysis.of(parts)
     if not only:
-        keep_strengths(store, loaded, judged, number)
+        keep_strengths(store, loaded, found.judged, found.of)
     took = time.monotonic() - began
     if as_json:
-        print_json(as_data(loaded.name, judged, of=number, seed=seed, seconds=took, reasons=why))
+        print_json(as_data(loaded.name, found.judged, of=found.of, seed=seed, seconds=took, reasons=found.reasons))
         return
-    for line in lines(loaded.name, judged, of=number, machine_only=machine_only, reasons=why):
+    for line in lines(loaded.name, found.judged, of=found.of, machine_only=machine_only, reasons=found.reasons):
         out.print(line, markup=False)
 
 
@@ -102,49 +105,3 @@ def _reasons(target: Target, given: Path | None, *, changed: bool) -> Reasons:
     if given is not None:
         return read_reasons(given)
     return Reasons() if changed or target.spec not in ENTRIES else shipped_reasons(target.name)
-
-
-@dataclass(frozen=True, eq=False)
-class _Job:
-    """One call of the command; its results come with the number of all mutants, and the written reasons by id."""
-
-    target: Target
-    places: Places
-    plan: Plan
-    most: int | None
-    only: tuple[str, ...]
-    reasons: Reasons
-    progress: Progressing
-    look_in: Store | None
-    keep_in: Store
-
-    def of_machine(self, parts: Sequence[Of]) -> tuple[list[Judged], int, dict[str, str]]:
-        whole, seed = whole_of(self.target), self.plan.seed
-        some = (
-            by_id(whole, self.places, self.only, most=self.most, seed=seed)
-            if self.only
-            else chosen(whole, self.places, parts, most=self.most, seed=seed)
-        )
-        why = self.reasons.of(some.existing)
-        self._begin(some.number)
-        judging = Judging(self.target, whole, self.plan, self._heard, self.look_in, self.keep_in)
-        return judge(judging, some), some.of, why
-
-    def of_composition(self, asked: Sequence[Of]) -> tuple[list[Judged], int, dict[str, str]]:
-        whole = composed(self.target, self.places)
-        if [*asked] != [_Part.MACHINE.value]:
-            raise InputError(
-                f"{self.target.name} is a composition: only its machines and wires are made wrong. For worlds and claims "
-                f"give one of its machines: {', '.join(whole.members)}."
-            )
-        some = parts_of(whole, self.places, most=self.most, seed=self.plan.seed, only=self.only)
-        why = self.reasons.of({"machine": some.existing})
-        self._begin(some.number)
-        judging = JudgingComposed(whole, self.plan, self._heard, self.look_in, self.keep_in)
-        return judging.all(some), some.of, why
-
-    def _begin(self, number: int) -> None:
-        self.progress.say(f"mutants of {self.target.name}", number)
-
-    def _heard(self, one: Judged) -> None:
-        self.progress.tick(f"{one.everywhere.fate:32} {one.id}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, Num
@@ -51,6 +52,16 @@ def to_table(machine: Machine) -> list[Row]:
             )
         )
     return rows
+
+
+def to_table_text(machines: Iterable[Machine]) -> str:
+    """Return the tables of machines as text: a line for each transition, with tabs between its cells; updates are left out."""
+    cells = (
+        (row.name, row.source, row.target, row.guard, " ".join(row.requirements), row.declared)
+        for machine in machines
+        for row in to_table(machine)
+    )
+    return "\n".join(map("\t".join, cells)) + "\n"
 
 
 def edges(machine: Machine) -> dict[tuple[str, str], list[str]]:

@@ -101,43 +101,100 @@ def compose(
     lowered = [(machine, lower(machine)) for machine in machines]
     plan = Plan(name, machines, [system for _, system in lowered], wires, shared, discharge, declared_at())
     check_plan(plan)
-    rename: dict[Machine, Substitution] = {}
-    unrenamed: dict[Var, Var] = {var: var for var in shared}
-    same = Sharing()
-    after: dict[Var, Expr] = {}
-    plain: dict[Var, Expr] = {}
-    moved: dict[Var, Expr] = {}
-    together: list[SharedGhost] = []
-    merged = TransitionSystem(
-        name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
-    )
+    merging = _Merging(plan)
     for machine, system in lowered:
-        names = {var: unrenamed.get(var, _renamed(machine, var)) for var in (*system.state, *system.inputs)}
-        wired_now = {var: Substitution(plain)(wires[var]) for var in system.inputs if var in wires}
-        now = Substitution({**names, machine.fired_name: _renamed(machine, machine.fired_name), **wired_now})
-        wired = {var: Substitution(after)(wires[var]) for var in system.inputs if var in wires}
-        step = Substitution({**names, **wired})
-        for var in system.state:
-            move = same(step(system.next[var]))
-            moves_alike = moved.setdefault(names[var], move) is move
-            first = merged.initial.get(names[var], system.initial[var])
-            starts_alike = _start(first) == _start(system.initial[var])
-            together.append(SharedGhost(var, machine, moves_alike, starts_alike))
-            after[var] = move
-        after |= {var: step(var) for var in system.inputs}
-        plain |= {**names, **wired_now}
-        discharged, assumed = _divided(machine, system, discharge)
-        ghosts = in_range([var for var in wired if var in system.ghosts])
-        part = Part(
-            replace(system, name=f"{name} {machine.name}", whole=name),
-            now,
-            step.bool(_wired_inputs_fit(system, wired)),
-            step.bool(all_of([ghosts, discharged])),
-            {key: step.bool(term) for key, term in machine.world.terms.items()},
-            _guaranteed(machine, discharge),
+        merging.add(machine, system)
+    return merging.composition()
+
+
+@dataclass(frozen=True, eq=False)
+class _Member:
+    """One machine in the composition.
+
+    names  variable of the machine -> its name in the composition
+    wired  wired input -> the value that earlier machines compute for it in the step
+    now    rewrites terms about one state: a wired input is the term on its wire in that state
+    step   rewrites terms about a step: state before it, inputs as read in it
+    """
+
+    machine: Machine
+    system: TransitionSystem
+    names: Mapping[Var, Var]
+    wired: Mapping[Var, Expr]
+    now: Substitution
+    step: Substitution
+
+
+class _Merging:
+    """The composition while it is made: machines are added in the order of the step."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan, self._shared = plan, frozenset(plan.shared)
+        self._now: dict[Machine, Substitution] = {}
+        self._in_a_state: dict[Var, Expr] = {}
+        self._after: dict[Var, Expr] = {}
+        self._moves: dict[Var, Expr] = {}
+        self._same = Sharing()
+        self._ghosts: list[SharedGhost] = []
+        self._system = TransitionSystem(
+            plan.name,
+            (),
+            (),
+            all_of(()),
+            self._moves,
+            all_of(()),
+            {},
+            {},
+            {},
+            frozenset(),
+            {},
+            (),
+            tuple(plan.machines),
         )
-        rename[machine] = now
-        merged = replace(
+
+    def composition(self) -> Composition:
+        """Return the composition of the machines added; ModelError for ghosts that machines move or start differently."""
+        refuse_ghosts(self._plan, self._ghosts)
+        composed = replace(self._system, next=self._moves)
+        check_system(composed)
+        return Composition(composed, self._now, self._after)
+
+    def add(self, machine: Machine, system: TransitionSystem) -> None:
+        """Add the machine, lowered to `system`, behind those added before."""
+        one = self._member(machine, system)
+        self._move(one)
+        self._now[machine] = one.now
+        self._system = self._merged(one)
+
+    def _member(self, machine: Machine, system: TransitionSystem) -> _Member:
+        """Return the machine with its renamings; remember the values of its inputs and its terms about a state."""
+        wires, variables_of = self._plan.wires, (*system.state, *system.inputs)
+        names = {var: var if var in self._shared else _renamed(machine, var) for var in variables_of}
+        wired_now = {var: Substitution(self._in_a_state)(wires[var]) for var in system.inputs if var in wires}
+        wired = {var: Substitution(self._after)(wires[var]) for var in system.inputs if var in wires}
+        self._in_a_state |= {**names, **wired_now}
+        fired: dict[Var, Expr] = {machine.fired_name: _renamed(machine, machine.fired_name)}
+        now, step = Substitution({**names, **fired, **wired_now}), Substitution({**names, **wired})
+        return _Member(machine, system, names, wired, now, step)
+
+    def _move(self, one: _Member) -> None:
+        """Add the machine's next values. The first machine that moves a shared ghost counts; others are noted for the check."""
+        for var in one.system.state:
+            name, move = one.names[var], self._same(one.step(one.system.next[var]))
+            moves_alike = self._moves.setdefault(name, move) is move
+            first = self._system.initial.get(name, one.system.initial[var])
+            starts_alike = _start(first) == _start(one.system.initial[var])
+            self._ghosts.append(SharedGhost(var, one.machine, moves_alike, starts_alike))
+            self._after[var] = move
+        self._after |= {var: one.step(var) for var in one.system.inputs}
+
+    def _merged(self, one: _Member) -> TransitionSystem:
+        """Return the system so far with this machine."""
+        machine, system, names, now, step = one.machine, one.system, one.names, one.now, one.step
+        merged, wires = self._system, self._plan.wires
+        _, assumed = _divided(machine, system, self._plan.discharge)
+        lemmas = {lemma_name(machine.name, key): now.bool(term) for key, term in system.lemmas.items()}
+        return replace(
             merged,
             state=_union(merged.state, [names[var] for var in system.state]),
             inputs=_union(merged.inputs, [names[var] for var in system.inputs if var not in wires]),
@@ -145,20 +202,27 @@ def compose(
             assume=all_of([merged.assume, step.bool(assumed)]),
             outputs={**merged.outputs, **{f"{machine.name}.{key}": now(term) for key, term in system.outputs.items()}},
             fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
-            lemmas={
-                **merged.lemmas,
-                **{lemma_name(machine.name, key): now.bool(term) for key, term in system.lemmas.items()},
-            },
+            lemmas={**merged.lemmas, **lemmas},
             ghosts=merged.ghosts | {names[var] for var in system.ghosts if var not in wires},
             initial={**merged.initial, **{names[var]: value for var, value in system.initial.items()}},
             optionals=_joined((*merged.optionals, *_unwired_optionals(system, names, wires))),
-            parts=(*merged.parts, part),
+            parts=(*merged.parts, self._part(one)),
             stages=(*merged.stages, frozenset(names[var] for var in system.state) - frozenset(merged.state)),
         )
-    refuse_ghosts(plan, together)
-    composed = replace(merged, next=moved)
-    check_system(composed)
-    return Composition(composed, rename, after)
+
+    def _part(self, one: _Member) -> Part:
+        """Return the machine as a part: what has to hold of its inputs in the composition for its own facts to carry over."""
+        machine, system, step, discharge = one.machine, one.system, one.step, self._plan.discharge
+        discharged, _ = _divided(machine, system, discharge)
+        ghosts = in_range([var for var in one.wired if var in system.ghosts])
+        return Part(
+            replace(system, name=f"{self._plan.name} {machine.name}", whole=self._plan.name),
+            one.now,
+            step.bool(_wired_inputs_fit(system, one.wired)),
+            step.bool(all_of([ghosts, discharged])),
+            {key: step.bool(term) for key, term in machine.world.terms.items()},
+            _guaranteed(machine, discharge),
+        )
 
 
 def _wired_inputs_fit(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:

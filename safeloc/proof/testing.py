@@ -41,6 +41,43 @@ STRETCHES = 8
 PHASES = (Phase.explicit, Phase.generate, Phase.target)
 
 
+class _Run(RuleBasedStateMachine):  # type: ignore[misc, unused-ignore]
+    """One run, stretch after stretch; `state_machine` adds the rules whose choices depend on the system and its known runs."""
+
+    driver: Driver
+    statistics: Statistics
+    faults: bool = False
+    lean: int | None = None
+
+    def follow(self, which: int, percent: int) -> None:
+        """Begin in a first state or along a known run; a known run that breaks a property is followed at once."""
+        if self.driver.breaking is not None:
+            self.driver.follow(self.driver.breaking)
+        elif which < 0:
+            self.driver.reset()
+        else:
+            self.driver.follow(which, percent / 100)
+        self.look()
+
+    @precondition(lambda self: self.faults)
+    @rule(kind=st.sampled_from(FAULTY), length=st.integers(1, 5), seed=st.integers(0, 2**16))
+    def run_with_faults(self, kind: str, length: int, seed: int) -> None:
+        """Run a stretch with any inputs in range."""
+        self.driver.drive(kind, length, seed, faulty=True)
+        self.look()
+
+    def teardown(self) -> None:
+        """Tell Hypothesis how far the run went and how near it came to violating each property."""
+        hypothesis.target(float(len(self.driver.stream)), label="steps")
+        for name, edge in self.driver.edges().items():
+            hypothesis.target(edge, label=f"edge of {name}")
+
+    def look(self) -> None:
+        """Raise PropertyBroken if a property is broken by now."""
+        if self.driver.broken is not None:
+            raise PropertyBroken(self.driver.broken, self.driver.trace())
+
+
 def state_machine(
     system: TransitionSystem, properties: Sequence[Property], *, steps: int = 60, corpus: Sequence[Trace] = ()
 ) -> type[RuleBasedStateMachine]:
@@ -53,13 +90,12 @@ def state_machine(
     """
     on_board = replace(system, init=first_without_the_world(system))
     corpus = [run for run in corpus if begins(on_board, run.initial)]
-    driver = Driver(system, properties, corpus)
+    known = Driver(system, properties, corpus)
     lengths = sorted({steps, -(-steps // 2), -(-steps // 10), 1}, reverse=True)
 
-    class Run(RuleBasedStateMachine):  # type: ignore[misc, unused-ignore]
-        statistics = driver.statistics
-        faults: bool = False
-        lean: int | None = None
+    class Run(_Run):
+        driver = known
+        statistics = known.statistics
 
         @initialize(
             which=st.integers(-1, len(corpus) - 1),
@@ -68,38 +104,14 @@ def state_machine(
             lean=st.none() | st.integers(0, 2**16),
         )
         def begin(self, which: int, percent: int, faults: bool, lean: int | None) -> None:
-            """Begin in a first state or along a known run; a known run that breaks a property is followed at once."""
             self.faults, self.lean = faults, lean
-            if driver.breaking is not None:
-                driver.follow(driver.breaking)
-            elif which < 0:
-                driver.reset()
-            else:
-                driver.follow(which, percent / 100)
-            self._look()
+            self.follow(which, percent)
 
         @rule(kind=st.sampled_from(PLAUSIBLE), length=st.sampled_from(lengths), seed=st.integers(0, 2**16))
         def run_plausibly(self, kind: str, length: int, seed: int) -> None:
             """Run a stretch that satisfies the assumption."""
-            driver.drive(kind, length, seed, lean=self.lean)
-            self._look()
-
-        @precondition(lambda self: self.faults)
-        @rule(kind=st.sampled_from(FAULTY), length=st.integers(1, 5), seed=st.integers(0, 2**16))
-        def run_with_faults(self, kind: str, length: int, seed: int) -> None:
-            """Run a stretch with any inputs in range."""
-            driver.drive(kind, length, seed, faulty=True)
-            self._look()
-
-        def teardown(self) -> None:
-            """Tell Hypothesis how far the run went and how near it came to violating each property."""
-            hypothesis.target(float(len(driver.stream)), label="steps")
-            for name, edge in driver.edges().items():
-                hypothesis.target(edge, label=f"edge of {name}")
-
-        def _look(self) -> None:
-            if driver.broken is not None:
-                raise PropertyBroken(driver.broken, driver.trace())
+            self.driver.drive(kind, length, seed, lean=self.lean)
+            self.look()
 
     Run.__name__ = "".join(letter if letter.isalnum() else "_" for letter in system.name)
     return Run

@@ -35,7 +35,7 @@ class Sensor(Config):
     ground_height_mm2: int = quantity(
         1_000_000, "mm2", 0, 25_000_000, "[M] antenna height x highest reflector height above the ground"
     )
-    blind_mm: int = quantity(3_000, "mm", 0, 50_000, "[M] nearer, the sensor hears its own transmitter")
+    blind_mm: int = quantity(3_000, "mm", 0, 50_000, "[M] nearer, the sensor receives its own transmitter")
     full_scale_cdb: int = quantity(10_500, "cdB", 1_000, 20_000, "[D] one echo that just reaches the converter's end")
     overload_cdb: int = quantity(9_500, "cdB", 1_000, 20_000, "[D] 10 dB less: several together may reach it")
     floor_low_cdb: int = quantity(-600, "cdB", -10_000, 0, "[M] less noise than the receiver's own: it is dead")

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.assurance.independence import Shared, follows_machine, shared_terms
+from safeloc.assurance.independence import Shared, by_term, follows_machine, shared_terms
 from safeloc.catalogue import load_target
 from safeloc.errors import ModelError
 from safeloc.language.expr import Bool, before, boolean, choice, enumeration, ite, members, number
@@ -51,6 +51,13 @@ def test_a_claim_of_the_machine_s_own_guard_is_told_with_its_place() -> None:
     assert ("property own term", 11) == (one.of, one.nodes)
     assert {"next value of mode", "next value of n", "transition that fires"} == set(one.used)
     assert "test_independence.py:" in one.src
+
+
+def test_shared_terms_are_grouped() -> None:
+    """By term, the largest first; those of one term stay in their order."""
+    few, many = (Shared(of, nodes, f"term of {nodes}", (), "") for of, nodes in (("a", 6), ("b", 9)))
+    again = replace(few, of="c")
+    assert [[many], [few, again]] == by_term([few, many, again])
 
 
 def test_a_value_before_the_step_is_the_same_variable() -> None:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from pydantic import BaseModel
 
-from safeloc.assurance.register import FROM_MEMORY, Assumption, of_border, register, to_confirm
+from safeloc.assurance.register import FROM_MEMORY, Assumption, of_border, register, register_of, to_confirm
+from safeloc.catalogue import load_target
 from safeloc.config import Config, quantity
 from safeloc.language.composition import Clause, compose
 from safeloc.language.expr import Bool, NumVar, Var, number
@@ -109,6 +110,15 @@ def test_the_law_of_the_border_is_complete() -> None:
     """Every target that is run on records rests on it."""
     border = of_border()
     assert ("border/B1", "as a whole", ()) == (border.id, border.monitored, border.lacks)
+
+
+def test_the_register_of_several_targets() -> None:
+    """It has the laws of each in order, and that of the border once, at the end."""
+    targets = [load_target("emitter"), load_target("delocalized")]
+    found = register_of(targets)
+    assert [*(one for target in targets for one in register(target)), of_border()] == [one for _, one in found.rows]
+    assert ("every target on records", to_confirm(targets)) == (found.rows[-1][0], found.to_confirm)
+    assert 0 < found.observable <= len(found.rows)
 
 
 def test_figures_from_memory_are_counted_by_target() -> None:

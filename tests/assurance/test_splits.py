@@ -22,10 +22,12 @@ from safeloc.assurance.splits.covered import (
     told,
 )
 from safeloc.assurance.splits.deciding import Change, changed, changes, deciding
+from safeloc.assurance.splits.folded import cases_of, folded_cases
 from safeloc.assurance.splits.live import splits_of
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import source_of
 from safeloc.config import Configurations
+from safeloc.errors import InputError
 from safeloc.models.emitter.variables import EmitterConfig
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.models.reflector.variables import ReflectorConfig
@@ -86,6 +88,20 @@ def test_a_case_that_is_hidden_again_is_told() -> None:
     assert "own.config.passes_to_recover > 1" == source_of(split.place)
     with pytest.raises(AssertionError, match=r"in models/emitter/configurations\.py"):
         assert_nothing_hidden(found)
+
+
+def test_hidden_cases_are_counted() -> None:
+    """A case that no configuration makes live is told once, with the figure that would; one that is live somewhere is not hidden."""
+    (hidden,) = cases_of(judge("emitter", [alone(ENTRIES["emitter"])]))
+    assert hidden.is_hidden
+    assert hidden.live.startswith("live in no configuration; passes_to_recover = ")
+    assert [False] == [case.is_hidden for case in folded_cases(["emitter"])]
+
+
+def test_cases_of_an_unknown_machine() -> None:
+    """A user's own machine has none that are looked for."""
+    with pytest.raises(InputError, match=r"^no shipped machine 'own\.py:machine'; cases are looked for in odometry, "):
+        folded_cases(["own.py:machine"])
 
 
 def test_a_reason_that_nothing_needs_is_told() -> None:

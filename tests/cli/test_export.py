@@ -50,7 +50,7 @@ def test_the_readme_of_the_folder_compiles(call: Call, tmp_path: Path) -> None:
 def test_the_configuration_reaches_the_code(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures of the configuration stand in the C and in the unit: tolerance and period. Where nothing is proved, that is
     told."""
-    monkeypatch.setattr("safeloc.cli.export.lasting", lambda _system: None)
+    monkeypatch.setattr("safeloc.proof.exported.lasting", lambda _system: None)
     config = tmp_path / "odometry.json"
     config.write_text(json.dumps({"tolerance_mm": 31_234, "period_ms": 200}), encoding="utf-8")
     called = call("export", "odometry", "--config", str(config), "--to", "c", "--out", str(tmp_path))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.assurance import property_choice
 from safeloc.catalogue import Target, load_target
-from safeloc.cli import listing
 from tests.cli.calling import DOOR, Call
 
 Rows = list[dict[str, str]]
@@ -23,7 +23,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         names.append(name)
         return load_target(name, config)
 
-    monkeypatch.setattr(listing, "load_target", load)
+    monkeypatch.setattr(property_choice, "load_target", load)
     return names
 
 

@@ -18,7 +18,7 @@ SHORT = ("--from", "103@380000", "--to", "103@490000")
 def listed(folder: Path) -> list[dict[str, Any]]:
     """The runs that runs.json tells of."""
     data = json.loads((folder / "runs.json").read_text(encoding="utf-8"))
-    assert "safeloc-runs/1" == data["schema"]
+    assert "safeloc-line-runs/1" == data["schema"]
     return list(data["runs"])
 
 

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given
 
-from safeloc.codegen.diagram import Row, edges, to_dot, to_mermaid, to_svg, to_table
+from safeloc.codegen.diagram import Row, edges, to_dot, to_mermaid, to_svg, to_table, to_table_text
 from safeloc.language.expr import boolean, number
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.units import MM
@@ -199,3 +199,14 @@ def test_odometry_definitions_are_used() -> None:
     machine = odometry.machine()
     text = " ".join(" ".join((row.guard, *row.sets)) for row in to_table(machine))
     assert [name for name in machine.definitions if name in text]
+
+
+def test_the_table_as_text() -> None:
+    """A line for each transition of each machine, its cells between tabs."""
+    made = delocalized.machine()
+    lines = to_table_text([made, made]).splitlines()
+    assert 2 * len(made.transitions) == len(lines)
+    first = to_table(made)[0]
+    assert [first.name, first.source, first.target, first.guard, " ".join(first.requirements), first.declared] == (
+        lines[0].split("\t")
+    )

@@ -19,12 +19,15 @@ from safeloc.language.system import TransitionSystem, first_without_the_world, i
 from safeloc.language.terms import Sharing, Substitution, variables
 from safeloc.proof.provers.standing import Standing
 
-_ClaimKind = Literal["property", "lemma", "range", "rows exclude each other", "helper"]
+_ClaimKind = Literal["property", "lemma", "range", "helper"]
 
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """One claim: `good` has to hold in every state of its layer's system. `goal` is set for a property and its helper."""
+    """One claim: `good` has to hold in every state of its layer's system. `goal` is set for a property and its helper.
+
+    Rows that exclude each other are no claim of a layer: they are judged of one state, apart (`Held.exclusions`).
+    """
 
     kind: _ClaimKind
     name: str

@@ -12,7 +12,7 @@ from functools import partial
 
 from safeloc.assurance.mutation import world
 from safeloc.assurance.mutation.declared import Declared, Part, Root, remade
-from safeloc.assurance.mutation.kinds import Change, changes_both_ways, of_operand
+from safeloc.assurance.mutation.kinds import Change, changes, of_operand
 from safeloc.assurance.mutation.mutants import (
     LONGEST,
     Mutant,
@@ -42,7 +42,7 @@ def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
 def _of_terms(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
     forms = Forms(places)
     terms = terms_of(roots, places, forms)
-    for term, change, becomes in wrong_terms(terms, changes_both_ways, other_variables(whole.machine), forms):
+    for term, change, becomes in wrong_terms(terms, changes, other_variables(whole.machine), forms):
         made = partial(_exchanged, term, change)
         yield _mutant(whole, term.roots, term.node, (change.kind, change.words, becomes), made, term.place)
 

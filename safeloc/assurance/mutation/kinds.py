@@ -68,7 +68,11 @@ Others = Callable[[Var], Var | None]
 
 
 def changes(node: Expr, others: Others) -> Iterator[Change]:
-    """Return all changes of one term and of its parts that are variables or constants; other parts are terms of their own."""
+    """Return all changes of one term and of its parts that are variables or constants; other parts are terms of their own.
+
+    Bounds move by one unit both ways (`a < b` for `a <= b` is one unit less), since a change that weakens a clause strengthens
+    its negation.
+    """
     match node:
         case Compare():
             yield from _of_comparison(node)
@@ -90,15 +94,6 @@ def changes(node: Expr, others: Others) -> Iterator[Change]:
         if not _is_spelling(node, part):
             for change in of_operand(part, others):
                 yield replace(change, make=partial(_with_part, node, number, change.make))
-
-
-def changes_both_ways(node: Expr, others: Others) -> Iterator[Change]:
-    """Return the changes with bounds moved both ways, since a change that weakens a clause strengthens its negation."""
-    yield from changes(node, others)
-    if isinstance(node, Compare) and node.op == "<=" and not isinstance(node.left.unit, Enumeration):
-        one = Lit(1, node.left.unit)
-        unit = one.unit
-        yield Change(_BOUND, "one unit less", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
 
 
 def _is_spelling(node: Expr, part: Expr) -> bool:

@@ -127,12 +127,12 @@ def _keeping(store: Store, target: Target) -> Keeping:
 def as_text(found: Sequence[Strength]) -> list[str]:
     """Return the lines about one requirement, one for each target; the last says so if no target shows it."""
     if not found:
-        return ["not measured: `safeloc mutate` has not been asked of what carries it, as it is now"]
+        return ["not measured: no run of `safeloc mutate` on the present state of the machines that implement it"]
     told = list(map(str, found))
     return (
         told
         if any(one.is_shown for one in found)
-        else [*told, "NOT SHOWN: no wrong rule of it is noticed by a property of it"]
+        else [*told, "NOT SHOWN: none of its properties notices a wrong rule of it"]
     )
 
 

@@ -52,7 +52,7 @@ def _counted(judged: Sequence[Judged], reasons: Mapping[str, str], *, machine_on
     if open_:
         yield f"  no proof notices {len(open_)}: {known} with a written reason, {len(open_) - known} without"
     for one in needless(judged, reasons):
-        yield f"  a reason that is needed no more: {one.id} is {one.everywhere.fate}"
+        yield f"  a reason that is no longer needed: {one.id} is {one.everywhere.fate}"
 
 
 def _of_machine(machine: Sequence[Judged], *, machine_only: bool) -> Iterator[str]:

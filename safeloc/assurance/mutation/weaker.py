@@ -15,7 +15,7 @@ from typing import Literal
 
 from safeloc.assurance.mutation.claims import Canon
 from safeloc.assurance.mutation.declared import Declared, Part, Root, claimed
-from safeloc.assurance.mutation.kinds import Change, changes_both_ways
+from safeloc.assurance.mutation.kinds import Change, changes
 from safeloc.assurance.mutation.mutants import (
     LONGEST,
     Mutant,
@@ -53,7 +53,7 @@ def claim_mutants(whole: Declared, places: Places) -> list[Mutant]:
 def _of_claim(whole: Declared, prop: Property, places: Places) -> Iterator[Mutant]:
     forms = Forms(places)
     terms = terms_of(_roots(prop), places, forms)
-    for term, change, becomes in wrong_terms(terms, changes_both_ways, other_variables(whole.machine), forms):
+    for term, change, becomes in wrong_terms(terms, changes, other_variables(whole.machine), forms):
         yield _of_term(whole, prop, term, change, becomes)
     yield from _of_whole(whole, prop)
 

@@ -129,7 +129,7 @@ def _questions(system: TransitionSystem, claims: Sequence[Property], canon: Cano
         ):
             if term is not TRUE:
                 given = relevant.select([lawful, *before, *known], [term])
-                yield _Question(f"contract {words}", tuple(given), canon.share.bool(term))
+                yield _Question(words, tuple(given), canon.share.bool(term))
         known += [after.bool(term) for term in own]
     owed = [part.owed for part in system.parts]
     for prop in claims:

@@ -38,10 +38,10 @@ def _of_machine(whole: Composed, machine: Machine) -> Iterator[tuple[Mutant, Map
     heard = [var for var in _inputs(machine) if var in wires]
     for var, other in _next_of_unit(heard).items():
         if wires[var] is not wires[other]:
-            words = f"{var.name} hears what {other.name} hears"
+            words = f"{var.name} gets the value of {other.name}"
             yield _mutant(whole, machine, var, _CROSSED, words, wires[other]), {**wires, var: wires[other]}
     for var, changed in _cut(machine, wires):
-        words = f"{var.name} hears nothing"
+        words = f"the wire to {var.name} is cut"
         yield _mutant(whole, machine, var, _CUT, words, changed[var]), {**wires, **changed}
 
 

@@ -25,8 +25,8 @@ from safeloc.proof.provers.never import none_happens
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachability import happens, without_assumption
-from safeloc.proof.provers.recheck import ENGINE
-from safeloc.proof.provers.settle import UNCONFIRMED, settled
+from safeloc.proof.provers.recheck import ENGINE, UNCONFIRMED
+from safeloc.proof.provers.settle import settled
 
 NAMED = 3  # undecided readings that the verdict names; it only counts the others
 Reading = tuple[str, str]

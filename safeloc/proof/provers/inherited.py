@@ -24,7 +24,7 @@ from safeloc.language.terms import Substitution, conjuncts
 from safeloc.proof.provers.facts import Fact, about, heard_by, owed_to, range_of
 from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.limits import deadline
-from safeloc.proof.provers.recheck import certify
+from safeloc.proof.provers.recheck import UNCONFIRMED, certify
 from safeloc.proof.provers.relevance import Relevance
 
 PATIENCE = 3  # times the limit: a contract reads several machines, and facts of its machine depend on it
@@ -124,7 +124,7 @@ class _Proof:
             if not failed:
                 certificate = certify(query, seconds=self.ends.left, relies_on=list(found.certificates))
                 found.certificates[certificate.file] = certificate.text
-                failed = {goal: Undecided("cvc5 could not confirm it in time") for goal in certificate.undecided}
+                failed = {goal: Undecided(UNCONFIRMED) for goal in certificate.undecided}
             if failed:
                 found.refuted[fact] = next(iter(failed.values()))
                 return False

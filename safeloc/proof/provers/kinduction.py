@@ -20,7 +20,7 @@ from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import Undecided, unproved
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base
-from safeloc.proof.provers.recheck import ENGINE, INDUCTION_OF_ONE_GOAL, certify
+from safeloc.proof.provers.recheck import ENGINE, INDUCTION_OF_ONE_GOAL, UNCONFIRMED, certify
 
 
 def kinduction(goal: Goal, limits: Limits) -> Verdict:
@@ -59,7 +59,7 @@ def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], s
     before = list(known.certificates)
     made = [certify(query, seconds=seconds, relies_on=before, one_goal=INDUCTION_OF_ONE_GOAL) for query in texts_of]
     if any(one.undecided for one in made):
-        return Unknown(f"proved by {k}-induction in z3, but cvc5 could not confirm it in time", k - 1)
+        return Unknown(f"proved by {k}-induction in z3, but {UNCONFIRMED}", k - 1)
     texts = {**known.certificates, **{one.file: one.text for one in made}}
     invariant = all_of([*given_facts(goal, known), _wanted(goal)])
     return Proved(invariant, f"{k}-induction", k, (ENGINE,), texts)

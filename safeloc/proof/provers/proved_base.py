@@ -25,7 +25,7 @@ from safeloc.proof.provers.facts import Fact, about, range_of
 from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.inherited import Alone, inherit
 from safeloc.proof.provers.limits import Deadline, deadline
-from safeloc.proof.provers.recheck import certify
+from safeloc.proof.provers.recheck import UNCONFIRMED, certify
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,5 +183,5 @@ def _confirmed(
     for query in both:
         certificate = certify(query, seconds=ends.left, relies_on=relies_on)
         texts[certificate.file] = certificate.text
-        failed |= {key: Undecided("cvc5 could not confirm it in time") for key in certificate.undecided}
+        failed |= {key: Undecided(UNCONFIRMED) for key in certificate.undecided}
     return texts, failed

@@ -24,6 +24,8 @@ from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.once import alone_in_asking
 
 ENGINE = f"cvc5 {cvc5.__version__}"
+UNCONFIRMED = "cvc5 could not confirm it in time"
+"""The reason of every result that z3 has proved and cvc5 has not confirmed."""
 OPTIONS = {"incremental": "true", "ext-rew-prep": "use", "ite-simp": "true"}  # measured: four times faster on our terms
 INDUCTION_OF_ONE_GOAL = {**OPTIONS, "simplification": "none"}
 """Options for an induction query of one goal. Measured against OPTIONS: the fibre areas take 2 to 7 s instead of 15 to 35 s, one

@@ -9,9 +9,7 @@ from typing import Generic
 from safeloc.codegen.smtlib import Key, Query
 from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.limits import Deadline
-from safeloc.proof.provers.recheck import certify
-
-UNCONFIRMED = "cvc5 could not confirm it in time"
+from safeloc.proof.provers.recheck import UNCONFIRMED, certify
 
 
 @dataclass(frozen=True)

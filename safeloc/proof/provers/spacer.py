@@ -26,7 +26,7 @@ from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts
 from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline, milliseconds
 from safeloc.proof.provers.proved_base import Base, base
-from safeloc.proof.provers.recheck import ENGINE, certify
+from safeloc.proof.provers.recheck import ENGINE, UNCONFIRMED, certify
 from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 
 
@@ -111,7 +111,7 @@ def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verd
             return Unknown(f"spacer: its invariant fails {query.name!r}: {next(iter(failed.values()))}")
         certificate = certify(query, seconds=ends.left, relies_on=list(known.certificates))
         if certificate.undecided:
-            return Unknown("proved by spacer, but cvc5 could not confirm it in time")
+            return Unknown(f"proved by spacer, but {UNCONFIRMED}")
         certificates[certificate.file] = certificate.text
     return Proved(all_of([*given_facts(goal, known), invariant]), "spacer", 0, (ENGINE,), certificates)
 

@@ -153,20 +153,24 @@ class Counter:
         course = np.array([one.energy[channel] for one in self._moments], dtype=np.float64)
         if np.any(np.diff(behind) <= 0):
             return
-        half = length_mm / 2 + _BEYOND_MM
-        bins = np.arange(-half, half, counting.bin_mm)
-        course = np.interp(bins, behind, course)
+        bins_ahead = int((length_mm / 2 + _BEYOND_MM) // counting.bin_mm)
+        course = np.interp(np.arange(-bins_ahead, bins_ahead + 1) * counting.bin_mm, behind, course)
         if self._profile is None:
-            self._profile = np.zeros(len(bins))
+            self._profile = np.zeros_like(course)
             self._began_mm = self._moments[max(0, int((behind <= length_mm / 2).sum()) - 1)].run_mm
-        shared = min(len(bins), len(self._profile))
-        self._profile = self._profile[:shared] + course[:shared] / max(
-            float(course.mean()), float(np.finfo(np.float64).tiny)
-        )
+        shared = min(len(course), len(self._profile))
+        course = course / max(float(course.mean()), _TINY)
+        self._profile = _middle_of(self._profile, shared) + _middle_of(course, shared)
         self._gathered += 1
         if self._gathered * inter.channel_mm >= counting.run_mm:
             self._counts.append(_Profiled(clusters(self._profile, self._config), self._began_mm))
             self._profile, self._gathered = None, 0
+
+
+def _middle_of(profile: Floats, length: int) -> Floats:
+    """Return as many bins about the middle; profile and length are odd, and the middle bin is the train's middle."""
+    beyond = (len(profile) - length) // 2
+    return profile[beyond : beyond + length]
 
 
 def clusters(profile: Floats, config: FibreConfig) -> int:

@@ -122,13 +122,15 @@ class Detection(Config):
     speed_error_mm_s: int = quantity(1_500, "mm/s", 0, 50_000, "[D] measured: of the fitted speed, worst case")
     scatter_mm: int = quantity(25_000, "mm", 0, 1_000_000, "[D] a train's ends keep that near to a steady course")
     apart_mm_s: int = quantity(12_000, "mm/s", 0, 200_000, "[D] both ends of a train go at one speed, as measured")
-    moved_mm: int = quantity(50_000, "mm", 0, 1_000_000, "[D] what never moved that far is not told as a train")
+    moved_mm: int = quantity(
+        50_000, "mm", 0, 1_000_000, "[D] a source that never moved that far is not reported as a train"
+    )
     overhang_mm: int = quantity(4_500, "mm", 0, 20_000, "[M] vehicle beyond its outermost axle")
     most_speed_mm_s: int = quantity(100_000, "mm/s", 1_000, 200_000, "[M, fairly sure] 350 km/h")
     most_change_mm_s2: int = quantity(1_500, "mm/s2", 100, 5_000, "[M] traction and brake")
     most_length_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     least_length_mm: int = quantity(5_000, "mm", 0, 1_000_000, "[M] shorter is no vehicle")
-    confirm_ms: int = quantity(2_000, "ms", 100, 60_000, "[D] that long a train is seen before it is told")
+    confirm_ms: int = quantity(2_000, "ms", 100, 60_000, "[D] time for which a train is seen before it is reported")
     hold_ms: int = quantity(1_000, "ms", 0, 10_000, "[D] a train not seen for so long may go on under its number")
     fit_ms: int = quantity(5_000, "ms", 500, 60_000, "[D] time over which place and speed are fitted")
     disturbed_percent: int = quantity(60, "% of the fibre", 5, 100, "[D] shaken at once: no train")
@@ -147,7 +149,9 @@ class Sections(Config):
     window_mm: int = quantity(40_000, "mm", 1_000, 500_000, "[D] the next metres, whose amplitude is taken")
     persist_mm: int = quantity(25_000, "mm", 0, 500_000, "[D] run over which a change has to last: shorter is coupling")
     baseline_mm: int = quantity(250_000, "mm", 10_000, 10_000_000, "[D] run over which normal is learnt")
-    least_baseline_mm: int = quantity(100_000, "mm", 1_000, 10_000_000, "[D] less says nothing of normal")
+    least_baseline_mm: int = quantity(
+        100_000, "mm", 1_000, 10_000_000, "[D] a shorter one does not show what is normal"
+    )
     length_error_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] measured: of a section run through, worst case")
     longest_mm: int = quantity(500_000, "mm", 10_000, 100_000_000, "[D] changed for longer is no section: new normal")
     search_mm: int = quantity(
@@ -171,11 +175,13 @@ class Counting(Config):
         "mm",
         10_000,
         100_000_000,
-        "[D] two profiles, what lies between, and what the run is reckoned too long by",
+        "[D] two profiles, the run between them, and the error by which the run is overestimated",
     )
     dip_percent: int = quantity(20, "% of a cluster's height", 1, 90, "[D] how far the profile falls between clusters")
     agree: int = quantity(3, "profiles", 1, 50, "[D] so many counts in a row agree")
-    axles_per_vehicle: int = quantity(0, "axles", 0, 64, "0: only clusters are told; 4: coaches with two bogies each")
+    axles_per_vehicle: int = quantity(
+        0, "axles", 0, 64, "0: only clusters are reported; 4: coaches with two bogies each"
+    )
 
 
 class Emitter(Config):
@@ -194,7 +200,9 @@ class Emission(Config):
     contrast_cdb: int = quantity(1_000, "cdB", 300, 4_000, "[D] tone on over tone off")
     fall_cdb: int = quantity(1_500, "cdB", 300, 4_000, "[D] fainter than the loudest by this is off, not on")
     least_distance: int = quantity(4, "bits", 1, 32, "[D] between any two patterns, and of one with itself shifted")
-    place_mm: int = quantity(30_000, "mm", 1_000, 1_000_000, "[D] heard that far from its place it is not that emitter")
+    place_mm: int = quantity(
+        30_000, "mm", 1_000, 1_000_000, "[D] a tone received farther from its place is not that emitter's"
+    )
     emitters: tuple[Emitter, ...] = ()
 
     @model_validator(mode="after")

@@ -74,7 +74,7 @@ def test_the_whole_notices_what_the_machine_does_not() -> None:
 
 def test_a_wrong_wire() -> None:
     """A crossed wire lets fast ones in; one that is cut keeps the door shut, which nothing claims it must not be."""
-    crossed, cut = found("slow hears what silent hears", "wire"), found("silent hears nothing", "wire")
+    crossed, cut = found("slow gets the value of silent", "wire"), found("the wire to silent is cut", "wire")
     assert ("no longer proved", ("property open for slow ones only",)) == (
         crossed.everywhere.fate,
         crossed.everywhere.by,

@@ -12,6 +12,7 @@ from safeloc.assurance.mutation.declared import declared, remade
 from safeloc.assurance.mutation.induction import as_it_is, no_longer
 from safeloc.assurance.mutation.judging import bench, judged, unproved
 from safeloc.assurance.mutation.mutants import sample
+from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.playing import played, tells_otherwise
 from safeloc.assurance.mutation.results import Judged, Outcome, as_data, by_requirement, from_data, kills_alone, score
 from safeloc.assurance.mutation.table import lines
@@ -27,6 +28,15 @@ PLAN = Plan(Limits(seconds=2), 0, 2)
 
 def _quietly(_: Judged) -> None:
     """Nobody hears of it."""
+
+
+def test_kinds_of_claims() -> None:
+    """Every kind occurs; that rows exclude each other is no claim of a layer, but asked apart."""
+    with noted():
+        _, whole = declared("axle_head")
+    found = held(whole, Canon())
+    assert {"property", "lemma", "range", "helper"} == {claim.kind for layer in found.layers for claim in layer.claims}
+    assert found.exclusions
 
 
 def test_a_claim_with_the_machines_term_proves_itself() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from contextlib import suppress
+from itertools import product
 
 import pytest
 
@@ -26,7 +27,8 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.nodes import Add, Bool, BoolVar, Expr
+from safeloc.language.interpret import evaluate
+from safeloc.language.nodes import Add, Bool, BoolVar, Compare, Expr
 from safeloc.language.render import infix
 from safeloc.language.spec import earlier_bool
 from safeloc.language.terms import children
@@ -106,6 +108,24 @@ def written(term: Expr) -> dict[str, list[str]]:
 def test_what_is_written_instead(term: Expr, expected: dict[str, list[str]]) -> None:
     """Each kind of wrong term, and none twice."""
     assert expected == written(term)
+
+
+@pytest.mark.parametrize("term", [A < B, A <= B, A > B, A >= B], ids=infix)
+def test_a_bound_moves_both_ways(term: Bool) -> None:
+    """By one unit each: what makes a claim weaker makes its negation stronger."""
+    left, right = (side for side in children(term) if isinstance(side, Num))
+    expected = [left < right + 1, left + 1 < right] if _is_strict(term) else [left <= right - 1, left <= right + 1]
+    moved = [one.make(children(term)) for one in changes(term, lambda _: None) if one.kind == "bound off by one unit"]
+    assert list(map(_where_true, expected)) == list(map(_where_true, moved))
+
+
+def _is_strict(term: Bool) -> bool:
+    return isinstance(term, Compare) and term.op == "<"
+
+
+def _where_true(term: Expr) -> list[tuple[int, int]]:
+    pairs = product(range(-3, 4), repeat=2)
+    return [(a, b) for a, b in pairs if evaluate([term], {A: a, B: b}) == [True]]
 
 
 def test_a_quotient_rounded_up_is_rounded_down() -> None:

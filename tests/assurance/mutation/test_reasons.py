@@ -85,7 +85,7 @@ def test_told_apart() -> None:
         )
     ]
     assert "  no proof notices 2: 1 with a written reason, 1 without" in told
-    assert f"  a reason that is needed no more: {killed.id} is refuted by a run" in told
+    assert f"  a reason that is no longer needed: {killed.id} is refuted by a run" in told
     first, last = told[-2:]
     assert "brake-other" in first and "REASON" not in first
     assert survived.id in last and last.endswith(f"REASON: {WHY}")

@@ -37,7 +37,7 @@ def test_a_label_that_shows_nothing() -> None:
     without = strengths(none, all_judged(), len(all_judged()))["REQ-1"]
     assert (0, False, {}) == (without.by_its_own, without.is_shown, without.alone)
     assert without.by_proof > 0
-    assert "NOT SHOWN: no wrong rule of it is noticed by a property of it" == as_text([without])[-1]
+    assert "NOT SHOWN: none of its properties notices a wrong rule of it" == as_text([without])[-1]
 
 
 def test_only_its_own_rows_and_properties_count() -> None:
@@ -59,7 +59,9 @@ def test_a_property_that_notices() -> None:
 
 def test_what_was_never_asked() -> None:
     """Nothing kept is told as such, and not as not shown."""
-    assert ["not measured: `safeloc mutate` has not been asked of what carries it, as it is now"] == as_text([])
+    assert [
+        "not measured: no run of `safeloc mutate` on the present state of the machines that implement it"
+    ] == as_text([])
 
 
 def test_the_greater_sample_is_kept(tmp_path: Path) -> None:
