@@ -71,7 +71,7 @@ def test_the_machine_by_itself_is_asked() -> None:
     own = [text for text in texts if "; property: small" in text]
     assert own
     assert all("; part: follower" in text for text in own)
-    assert any("; rule: heard\n; of: follower" in text for text in texts)
+    assert any("; rule: wires\n; of: follower" in text for text in texts)
 
 
 def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:
