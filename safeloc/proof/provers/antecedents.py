@@ -264,16 +264,17 @@ class _Together:
         """Return the outcome of each case.
 
         Tried in turn: exclusion in one step, random runs, bounded search, search from states of recordings, runs of one machine
-        alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search comes before the
-        runs of one machine, and the long one after them.
+        alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search and the runs of one
+        machine come first for properties that it inherits from that machine: those of its own need a run of the whole.
         """
         self._exclude(self._unlikely(), self._ends.left / 3)
         self._draw(recordings)
         if self._system.parts:
             self._search(min(self._ends.left, self._limits.seconds * AT_FIRST))
-            self._alone()
+            self._alone([number for number in self._left if self._asked[number].prop.kept_by is not None])
         self._search(self._ends.left / 2)
         self._beside(recordings)
+        self._alone(self._left)
         self._exclude(self._left, self._ends.left / 2)
         self._exclude(self._left, self._ends.left, spacer)
         return self._found | {number: Open("not found") for number in self._left}
@@ -335,9 +336,9 @@ class _Together:
             if isinstance(verdict, Proved):
                 self._found[number] = Never(verdict.engine)
 
-    def _alone(self) -> None:
+    def _alone(self, numbers: Sequence[int]) -> None:
         """Find runs of one machine alone, for inherited properties and cases that read one machine only."""
-        for number in self._left:
+        for number in numbers:
             if self._ends.passed:
                 return
             prop = self._asked[number].prop
