@@ -39,6 +39,8 @@ EXCLUSION = 0.2
 """Share of the limit for excluding goals that read the same machines; the goals left after it are searched."""
 TOGETHER, ALONE = 0.1, 0.1
 """Shares of the time left that a search spends on one question about all goals, and about one goal."""
+TRIES = 3
+"""Lengths at which a search asks for a goal in vain before it leaves the goal out."""
 AT_FIRST = 0.1
 """Share of the limit for the first search of a composition: small ones need less, in large ones a machine alone is searched next."""
 SHALLOW = 3
@@ -61,8 +63,8 @@ def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = (
     """Return the shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
 
     The search ends when a run to every goal is found, or is `known` to exist. A goal for which the solver gives up at some
-    length is left out from then on, since it keeps the solver from the others; lengths count as searched completely
-    before that only.
+    length is asked for alone from then on, since it keeps the solver from the others, and left out after TRIES lengths; lengths
+    count as searched completely before that only.
     """
     if not goals:
         return Runs({}, limits.depth)
@@ -80,7 +82,8 @@ def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = (
 class _Search:
     """A search for runs that become longer step by step.
 
-    left      the goals that are asked for: neither found nor given up
+    left      the goals that are asked for: neither found nor left out
+    hard      those for which the solver has given up at some length, with the number of these lengths
     complete  number of steps that were searched completely for all goals that were not found; -1 if none
     """
 
@@ -89,7 +92,7 @@ class _Search:
         self._seed = limits.seed
         self._runs = Deepening(Unrolling(watched.system), plain_solver(self._seed))
         self.left, self.found = list(watched.goals), dict[Goal, Trace]()
-        self.complete, self._given_up = -1, False
+        self.hard, self.complete = dict[Goal, int](), -1
 
     @property
     def length(self) -> int:
@@ -102,16 +105,19 @@ class _Search:
 
     def this_length(self) -> None:
         """Find the goals that runs of this length reach: asked for together, or where that is too hard one by one."""
-        while self.left and self._note(self._runs.run(self._one_of(self.left), self._share(TOGETHER))):
-            pass
-        if self._runs.stuck:
-            self._one_by_one()
-        if not self._given_up:
+        hard = list(self.hard)
+        while easy := [goal for goal in self.left if goal not in hard]:
+            if not self._note(self._runs.run(self._one_of(easy), self._share(TOGETHER))):
+                break
+        if easy and self._runs.stuck:
+            self._one_by_one(easy)
+        self._one_by_one([goal for goal in hard if goal in self.left])
+        if not self.hard:
             self.complete = self.length
 
-    def _one_by_one(self) -> None:
-        """Ask for each goal alone; give up those for which the solver has no answer."""
-        for goal in list(self.left):
+    def _one_by_one(self, goals: Sequence[Goal]) -> None:
+        """Ask for each goal alone; leave out those for which the solver has given up TRIES times."""
+        for goal in goals:
             if goal not in self.left:  # another goal's run reaches it
                 continue
             solver = plain_solver(self._seed)
@@ -119,8 +125,9 @@ class _Search:
                 not self._note(self._runs.run_anew(self._one_of([goal]), self._share(ALONE), solver))
                 and self._runs.stuck
             ):
-                self.left.remove(goal)
-                self._given_up = True
+                self.hard[goal] = self.hard.get(goal, 0) + 1
+                if self.hard[goal] == TRIES:
+                    self.left.remove(goal)
 
     def _one_of(self, goals: Sequence[Goal]) -> z3.BoolRef:
         return self._runs.fails(*(goal.good for goal in goals))
