@@ -62,16 +62,47 @@ class Runs:
 def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = ()) -> Runs:
     """Return the shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
 
-    The search ends when a run to every goal is found, or is `known` to exist. A goal for which the solver gives up at some
-    length is asked for alone from then on, since it keeps the solver from the others, and left out after TRIES lengths; lengths
-    count as searched completely before that only.
+    The search ends when a run to every goal is found, or is `known` to exist.
     """
     if not goals:
         return Runs({}, limits.depth)
+    watched = watch(goals[0].plain, goals)
+    runs, found = Deepening(Unrolling(watched.system), plain_solver(limits.seed)), dict[Goal, Trace]()
+    ends = deadline(limits.seconds)
+    while runs.depth < limits.depth:
+        if not _search_length(watched, runs, found, ends):
+            return Runs(found, runs.depth)
+        if all(goal in found or goal in known for goal in goals):
+            return Runs(found, runs.depth + 1)
+        runs.deeper()
+    return Runs(found, limits.depth)
+
+
+def _search_length(watched: Watch, runs: Deepening, found: dict[Goal, Trace], ends: Deadline) -> bool:
+    """Add the targets found at this length; return whether the length was searched completely."""
+    while left := [goal for goal in watched.goals if goal not in found]:
+        if ends.passed:
+            return False
+        model = runs.run(runs.fails(*(goal.good for goal in left)), ends)
+        if model is None:
+            return not runs.stuck
+        first, stream = runs.first(model, declared_state(watched)), runs.stream(model)
+        for goal in left:
+            if runs.failed(model, goal.good):
+                found[goal] = confirmed(goal, first, stream, "bmc")
+    return True
+
+
+def sparing_runs(goals: Sequence[Goal], limits: Limits) -> Runs:
+    """Do as `first_runs`, but leave out goals that are too hard, before they use up the time.
+
+    A goal for which the solver gives up at some length is asked for alone from then on, since it keeps the solver from the
+    others, and left out after TRIES lengths; lengths count as searched completely before that only.
+    """
     search = _Search(watch(goals[0].plain, goals), limits)
     while search.length <= limits.depth and not search.ends.passed:
         search.this_length()
-        if all(goal in search.found or goal in known for goal in goals):
+        if len(search.found) == len(goals):
             return Runs(search.found, search.length)
         if not search.left:
             break
@@ -268,7 +299,8 @@ def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) ->
     goals = [goal for goal in looked.left if goal not in looked.excluded and goal not in without]
     if not goals:
         return looked
-    searched = first_runs(goals, limits)
+    search = sparing_runs if goals[0].original.whole else first_runs  # of one machine of a composition, or of a target
+    searched = search(goals, limits)
     return replace(looked.also(searched.found, "bmc", "witness"), depth=max(looked.depth, searched.depth))
 
 

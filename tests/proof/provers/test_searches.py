@@ -17,7 +17,7 @@ from safeloc.language.verdict import Proved
 from safeloc.proof.provers import reachability
 from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Deadline, Limits
-from safeloc.proof.provers.reachability import TRIES, first_runs, reached, without_assumption
+from safeloc.proof.provers.reachability import TRIES, reached, sparing_runs, without_assumption
 from tests.proof.provers.small import LEVEL, counter, system
 
 COUNTER = system(counter())
@@ -38,7 +38,7 @@ def test_a_goal_that_is_too_hard_is_given_up(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(Deepening, "run", lost)
     monkeypatch.setattr(Deepening, "run_anew", lost_with_one)
-    runs = first_runs([TWO, FIVE, NEVER], Limits(depth=8))
+    runs = sparing_runs([TWO, FIVE, NEVER], Limits(depth=8))
     assert {TWO: 2, FIVE: 5} == {goal: len(trace.steps) for goal, trace in runs.found.items()}
     assert -1 == runs.depth
 
@@ -54,7 +54,7 @@ def test_a_search_ends_when_every_goal_is_given_up(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(Deepening, "run", lost)
     monkeypatch.setattr(Deepening, "run_anew", lost)
     monkeypatch.setattr(Deepening, "deeper", lambda self: longer.append(self.depth))
-    runs = first_runs([TWO, FIVE], Limits(depth=8))
+    runs = sparing_runs([TWO, FIVE], Limits(depth=8))
     assert ({}, -1, TRIES - 1) == (dict(runs.found), runs.depth, len(longer))
 
 
@@ -67,7 +67,7 @@ def test_one_run_shows_several_goals(monkeypatch: pytest.MonkeyPatch) -> None:
         return None
 
     monkeypatch.setattr(Deepening, "run", lost)
-    runs = first_runs([TWO, again], Limits(depth=3))
+    runs = sparing_runs([TWO, again], Limits(depth=3))
     assert {TWO: 2, again: 2} == {goal: len(trace.steps) for goal, trace in runs.found.items()}
 
 
