@@ -329,7 +329,7 @@ def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes
         while new and any(goal not in found for goal in goals):
             left = dict(enumerate(goal for goal in wanted if goal not in found))
             known = [Recording(run.initial, run.stream()) for run in new]
-            farther = onward(goals[0].plain, left, known, deadline(limits.seconds * AT_FIRST), further)
+            farther = onward(goals[0].plain, left, known, deadline(limits.seconds), further)
             found |= {left[number]: run for number, run in farther.items()}
             new = list(farther.values())
     return {goal: run for goal, run in found.items() if goal in set(goals)}
