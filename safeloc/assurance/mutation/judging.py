@@ -24,7 +24,7 @@ from safeloc.assurance.mutation.results import Judged, Outcome
 from safeloc.errors import SafelocError
 from safeloc.language.spec import Goal, always, observe
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.searches import first_runs
 from safeloc.reported import Reported
 from safeloc.target import Target
 

@@ -27,8 +27,8 @@ from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import base
-from safeloc.proof.provers.reachability import AT_FIRST, first_runs
 from safeloc.proof.provers.recorded_witnesses import Recording, come_to
+from safeloc.proof.provers.searches import AT_FIRST, first_runs
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
 from safeloc.proof.provers.workers import Lost, Task

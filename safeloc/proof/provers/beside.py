@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 from safeloc.errors import EngineError
 from safeloc.language.expr import Var
@@ -59,14 +60,12 @@ class _Course:
 
     def until(self, steps: int) -> tuple[list[Step], Values]:
         """Return the first steps and the state after them, made by the interpreter. EngineError if generated code differs."""
-        while len(self.steps) < steps:
-            one, state = next(self.interpreted)
+        for one, state in islice(self.interpreted, max(0, steps - len(self.steps))):
             self.steps.append(one)
             self.after.append(state)
-        state = self.after[steps]
-        if list(state.values()) != list(self.states[steps]):
+        if len(self.steps) < steps or list(self.after[steps].values()) != list(self.states[steps]):
             raise EngineError(f"generated code and the interpreter come to different states in step {steps}.")
-        return self.steps[:steps], state
+        return self.steps[:steps], self.after[steps]
 
 
 class _Draw:

@@ -11,7 +11,7 @@ from safeloc.language.spec import Goal
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.searches import first_runs
 from safeloc.proof.provers.spacer import spacer
 
 

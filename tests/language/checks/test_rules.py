@@ -30,7 +30,7 @@ from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import CHECKS
 from safeloc.proof.provers.portfolio import prove_one
-from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.searches import first_runs
 from tests.declaring import declared
 
 LIMITS = Limits(depth=4, seconds=10)

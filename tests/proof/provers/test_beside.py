@@ -101,3 +101,6 @@ def test_states_of_generated_code_are_compared() -> None:
     course = module._Course([], [[1]], {}, iter(()), after=[{KEY: 0}])
     with pytest.raises(EngineError, match="come to different states in step 0"):
         course.until(0)
+    ended = module._Course([], [[0], [1]], {}, iter(()), after=[{KEY: 0}])
+    with pytest.raises(EngineError, match="come to different states in step 1"):
+        ended.until(1)

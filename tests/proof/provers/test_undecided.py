@@ -29,8 +29,8 @@ from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.portfolio import prove
-from safeloc.proof.provers.reachability import first_runs
 from safeloc.proof.provers.replayed_evidence import admissible_run, replayed
+from safeloc.proof.provers.searches import first_runs
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import unpack
 from safeloc.proof.provers.workers import in_processes

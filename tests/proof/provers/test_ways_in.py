@@ -30,6 +30,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove, prove_one
 from safeloc.proof.provers.replayed_evidence import replayed
+from safeloc.proof.provers.searches import Runs
 from safeloc.proof.results import Finding
 from tests.declaring import declared
 
@@ -396,9 +397,9 @@ def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pyte
     whole = compose("w", [follower("a"), second], {heard: X}).system
     search, draw = reachability.first_runs, reachability.drawn
 
-    def hurried(goals: Sequence[Goal], *more: Any) -> reachability.Runs:
+    def hurried(goals: Sequence[Goal], *more: Any) -> Runs:
         out_of_time = any(goal.original is whole for goal in goals)
-        return reachability.Runs({}, -1) if out_of_time else search(goals, *more)
+        return Runs({}, -1) if out_of_time else search(goals, *more)
 
     def unlucky(goals: Sequence[Goal], *more: Any) -> dict[Goal, Trace]:
         return {} if any(goal.original is whole for goal in goals) else draw(goals, *more)
