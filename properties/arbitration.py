@@ -36,14 +36,14 @@ def _safety(model: Arbitration) -> Iterator[Property]:
     yield always(
         "containment",
         given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
-        statement="what is given out holds the true position of the front end",
+        statement="the reported interval holds the true position of the front end",
         requirements=REQUIREMENTS,
         assumption=SOURCES_ARE_TRUE,
     )
     most = own.config.tolerance_mm
     tolerable = (machine.output("margin_below_mm") <= most) & (machine.output("margin_above_mm") <= most)
     yield _free(
-        "tolerance", given.implies(tolerable), "what is given out is never wider than tolerable, on either side"
+        "tolerance", given.implies(tolerable), "the reported interval is never wider than tolerable, on either side"
     )
     silent = all_of(own_var.eq(0) for own_var in (own.position, own.below, own.above, own.lag))
     yield _free(
@@ -81,7 +81,7 @@ def _exclusions(model: Arbitration) -> Iterator[Property]:
         yield _free(
             f"{one.name} against {other.name}",
             _apart(one, other).implies(~given),
-            f"where {one.name} and {other.name} exclude each other nothing is given out in the same step",
+            f"if {one.name} and {other.name} exclude each other, no position is reported in that step",
         )
 
 
@@ -111,7 +111,7 @@ def _reference(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "no resurrection",
         (given & ~earlier_bool(given)).implies(referred),
-        "after it was withheld a position is given out only in a step in which a valid source has accepted an absolute "
+        "after it was withheld a position is reported only in a step in which a valid source has accepted an absolute "
         "reference, and all valid sources agree",
     )
 
@@ -121,22 +121,22 @@ def _stated(model: Arbitration) -> Iterator[Property]:
     given, _, _ = _given(model)
     silent = all_of(~source.valid for source in own.sources)
     yield _free(
-        "silence withholds", silent.implies(~given), "without any valid source nothing is given out in that step"
+        "silence withholds", silent.implies(~given), "without any valid source nothing is reported in that step"
     )
     yield _free(
-        "reason stated", own.reason.eq(LOCATED).iff(given), "a reason is stated exactly while nothing is given out"
+        "reason stated", own.reason.eq(LOCATED).iff(given), "a reason is stated exactly while nothing is reported"
     )
     accepted = any_of(source.valid & source.reference for source in own.sources)
     yield _free(
         "a reference is reported when it is accepted",
         model.machine.flag("reference_accepted").iff(given & accepted),
-        "a reference is reported exactly in a step in which a position is given out and a valid source accepted a reference",
+        "a reference is reported exactly in a step in which a position is reported and a valid source accepted a reference",
     )
     unnamed = own.first.eq(nobody) & own.second.eq(nobody)
     yield _free(
         "no contradiction is named while a position is reported",
         given.implies(unnamed),
-        "while a position is given out no contradiction is named",
+        "while a position is reported no contradiction is named",
     )
 
 
@@ -254,7 +254,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
     yield always(
         "min safe front end",
         given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
-        statement="the front end is never behind the min safe front end that is given out",
+        statement="the front end is never behind the reported min safe front end",
         requirements=REQUIREMENTS,
         assumption=SOURCES_ARE_TRUE,
     )
@@ -262,7 +262,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "min safe front end begins at the interval's",
         (given & ~earlier_bool(given)).implies(front.eq(low)),
-        "where a position is given out for the first time its min safe front end is the lower end of the interval",
+        "where a position is reported for the first time its min safe front end is the lower end of the interval",
     )
     measured, estimated = own.distance.value, _estimated_change(model)
     yield _free(
@@ -295,7 +295,7 @@ def _advances_with_estimate(model: Arbitration) -> Property:
 
 
 def _goes_on(model: Arbitration, *, measured: bool) -> Bool:
-    """A position is given out before and after the step, with a measured distance or without one."""
+    """A position is reported before and after the step, with a measured distance or without one."""
     given, _, _ = _given(model)
     present = model.own.distance.present
     return given & earlier_bool(given) & (present if measured else ~present)

@@ -106,7 +106,7 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     yield for_all_inputs(
         "the trackside's view is never the narrower one",
         all_of([*alike, *kept, *widened]),
-        statement="what is sent is what is passed on on board; it arrives as it was sent, and is given out no narrower",
+        statement="the interval sent is the one passed on on board; it arrives as it was sent, and is reported no narrower",
     )
     yield for_all_inputs(
         "a report counts once",

@@ -46,7 +46,7 @@ def _age(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "age",
         machine.output("age_ms") <= own.config.age_limit_ms,
-        statement="no position older than the limit is given out: a link without reports withdraws the position in time",
+        statement="no position older than the limit is reported: a link without reports withdraws the position in time",
     )
     yield for_all_inputs(
         "age widens a stored report",
@@ -63,7 +63,7 @@ def _withdrawal(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired("report arrives")),
-        statement="a position is given out again only when a report arrives",
+        statement="a position is reported again only when a report arrives",
     )
     yield for_all_inputs(
         "revocation",
@@ -132,7 +132,7 @@ def _arrived(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a report that arrives is passed on",
         (arrives & usable).implies(valid & known.is_in(own.held)),
-        statement="a position that arrives, no wider than the limit when widened by its age, is given out as it was sent",
+        statement="a position that arrives, no wider than the limit when widened by its age, is reported as it was sent",
     )
     yield for_all_inputs(
         "a report without a usable position removes the last one",
@@ -148,7 +148,7 @@ def _kept(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a position is passed on until the next arrives",
         (waits & known.young & known.narrow).implies(valid & known.is_in(own.held)),
-        statement="while no report arrives, the one that is held is given out as long as it is young and narrow enough",
+        statement="while no report arrives, the one that is held is reported as long as it is young and narrow enough",
     )
     yield for_all_inputs(
         "the age is reported",

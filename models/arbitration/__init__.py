@@ -2,12 +2,12 @@
 
 Each source states an interval that holds the front end, or nothing. The position is the common part of all stated intervals;
 the source with the smallest margin leads and gives the estimate. If intervals exclude each other, at least one is wrong, and it
-is unknown which: the machine withdraws the position and names two sources that exclude each other. It gives out a position again
+is unknown which: the machine withdraws the position and names two sources that exclude each other. It reports a position again
 only when all stated intervals agree, and one of their sources has just accepted an absolute reference. A source that states
 nothing narrows nothing.
 
-    WITHHELD  nothing is given out
-    ODOMETRY, BALISE, ...  the position is given out; the source that the mode names leads
+    WITHHELD  nothing is reported
+    ODOMETRY, BALISE, ...  the position is reported; the source that the mode names leads
 
 The min safe front end is a separate output. It never advances by more than the distance estimated for the cycle (OCORA
 7244), even where a better source joins and narrows the interval at once: it then lags behind the interval's lower end until it
@@ -109,7 +109,7 @@ def _named(own: Parts, current: NumVar) -> Num:
 
 
 def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
-    """Transitions out of the modes in which a position is given out."""
+    """Transitions out of the modes in which a position is reported."""
     lost, *given = cycle.table
     nobody = Lit(0, own.named)
 
@@ -135,7 +135,7 @@ def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
 
 
 def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
-    """Transitions out of the mode in which nothing is given out."""
+    """Transitions out of the mode in which nothing is reported."""
     lost, *given = cycle.table
     begun = _told(own, cycle, as_num(0, MM))
     for source, target in zip(own.sources, given, strict=True):
@@ -150,7 +150,7 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
 
 
 def _told(own: Parts, cycle: Cycle, lag: Num) -> Updates:
-    """The interval that all valid sources have in common is given out."""
+    """The interval that all valid sources have in common is reported."""
     nobody = Lit(0, own.named)
     return {
         own.position: cycle.estimate,
@@ -165,7 +165,7 @@ def _told(own: Parts, cycle: Cycle, lag: Num) -> Updates:
 
 
 def _nothing(own: Parts) -> Updates:
-    """No position is given out."""
+    """No position is reported."""
     zero = as_num(0, MM)
     return {own.position: zero, own.below: zero, own.above: zero, own.lag: zero, own.referred: FALSE}
 

@@ -109,7 +109,7 @@ class Cycle:
 
     @cached_property
     def usable(self) -> Bool:
-        """A position can be given out."""
+        """A position can be reported."""
         return self.any_valid & self.agree & self.tolerable
 
     @property

@@ -105,7 +105,7 @@ class Parts:
     """The variables of the machine.
 
     distance                input: the distance measured in the cycle
-    position, below, above  the common interval; 0 while nothing is given out, and not shown then
+    position, below, above  the common interval; 0 while nothing is reported, and not shown then
     lag                     how far the min safe front end lies behind the interval's lower end
     first, second           two sources that exclude each other; NONE: none
     truth, next_truth       ghosts: the front end, nm

@@ -34,7 +34,7 @@ def area_picture(sections: int) -> Waterfall:
     return Waterfall(
         "Fibre area",
         loud,
-        (NamedInterval("front, given out", _reported("verification", "trusted")), *ends),
+        (NamedInterval("front, reported", _reported("verification", "trusted")), *ends),
         tuple(
             SectionState(f"section {n}", f"section_{n}.from_mm", f"section_{n}.to_mm", f"section_{n}.mode")
             for n in numbers

@@ -168,7 +168,7 @@ def build(own: Parts) -> TrainSeen:
         ),
         lemmas=_lemmas(own, current, table),
         doc=(
-            "The train as its new reports tell it. Assumed: what the radio link gives out of an end holds that end (the "
+            "The train as its new reports tell it. Assumed: the interval that the radio link reports for an end holds that end (the "
             "link's own proof discharges this)."
         ),
     )
@@ -178,7 +178,7 @@ def build(own: Parts) -> TrainSeen:
 def _told_truly(holds: Bool, end: str) -> Law:
     return Law(
         holds,
-        f"The interval of the {end} end that the radio link gives out holds that end.",
+        f"The interval of the {end} end that the radio link reports holds that end.",
         source="[D] containment of the link, whose own proof it is",
         owner="supplier",
         check="replayed recordings with a known true position",

@@ -6,7 +6,7 @@ and after it. One report is on its way at a time; a newer one takes its place. A
 withdraws the last position when it arrives; while no report arrives, the last one grows older.
 
     NOTHING  no report, a revoking one, or one that has become too old or too wide
-    HELD     a report is stored; its interval is given out, widened by its age
+    HELD     a report is stored; its interval is reported, widened by its age
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class TransmissionConfig(Config):
 
     @property
     def age_limit_cycles(self) -> int:
-        """The oldest report that is given out."""
+        """The oldest report whose position is reported."""
         return self.age_limit_ms // self.period_ms
 
     @property

@@ -102,7 +102,7 @@ SCENARIOS = (
         "verified-run",
         "A verified run",
         "Nothing goes wrong. The counter's record is matched by count, length, place and speed; from then on the position "
-        "is given out, and each section is OCCUPIED while the train may be in it and FREE again behind it.",
+        "is reported, and each section is OCCUPIED while the train may be in it and FREE again behind it.",
         STAY,
     ),
     AreaScene(

@@ -68,7 +68,7 @@ RUNS: Mapping[str, Run] = {
     ),
     "freight-fibre-error-no-satellites": Run(
         replace(FREIGHT, troubles=REVOKED),
-        "Satellites are lost, then the fibre reports an error: what it had given out is revoked on board in the same cycle.",
+        "Satellites are lost, then the fibre reports an error: the position that it had reported is revoked on board in the same cycle.",
     ),
 }
 """The recordings, by the end of their names."""
