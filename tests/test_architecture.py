@@ -79,9 +79,10 @@ ABOVE_THE_ENGINE = (
 KNOWS = {
     "language": (),
     "codegen": ("language",),
+    "yices": (),
     "reported": ("language",),
     "runtime": ("language", "codegen", "reported", "target", "config"),
-    "proof": ("language", "codegen", "runtime", "target"),
+    "proof": ("language", "codegen", "runtime", "target", "yices"),
     "assurance": ("language", "codegen", "runtime", "proof", "target", "reported", "catalogue", "config"),
     "railway.pictures": ("language", "reported"),
     "railway.map": ("language", "runtime", "railway.pictures", "config"),
@@ -98,8 +99,8 @@ KNOWS = {
     "targets": ("language", "runtime", "reported", "models", "properties", "target"),
     "shipped": ("language", "reported", "models", "properties", "target", "targets"),
     "catalogue": ("language", "runtime", "reported", "railway.pictures", "shipped", "target"),
-    "checker": ("language", "runtime", "report", "catalogue", "target"),
-    "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config"),
+    "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
+    "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
     "cli": (*ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue"),
 }  # fmt: skip
 """Each room, or module at the root, and what it may import beside itself and the errors. The railway's have a row each.

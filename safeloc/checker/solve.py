@@ -10,11 +10,6 @@ yices, if installed, gets the text; its answer is reported, but not required.
 
 from __future__ import annotations
 
-import os
-import re
-import shutil
-import subprocess
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -22,12 +17,12 @@ from typing import Any, Protocol
 import cvc5
 import z3
 
+from safeloc import yices
 from safeloc.checker.dag import INT, Dag
 from safeloc.checker.text import Certificate
 
 SOLVERS = ("z3", "cvc5", "yices")
 NEEDED = SOLVERS[:2]
-_GROUP = "\n(push 1)\n"
 _FIRST_SECONDS = {
     "z3": 2.0,
     "cvc5": 10.0,
@@ -82,7 +77,7 @@ class Opinions:
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
-        more = {} if _yices_program() is None else {"yices": _of_text(text, self._seconds)}
+        more = {} if yices.program() is None else {"yices": yices.answers(text, self._seconds)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:
@@ -241,34 +236,3 @@ def _linear(dag: Dag, one: Certificate) -> bool:
             if node[0] == "*" and all(dag.nodes[part][0] != "lit" for part in dag.parts(number)):
                 return False
     return True
-
-
-def _yices_program() -> str | None:
-    """Return the path of yices' program for SMT-LIB, beside Python or on the search path; None if it is not installed."""
-    return shutil.which(
-        "yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
-    )
-
-
-def _of_text(text: str, seconds: float) -> Answers:
-    """Return yices' answers: for all goals together, then for each undecided goal from the text without the other goals."""
-    start, *groups = text.split(_GROUP)
-    answers = _fitting(_yices(text, seconds, together=True), len(groups))
-    for goal, answer in enumerate(answers):
-        if answer == "unknown":
-            one = f"{start}{_GROUP}{groups[goal]}".replace(_GROUP, "\n").replace("\n(pop 1)\n", "\n")
-            [answers[goal]] = _fitting(_yices(one, seconds, together=False), 1)
-    return answers
-
-
-def _fitting(answers: Sequence[str], goals: int) -> Answers:
-    """Return one answer for each goal; an error for each if the solver gave another number of answers."""
-    return list(answers) if len(answers) == goals else [f"{len(answers)} answers to {goals} goals"] * goals
-
-
-def _yices(text: str, seconds: float, *, together: bool) -> Sequence[str]:
-    program = _yices_program()
-    assert program is not None
-    asked = [program, f"--timeout={max(1, int(seconds))}", *(["--incremental"] if together else [])]
-    done = subprocess.run(asked, input=text, capture_output=True, text=True)
-    return [line for line in re.split(r"\s*\n", done.stdout) if line]

@@ -29,7 +29,7 @@ class Proved(_NoTruth):
     """The property holds on every stream that obeys the assumption, of whatever length.
 
     invariant        the inductive invariant; None for `reachable`
-    rechecked        the programs that confirmed the result (cvc5, interpreter)
+    rechecked        the programs that confirmed the result (yices or cvc5, interpreter)
     certificates     file name -> SMT-LIB 2 text
     witness          for `reachable`, a run that reaches the state
     by_construction  the part that needed no solver, and why, such as divisors that are positive constants

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, assert_never
 
+from safeloc import yices
 from safeloc.assurance.independence import shared_terms
 from safeloc.assurance.mutation.strength import Strengths, as_text
 from safeloc.assurance.register import register, to_confirm
@@ -122,6 +123,7 @@ def versions() -> dict[str, str]:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             found[name] = "not installed as a package"
+    found["yices"] = yices.version() or "not installed"
     return found
 
 

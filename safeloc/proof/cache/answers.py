@@ -16,7 +16,8 @@ from safeloc.proof.cache.engine import engine_digest, undisturbed
 from safeloc.proof.cache.store import Store, utc_now
 from safeloc.proof.cache.turns import Turn, turn
 
-Solver = Literal["z3", "cvc5"]
+Solver = Literal["z3", "second"]
+"""z3, which proves, or the second solver, which confirms: yices or cvc5."""
 _KIND, _PROVED, NEEDED = "answers", b"proved", "needed"
 _BEGINS = "(set-logic "
 

@@ -10,6 +10,8 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from safeloc import yices
+
 PACKAGE = Path(__file__).parents[2]
 DECLARING = ("models", "properties", "shipped")
 """Folders with declarations: the digest of a target covers the objects that they declare."""
@@ -33,6 +35,7 @@ def engine_digest() -> str:
     """Return the SHA-256 over the files of the engine, and the versions of Python and of the packages in _DECIDE_WITH."""
     total = hashlib.sha256(f"{platform.python_implementation()} {platform.python_version()}\0".encode())
     total.update("".join(f"{name} {metadata.version(name)}\0" for name in _DECIDE_WITH).encode())
+    total.update(f"yices {yices.version()}\0".encode())
     return _over(total.hexdigest(), _engine_files())
 
 

@@ -159,7 +159,7 @@ class _Search:
         return {"property": self.of.name} if self.of else {}
 
     def _confirm(self, groups: Sequence[Group]) -> list[Group]:
-        """Store the certificates of the groups that cvc5 confirms; return the other groups."""
+        """Store the certificates of the groups that the second solver confirms; return the other groups."""
         if not groups:
             return []
         named = {f"a lawful step, inputs {number}": group for number, group in enumerate(groups, 1)}

@@ -52,7 +52,7 @@ Failure = Refuted | Undecided
 CORE_SECONDS = 10.0
 """Seconds of effort to prove all goals together and find the hypotheses needed; most queries take 0.1 s."""
 _CORES: weakref.WeakKeyDictionary[Query[Any], Sequence[int]] = weakref.WeakKeyDictionary()
-"""Numbers of the hypotheses that z3's proof of a query used. A proposal only: cvc5 decides from these hypotheses."""
+"""Numbers of the hypotheses that z3's proof of a query used. A proposal only: the second solver decides from these hypotheses."""
 
 
 def parts_of(query: Query[Key]) -> list[Bool]:

@@ -111,7 +111,7 @@ class _Proof:
         self._free, self._lawful = environment(system, assume=False), environment(system)
 
     def confirm(self, fact: Fact, term: Bool, found: Inherited, *, always: bool) -> bool:
-        """Prove by z3 and cvc5 that the term holds in every step; a failure goes into `refuted`."""
+        """Prove by both solvers that the term holds in every step; a failure goes into `refuted`."""
         known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
         states = [] if always else list(found.facts.values())
         given = [self._free if always else self._lawful, *known]

@@ -1,7 +1,7 @@
 """k-induction: unbounded proofs, with the system's proved base as hypotheses.
 
 For k = 1 the invariant is inductive over one step. For k > 1 the certificates are the start queries of 1 to k and the step
-query; the start query of k alone says nothing about shorter runs. cvc5 re-checks every text before the verdict is Proved.
+query; the start query of k alone says nothing about shorter runs. The second solver re-checks every text before the verdict is Proved.
 """
 
 from __future__ import annotations

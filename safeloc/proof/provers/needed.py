@@ -1,6 +1,6 @@
 """The hypotheses that a proof needs: z3's unsatisfiable core of a query, conjunct by conjunct.
 
-Leaving hypotheses out is sound: a goal that follows from some of them follows from all. cvc5 decides the shorter query,
+Leaving hypotheses out is sound: a goal that follows from some of them follows from all. the second solver decides the shorter query,
 and the certificate holds it. Facts about products of its variables stay as well: models state them because solvers do not
 find them, and even where z3 finds one by itself, cvc5 does not.
 """

@@ -8,7 +8,7 @@ Both are PROVED, once per system, and then serve every property as hypotheses:
     heard   of a composition: the machines whose wired inputs stay in range
 
 A composition inherits the facts of its machines without a new proof. A fact that is not inductive together with the others,
-or that cvc5 does not confirm, is dropped and named in `refuted`; it is never assumed.
+or that the second solver does not confirm, is dropped and named in `refuted`; it is never assumed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from safeloc.proof.provers.recheck import UNCONFIRMED, certify
 
 @dataclass(frozen=True, eq=False)
 class Base:
-    """Proved facts, the dropped facts with reasons, and the texts that cvc5 has confirmed.
+    """Proved facts, the dropped facts with reasons, and the texts that the second solver has confirmed.
 
     `seconds` is the time limit that was used: with a longer one, undecided facts may still be proved.
     """

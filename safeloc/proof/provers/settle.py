@@ -1,4 +1,4 @@
-"""Decision of one query by both solvers: z3 decides, and cvc5 confirms from the text what z3 has proved."""
+"""Decision of one query by both solvers: z3 decides, and yices or cvc5 confirms from the text what z3 has proved."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def settled_but(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()
 
 
 def settled(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> Settled[Key]:
-    """Decide by z3 and cvc5 whether every goal follows. EngineError if cvc5 contradicts z3."""
+    """Decide by both solvers whether every goal follows. EngineError if the second contradicts z3."""
     failed = unproved(query, ends.left)
     if failed or not query.goals:
         return Settled(failed, {})

@@ -1,7 +1,7 @@
 """Spacer (property-directed reachability): finds an inductive invariant by itself.
 
 The system's proved base serves as hypotheses. The invariant found is translated back into our own terms. New z3 queries,
-and cvc5 from text written from our terms, then decide three questions: it holds in the first state, every step preserves
+and the second solver from text written from our terms, then decide three questions: it holds in the first state, every step preserves
 it, and it implies the property.
 """
 
@@ -100,7 +100,7 @@ def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
 
 
 def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verdict:
-    """Decide the three queries on the invariant by z3 and by cvc5."""
+    """Decide the three queries on the invariant by both solvers."""
     empty = nothing_begins(goal, ends.left)
     if empty is not None:
         return empty

@@ -39,12 +39,12 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 
 def test_a_proof_is_kept_and_a_refutation_is_not(store: Store) -> None:
-    """Neither z3's nor cvc5's."""
+    """Neither z3's nor the second solver's."""
     assert {} == unproved(TRUE_ONE, 10)
     assert isinstance(unproved(FALSE_ONE, 10)["goal"], Refuted)
     assert () == certify(TRUE_ONE, seconds=10).undecided
-    assert proved_before("z3", to_smtlib(TRUE_ONE)) and proved_before("cvc5", to_smtlib(TRUE_ONE))
-    assert not proved_before("z3", to_smtlib(FALSE_ONE)) and not proved_before("cvc5", to_smtlib(FALSE_ONE))
+    assert proved_before("z3", to_smtlib(TRUE_ONE)) and proved_before("second", to_smtlib(TRUE_ONE))
+    assert not proved_before("z3", to_smtlib(FALSE_ONE)) and not proved_before("second", to_smtlib(FALSE_ONE))
     assert 3 == len(list(store.entries()))  # with the hypotheses that the proof needs
 
 
@@ -65,6 +65,7 @@ def test_what_is_kept_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> Non
         raise AssertionError("a solver was asked")
 
     monkeypatch.setattr(recheck, "recheck", refuse)
+    monkeypatch.setattr(recheck.yices, "answers", refuse)
     monkeypatch.setattr(implication, "_failures", refuse)
     again = certify(TRUE_ONE, seconds=10)
     assert (first.file, first.text, first.undecided) == (again.file, again.text, again.undecided)
@@ -77,9 +78,9 @@ def test_what_is_kept_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.usefixtures("store")
 def test_one_solver_does_not_speak_for_the_other() -> None:
-    """A cached answer of z3 does not count as one of cvc5."""
+    """A cached answer of z3 does not count as one of the second solver."""
     keep_proved("z3", to_smtlib(FALSE_ONE))
-    assert not proved_before("cvc5", to_smtlib(FALSE_ONE))
+    assert not proved_before("second", to_smtlib(FALSE_ONE))
 
 
 def test_nothing_is_kept_without_a_store() -> None:
@@ -93,8 +94,8 @@ def test_nothing_is_kept_without_a_store() -> None:
 @pytest.mark.usefixtures("store")
 def test_the_head_of_a_certificate_is_not_part_of_the_question() -> None:
     """It names other certificates, which say nothing to a solver."""
-    keep_proved("cvc5", to_smtlib(TRUE_ONE, ["one.smt2"]))
-    assert proved_before("cvc5", to_smtlib(TRUE_ONE, ["other.smt2"]))
+    keep_proved("second", to_smtlib(TRUE_ONE, ["one.smt2"]))
+    assert proved_before("second", to_smtlib(TRUE_ONE, ["other.smt2"]))
 
 
 def test_nothing_is_kept_of_an_engine_that_was_edited_meanwhile(

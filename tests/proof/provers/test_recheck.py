@@ -1,4 +1,4 @@
-"""cvc5 decides every certificate from its text, and a text that proves nothing is an error."""
+"""yices and cvc5 decide every certificate from its text, and a text that proves nothing is an error."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.codegen.smtlib import Query
+from safeloc import yices
+from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import EngineError
 from safeloc.language.expr import NumVar
 from safeloc.language.units import ONE
@@ -32,11 +33,15 @@ def test_a_sound_query_is_confirmed() -> None:
     assert decide("sound", certificate.text, seconds=10.0) == ["unsat", "unsat"]
 
 
-def test_a_goal_that_does_not_follow_is_an_error() -> None:
-    """If cvc5 contradicts z3, everything stops with an error."""
+@pytest.mark.parametrize("solver", ["yices", "cvc5"])
+def test_a_goal_that_does_not_follow_is_an_error(solver: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the second solver contradicts z3, everything stops with an error."""
+    if solver == "cvc5":
+        monkeypatch.setattr(yices, "program", lambda: None)
     wrong = Query("wrong", [X > 3], {"above 2": X > 2, "above 4": X > 4})
     with pytest.raises(
-        EngineError, match=r"wrong-[0-9a-f]{16}\.smt2: cvc5 does not confirm the proof: answers \['unsat', 'sat'\]"
+        EngineError,
+        match=rf"wrong-[0-9a-f]{{16}}\.smt2: {solver} does not confirm the proof: answers \['unsat', 'sat'\]",
     ):
         certify(wrong, seconds=10.0)
 
@@ -66,6 +71,7 @@ def test_a_corrupted_certificate_is_caught(how: str) -> None:
         recheck("corrupted", corrupted, 1)
 
 
+@pytest.mark.usefixtures("without_yices")
 def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
     """cvc5 decides each text of the verdict: ranges, lemmas and the property itself."""
     decided: list[str] = []
@@ -80,10 +86,52 @@ def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(certificates) == 4
 
 
+def test_every_proof_calls_yices_and_none_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What yices confirms is confirmed: every text of the verdict, and each text once."""
+    asked: list[str] = []
+    honest = yices.answers
+
+    def listening(text: str, seconds: float) -> list[str]:
+        asked.append(text)
+        return honest(text, seconds)
+
+    monkeypatch.setattr(yices, "answers", listening)
+    monkeypatch.setattr(module, "recheck", lambda *_, **__: pytest.fail("cvc5 was asked"))
+    certificates = _proof().certificates
+    assert sorted(asked) == sorted(certificates.values())
+    assert len(certificates) == 4
+
+
+@pytest.mark.parametrize("left", ["unknown", "(error: no such logic)"])
+def test_cvc5_decides_what_yices_leaves_open(left: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only those goals, and none is confirmed by nobody; the certificate is the one of all goals."""
+    asked: list[str] = []
+
+    def listening(file: str, text: str, expected: int, **how: object) -> list[str]:
+        asked.append(text)
+        return recheck(file, text, expected, **how)  # type: ignore[arg-type] # handed on as it came
+
+    whole = certify(SOUND, seconds=10.0)
+    monkeypatch.setattr(yices, "answers", lambda *_: ["unsat", left])
+    monkeypatch.setattr(module, "recheck", listening)
+    assert certify(SOUND, seconds=10.0) == whole
+    [text] = asked
+    assert "above 0" in text and "above 2" not in text
+    monkeypatch.setattr(module, "recheck", lambda *_, **__: ["unknown"])
+    assert certify(SOUND, seconds=10.0).undecided == ("above 0",)
+
+
+def test_a_text_without_its_goals_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """yices has to answer each goal of the query."""
+    monkeypatch.setattr(module, "to_smtlib", lambda query, *_: to_smtlib(query).replace("(push 1)", "", 1))
+    with pytest.raises(EngineError, match="yices does not confirm the proof"):
+        certify(SOUND, seconds=10.0)
+
+
 def test_a_lying_encoding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If z3 gets a wrong question and says `proved`, cvc5 reads the right one and contradicts."""
+    """If z3 gets a wrong question and says `proved`, the second solver reads the right one and contradicts."""
     monkeypatch.setattr(prover, "unproved", lambda *_: {})
-    with pytest.raises(EngineError, match="cvc5 does not confirm the proof"):
+    with pytest.raises(EngineError, match="yices does not confirm the proof"):
         kinduction(goal(counter(), LEVEL <= 9), Limits())
 
 
@@ -112,6 +160,7 @@ def test_file_names_are_plain() -> None:
     assert file_name("a/b", "one") != file_name("a/b", "two")
 
 
+@pytest.mark.usefixtures("without_yices")
 def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """A goal that cvc5 leaves undecided among others is asked for again, alone and with other options."""
     asked: list[tuple[int, bool]] = []
