@@ -46,8 +46,10 @@ class Condition:
         at = self.reads[var]
         if var not in self._along:
             self._along[var] = _along(var, tuple(self.reads), self._compares)
-        points = sorted(self._along[var].changes(row, at) | {var.low, var.high})
-        return _joined([piece for piece in _pieces(points) if self._is_true(row, at, (piece[0] + piece[1]) // 2)])
+        begins = sorted({var.low, *self._along[var].cuts(row, at)})
+        ends = [*(begin - 1 for begin in begins[1:]), var.high]
+        pieces = zip(begins, ends, strict=True)
+        return _joined([(low, high) for low, high in pieces if self._is_true(row, at, (low + high) // 2)])
 
     def _is_true(self, row: list[Value], at: int, value: int) -> bool:
         row[at] = value
@@ -59,38 +61,56 @@ class _Along:
     """The comparisons of a condition that read one variable.
 
     straight  right side minus left side, of the comparisons that are linear in the variable
-    slopes    how much each of these differences grows when the variable grows by 1
+    kinds     of each of these its operator, and how much the difference grows when the variable grows by 1
     bent      left side and right side of the other comparisons, in turn
     """
 
     var: NumVar
     straight: Callable[[Sequence[Value]], Sequence[Value]]
-    slopes: tuple[int, ...]
+    kinds: tuple[tuple[str, int], ...]
     bent: Callable[[Sequence[Value]], Sequence[Value]] | None
 
-    def changes(self, row: list[Value], at: int) -> set[int]:
-        """Return the values of the variable near which a comparison may change; the row is unchanged afterwards."""
+    def cuts(self, row: list[Value], at: int) -> set[int]:
+        """Return the values of the variable from which on a comparison may differ from the value before; the row is unchanged
+        afterwards.
+
+        They are exact for linear comparisons. Of the others all values near an estimated root are such values.
+        """
         low, high, here = self.var.low, self.var.high, int(row[at])
-        roots = set[int]()
-        if self.slopes:
-            for gap, slope in zip(self.straight(row), self.slopes, strict=True):
-                roots.update(_meeting(here, int(gap), slope))
+        found = set[int]()
+        if self.kinds:
+            for gap, (op, slope) in zip(self.straight(row), self.kinds, strict=True):
+                found.update(_flips(here, int(gap), op, slope))
         if self.bent is not None:
+            found.update((low + 1, high))
             for probe, step in ((low, 1), (high, -1), (here, 1 if here < high else -1)):
-                roots.update(_roots(self.bent, row, at, probe, step))
+                for root in _roots(self.bent, row, at, probe, step):
+                    found.update((root - 1, root, root + 1, root + 2))
             row[at] = here
-        return {root + shift for root in roots for shift in (-1, 0, 1) if low <= root + shift <= high}
+        return {cut for cut in found if low < cut <= high}
+
+
+def _flips(here: int, gap: int, op: str, slope: int) -> tuple[int, ...]:
+    """Return the values from which on a comparison has another truth, where its gap at `here` grows by `slope` a step.
+
+    `<` holds where the gap is above 0, `<=` where it is not below, `==` where it is 0.
+    """
+    steps, rest = divmod(-gap, slope)
+    below = here + steps  # the root, or the whole number below it
+    if op == "==":
+        return () if rest else (below, below + 1)
+    return (below + 1,) if rest or (op == "<") == (slope > 0) else (below,)
 
 
 def _along(var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare]) -> _Along:
     reading = [node for node in compares if var in set(variables([node]))]
-    slopes = {node: _slope(Sub(node.right, node.left, ONE), var) for node in reading}
-    straight = [node for node in reading if slopes[node]]
+    gaps = {node: Sub(node.right, node.left, ONE) for node in reading}
+    slopes = {node: _slope(gap, var) for node, gap in gaps.items()}
     bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
     return _Along(
         var,
-        compiled_terms(reads, [Sub(node.right, node.left, ONE) for node in straight]),
-        tuple(grows for grows in slopes.values() if grows),
+        compiled_terms(reads, [gaps[node] for node, grows in slopes.items() if grows]),
+        tuple((node.op, grows) for node, grows in slopes.items() if grows),
         compiled_terms(reads, bent) if bent else None,
     )
 
@@ -145,14 +165,6 @@ def _roots(
 def _meeting(here: int, gap: int, slope: int) -> tuple[int, int]:
     """Return the two whole numbers around the point where a gap that changes by `slope` from `here` on is zero."""
     return here - gap // slope, here - -(-gap // slope)
-
-
-def _pieces(points: Sequence[int]) -> Iterable[Segment]:
-    """Yield each point, and the interval between it and the next one."""
-    for point, following in zip(points, [*points[1:], None], strict=True):
-        yield point, point
-        if following is not None and following - point > 1:
-            yield point + 1, following - 1
 
 
 def _joined(pieces: Sequence[Segment]) -> list[Segment]:

@@ -22,6 +22,12 @@ CONDITIONS = [
     maximum(X, Y) <= 7,
     ite(FLAG, X, -X) > Y,
     X.ne(Y),
+    -3 * X < Y,
+    -3 * X <= Y,
+    Y < 3 * X,
+    Y <= 3 * X,
+    (3 - 2 * X).eq(Y),
+    (5 * X <= 2 * Y).iff((X < 40).iff(-7 * X < Y)),
 ]
 
 
