@@ -68,7 +68,7 @@ class _Run(RuleBasedStateMachine):  # type: ignore[misc, unused-ignore]
 
     def teardown(self) -> None:
         """Tell Hypothesis how far the run went and how near it came to violating each property."""
-        hypothesis.target(float(len(self.driver.stream)), label="steps")
+        hypothesis.target(float(self.driver.steps), label="steps")
         for name, edge in self.driver.edges().items():
             hypothesis.target(edge, label=f"edge of {name}")
 

@@ -3,6 +3,9 @@
 A run consists of stretches of inputs (safeloc.proof.runs.profiles). Plausible stretches are repaired step by step so that the
 assumption holds. A faulty stretch is used unchanged; once it has broken the assumption, only unconditional properties are
 still required.
+
+Hypothesis varies one choice of a run at a time, so half of all stretches have been made before, from the same place. They are
+not made again: the driver remembers where they led to.
 """
 
 from __future__ import annotations
@@ -26,10 +29,15 @@ from safeloc.proof.runs.lawful import NoFirstStateError, Pick, Repair, begins, f
 from safeloc.proof.runs.occurring import Key, Occurring
 from safeloc.proof.runs.profiles import Profile
 
+MOST_ROWS = 200_000
+"""Rows of inputs that a driver remembers: some 400 MB for a machine of 200 inputs. Beyond them it forgets all and begins anew."""
+
 
 @dataclass
 class Statistics:
     """Statistics of the runs: lengths, fired transitions, discarded steps, and time.
+
+    Steps of a stretch count when it is made, and not again where it is only remembered.
 
     admitted  for each property, the number of steps in which it was required
     occurred  for each property and case number, the number of states in which the case occurred while the property was
@@ -71,10 +79,20 @@ class _Known:
     """
 
     first: Mapping[str, Value]
-    stream: tuple[Mapping[str, Value], ...]
+    rows: tuple[Row, ...]
     states: tuple[Row, ...]
     kept: tuple[Sequence[bool], ...]
     breaks: bool
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Where a stretch led to: the rows of inputs that it added, the state after them, and what had held until then."""
+
+    rows: tuple[Row, ...]
+    state: Row
+    kept: tuple[bool, ...]
+    broken: Property | None
 
 
 class Driver:
@@ -105,9 +123,14 @@ class Driver:
         )
         self.system, self.code = system, compile_system(self._whole)
         self._kept = [True]
+        self._rows: list[Row] = []
+        self.broken: Property | None = None
+        self._place: tuple[object, ...] = ()
         self._repair = Repair(system)
         self._usual = _usual(system, corpus)
         self.statistics = Statistics()
+        self._stretches: dict[object, _Stretch] = {}
+        self._remembered = 0
         self._known = [self._recorded(trace) for trace in corpus]
         self.reset()
 
@@ -115,13 +138,15 @@ class Driver:
         """Start a new run, from the given first values or the usual ones."""
         self.first = dict(self._usual if first is None else first)
         self._start(self.code.first(dict(self.first)), [])
+        self._place = tuple(self.first.items())
 
     def follow(self, which: int, share: float = 1.0) -> None:
         """Start a new run that first repeats a share of a run of the corpus."""
         known = self._known[which]
-        steps = round(share * len(known.stream))
+        steps = round(share * len(known.rows))
         self.first = dict(known.first)
-        self._start(known.states[steps], [dict(record) for record in known.stream[:steps]], known.kept[steps])
+        self._start(known.states[steps], list(known.rows[:steps]), known.kept[steps])
+        self._place = (which, steps)
 
     @property
     def breaking(self) -> int | None:
@@ -133,6 +158,26 @@ class Driver:
 
         lean  seed of the side to which the environment leans
         """
+        self._place = (self._place, kind, length, seed, faulty, lean)
+        if self._place in self._stretches:
+            self._go_to(self._stretches[self._place])
+            return
+        before = len(self._rows)
+        self._drive(kind, length, seed, faulty, lean)
+        self._remember(_Stretch(tuple(self._rows[before:]), self._state, tuple(self._kept), self.broken))
+
+    def _go_to(self, stretch: _Stretch) -> None:
+        self._rows += stretch.rows
+        self._state, self._kept, self.broken = stretch.state, list(stretch.kept), stretch.broken
+
+    def _remember(self, stretch: _Stretch) -> None:
+        if self._remembered + len(stretch.rows) > MOST_ROWS:
+            self._stretches.clear()
+            self._remembered = 0
+        self._stretches[self._place] = stretch
+        self._remembered += len(stretch.rows)
+
+    def _drive(self, kind: str, length: int, seed: int, faulty: bool, lean: int | None) -> None:
         started = time.perf_counter()
         leaning = None if lean is None else random.Random(lean)
         profile = Profile(self.system, kind, random.Random(seed), leaning)
@@ -146,6 +191,17 @@ class Driver:
             if inputs is not None:
                 self._step(inputs)
         self.statistics.seconds += time.perf_counter() - started
+
+    @property
+    def stream(self) -> list[dict[str, Value]]:
+        """The inputs of the present run by name, step by step."""
+        names = [var.name for var in self.system.inputs]
+        return [dict(zip(names, row, strict=True)) for row in self._rows]
+
+    @property
+    def steps(self) -> int:
+        """The number of steps of the present run."""
+        return len(self._rows)
 
     def state(self) -> dict[Var, Value]:
         """Return the present state, observers of the properties included."""
@@ -162,11 +218,11 @@ class Driver:
         goal = next(goal for goal in self.goals if goal.prop is self.broken)
         return shortened(goal, self.first, self.stream)
 
-    def _start(self, state: Row, stream: list[dict[str, Value]], kept: Sequence[bool] = ()) -> None:
-        self._state, self.stream = state, stream
+    def _start(self, state: Row, rows: list[Row], kept: Sequence[bool] = ()) -> None:
+        self._state, self._rows = state, rows
         self._kept = list(kept) if kept else [True] * (len(self.goals) + 1)
         self._count_cases(self._occurring.at_first(state))
-        self.broken: Property | None = None
+        self.broken = None
         self.statistics.runs += 1
         self._judge()
 
@@ -188,7 +244,7 @@ class Driver:
         state, fired = self.code.step(before, row)
         self._state = state
         self._kept = [was and bool(now) for was, now in zip(kept, state[-tail:], strict=True)]
-        self.stream.append({var.name: inputs[var] for var in self.system.inputs})
+        self._rows.append(row)
         self._judge()
         self._count(fired)
         self._count_cases(self._occurring.after(before, row, state, fired))
@@ -214,7 +270,7 @@ class Driver:
         done.lawful += self.kept
         for number, prop in enumerate(self.properties):
             done.admitted[prop] += self._required(number)
-        done.deepest = max(done.deepest, len(self.stream))
+        done.deepest = max(done.deepest, self.steps)
         done.fired.update(self.code.fired(fired).values())
 
     def _recorded(self, trace: Trace) -> _Known:
@@ -229,9 +285,9 @@ class Driver:
             self._step({var: record.inputs[var.name] for var in self.system.inputs})
             states.append(self._state)
             kept.append(self._kept)
-        self.statistics.known += len(self.stream)
+        self.statistics.known += self.steps
         self.statistics.seconds += time.perf_counter() - started
-        return _Known(self.first, tuple(self.stream), tuple(states), tuple(kept), self.broken is not None)
+        return _Known(self.first, tuple(self._rows), tuple(states), tuple(kept), self.broken is not None)
 
 
 def _usual(system: TransitionSystem, corpus: Sequence[Trace]) -> dict[str, Value]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 
 from safeloc.language.expr import boolean, number
@@ -12,6 +14,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import word
 from safeloc.language.world import World
+from safeloc.proof.runs import driver as driver_module
 from safeloc.proof.runs.driver import Driver
 from safeloc.proof.testing import run_tests
 from tests.examples import EXAMPLES, Example
@@ -126,6 +129,54 @@ def test_edges_tell_how_near_a_run_is() -> None:
     driver = Driver(_counter(), [always("few", N <= 40), always("logical", P | ~P)], [run(_counter(), _pressed(8))])
     driver.follow(0)
     assert {"few": -32.0} == driver.edges()
+
+
+CHOICES = [("steady", 7, 1, False), ("steady", 5, 2, False), ("random", 4, 3, True), ("steady", 6, 4, False)]
+
+
+def _follow(driver: Driver, choices: Sequence[tuple[str, int, int, bool]], start: int = 0) -> list[object]:
+    """Drive along the choices; return what can be seen of the run."""
+    if start < 0:
+        driver.reset()
+    else:
+        driver.follow(start, 0.5)
+    for kind, length, seed, faulty in choices:
+        driver.drive(kind, length, seed, faulty=faulty)
+    state = {var.name: value for var, value in driver.state().items()}
+    return [driver.stream, driver.steps, state, driver.edges(), driver.kept, driver.broken]
+
+
+@pytest.mark.parametrize("most", [driver_module.MOST_ROWS, 9])
+def test_a_stretch_is_made_once(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the same place it leads where it led before, whatever was driven meanwhile, and whatever was forgotten."""
+    monkeypatch.setattr(driver_module, "MOST_ROWS", most)
+    known = [run(_counter(), _pressed(6)), run(_counter(), _pressed(3))]
+    props = [always("few", N <= 40), always("logical", P | ~P)]
+    remembering = Driver(_counter(), props, known)
+    for start in (-1, 0, 1, 0, -1):
+        for choices in (CHOICES, CHOICES[:2], [*CHOICES[:2], CHOICES[3]], CHOICES):
+            assert _follow(remembering, choices, start) == _follow(Driver(_counter(), props, known), choices, start)
+
+
+def test_a_stretch_that_is_remembered_is_not_counted_again() -> None:
+    """Steps are those that were made."""
+    driver = Driver(_counter(), [always("few", N <= 50)])
+    _follow(driver, CHOICES, -1)
+    once = driver.statistics.steps
+    assert once == sum(length for _, length, _, _ in CHOICES)
+    _follow(driver, CHOICES[:3], -1)
+    assert driver.statistics.steps == once
+    _follow(driver, [*CHOICES[:3], CHOICES[0]], -1)
+    assert driver.statistics.steps == once + CHOICES[0][1]
+
+
+def test_a_remembered_stretch_that_breaks_a_property_breaks_it_again() -> None:
+    """As when it is replayed to show the failure."""
+    driver = Driver(_counter(), [always("few", N <= 3)])
+    first, second = (_follow(driver, [("random", 25, 3, False)], -1) for _ in range(2))
+    assert first == second
+    assert driver.broken is driver.properties[0]
+    assert driver.trace().steps
 
 
 def test_statistics_for_a_report() -> None:
