@@ -29,6 +29,8 @@ Simulate = Callable[[int], Sequence[Mapping[str, Value | str]]]
 """A simulation: seed -> steps of simulated sensors."""
 STREAMS = Path(__file__).parent / "models" / "streams"
 """The folder of the recordings that ship."""
+WITNESSES = STREAMS.with_name("witnesses")
+"""The folder of the runs that ship as witnesses of events."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,7 @@ class Target:
     spec      the requested name, as on the command line
     unasked   the reason why there is no property, if there is none: the name looked for, the file, and the remedy
     given     of a user's machine: the content of its configuration file
+    witnesses file of short runs to events that a search would otherwise have to find (safeloc.proof.verification.witness_files)
     members   of a composition: the properties of each machine alone, in its own variables, by the machine's name
     """
 
@@ -62,6 +65,7 @@ class Target:
     spec: str = ""
     unasked: str = ""
     given: Mapping[str, Any] | None = None
+    witnesses: Path | None = None
     members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
 
 
@@ -126,12 +130,18 @@ class Entry(Generic[AnyConfig]):
         inputs = {var.name for var in target.system.inputs}
         silent = tuple(name for name in self.silent if name in names)
         said = {record: name for record, name in self.records_of.items() if name in inputs}
-        return replace(target, silent=silent, said=said)
+        return replace(target, silent=silent, said=said, witnesses=witnesses_of(self.name))
 
 
 def recorded(name: str) -> tuple[Path, ...]:
     """Return the recordings that ship for a machine: `models/streams/NAME-what-happens.jsonl.gz`."""
     return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl.gz")))
+
+
+def witnesses_of(name: str) -> Path | None:
+    """Return the file of witnesses that ships for a machine, `models/witnesses/NAME.jsonl.gz`; None if there is none."""
+    path = WITNESSES / f"{name}.jsonl.gz"
+    return path if path.is_file() else None
 
 
 def single(

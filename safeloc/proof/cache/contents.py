@@ -30,9 +30,10 @@ _NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Pr
 
 
 def target_digest(target: Target) -> str:
-    """Return the SHA-256, in hexadecimal, of a target with the recordings that ship with it."""
+    """Return the SHA-256, in hexadecimal, of a target with the recordings and witnesses that ship with it."""
     digest = _Digest()
-    for one in (target, *(_Stream(path.name, path.read_bytes()) for path in target.streams)):
+    files = [*target.streams, *([] if target.witnesses is None else [target.witnesses])]
+    for one in (target, *(_Stream(path.name, path.read_bytes()) for path in files)):
         digest.add(one)
     return digest.total.hexdigest()
 

@@ -15,7 +15,7 @@ from safeloc.codegen.smtlib import Query
 from safeloc.language.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
 from safeloc.language.expr import TRUE, Bool
 from safeloc.language.spec import Goal, Property, watch
-from safeloc.language.system import TransitionSystem, environment, first_without_the_world, in_range
+from safeloc.language.system import Part, TransitionSystem, environment, first_without_the_world, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict
@@ -27,7 +27,7 @@ from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import base
-from safeloc.proof.provers.recorded_witnesses import Recording, come_to
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, come_to, shown
 from safeloc.proof.provers.searches import AT_FIRST, first_runs
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
@@ -40,7 +40,9 @@ REMEDY = (
     "so the property requires nothing. Remove it or mend it; if you meant it the other way round, write the "
     "condition first, with implies."
 )
-RANDOM = "in random runs"
+RANDOM, SHIPPED = "in random runs", "in a shipped witness"
+ENGINES = {RANDOM: "drawn", SHIPPED: "witness"}
+"""Where a run was found that no search made -> the engine that a result names."""
 PATIENCE = 3  # time limits of one property that all cases of a system get together
 
 
@@ -123,7 +125,7 @@ class Found:
                 if isinstance(case.outcome, Seen) and case.outcome.run is not None:
                     witness = unpack_trace(case.outcome.run, self._anyhow)
                     steps = len(case.outcome.run.stream)
-                    engine = "drawn" if case.outcome.where == RANDOM else "bmc"
+                    engine = ENGINES.get(case.outcome.where, "bmc")
                     verdict = Proved(None, engine, steps, ("interpreter",), witness=witness)
                     alone = f" in {case.outcome.run.part}, by itself" if case.outcome.run.part else ""
                     name, text = case_name(prop, place), f"{_named(case)} occurs{alone}"
@@ -181,7 +183,11 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, dict[Property, _Known]] = we
 
 
 def search_task(
-    system: TransitionSystem, properties: Sequence[Property], limits: Limits, recordings: Sequence[Recording]
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    limits: Limits,
+    recordings: Sequence[Recording],
+    witnesses: Witnesses,
 ) -> Task | None:
     """Return a task that searches the cases not known yet, for `remember` to store; None if all are known."""
     known = _KNOWN.get(system, {})
@@ -189,7 +195,7 @@ def search_task(
         return None
     most = CLOCK * 2 * (PATIENCE + 1) * limits.seconds
     name = f"{system.name}: cases of its properties"
-    return Task(name, lambda: search(system, _asked(properties), limits, recordings), most)
+    return Task(name, lambda: search(system, _asked(properties), limits, recordings, witnesses), most)
 
 
 def remember(
@@ -231,7 +237,11 @@ def _asked(properties: Sequence[Property]) -> list[Antecedent]:
 
 
 def search(
-    system: TransitionSystem, asked: Sequence[Antecedent], limits: Limits, recordings: Sequence[Recording] = ()
+    system: TransitionSystem,
+    asked: Sequence[Antecedent],
+    limits: Limits,
+    recordings: Sequence[Recording] = (),
+    witnesses: Witnesses = NO_WITNESSES,
 ) -> list[Outcome]:
     """Return the outcome of each case, in order. Cases that rely on the same assumption are searched together."""
     ends = deadline(PATIENCE * limits.seconds)
@@ -241,7 +251,7 @@ def search(
     for number in goals.keys() - outcomes.keys():
         groups.setdefault(goals[number].system.assume, {})[number] = goals[number]
     for left, group in zip(range(len(groups), 0, -1), groups.values(), strict=True):
-        outcomes |= _Together(system, asked, group, limits, ends.left / left).outcomes(recordings)
+        outcomes |= _Together(system, asked, group, limits, ends.left / left).outcomes(recordings, witnesses)
     return [outcomes[number] for number in range(len(asked))]
 
 
@@ -260,21 +270,22 @@ class _Together:
         self._ends = deadline(seconds)
         self._found: dict[int, Outcome] = {}
 
-    def outcomes(self, recordings: Sequence[Recording]) -> dict[int, Outcome]:
+    def outcomes(self, recordings: Sequence[Recording], witnesses: Witnesses) -> dict[int, Outcome]:
         """Return the outcome of each case.
 
-        Tried in turn: exclusion in one step, random runs, bounded search, search from states of recordings, runs of one machine
+        Tried in turn: witnesses that ship, exclusion in one step, random runs, bounded search, search from states of recordings, runs of one machine
         alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search and the runs of one
         machine come first for properties that it inherits from that machine: those of its own need a run of the whole.
         """
+        self._ship(witnesses)
         self._exclude(self._unlikely(), self._ends.left / 3)
-        self._draw(recordings)
+        self._draw([number for number in self._left if self._shown_alone(number, witnesses) is None], recordings)
         if self._system.parts:
             self._search(min(self._ends.left, self._limits.seconds * AT_FIRST))
-            self._alone([number for number in self._left if self._asked[number].prop.kept_by is not None])
+            self._alone([number for number in self._left if self._asked[number].prop.kept_by is not None], witnesses)
         self._search(self._ends.left / 2)
         self._beside(recordings)
-        self._alone(self._left)
+        self._alone(self._left, witnesses)
         self._exclude(self._left, self._ends.left / 2)
         self._exclude(self._left, self._ends.left, spacer)
         return self._found | {number: Open("not found") for number in self._left}
@@ -283,9 +294,15 @@ class _Together:
     def _left(self) -> list[int]:
         return [number for number in self._goals if number not in self._found]
 
-    def _draw(self, recordings: Sequence[Recording]) -> None:
-        """Find cases in random runs, and in a composition beside recordings."""
+    def _ship(self, witnesses: Witnesses) -> None:
+        """Find cases in the witnesses of the whole that ship."""
         numbers = {self._goals[number]: number for number in self._left}
+        for goal, trace in shown(list(numbers), witnesses.get(self._system.name, ())).items():
+            self._found[numbers[goal]] = Seen(SHIPPED, pack_trace(trace))
+
+    def _draw(self, some: Sequence[int], recordings: Sequence[Recording]) -> None:
+        """Find some cases in random runs, and in a composition beside recordings."""
+        numbers = {self._goals[number]: number for number in some}
         found = drawn(list(numbers), self._limits.seed)
         if self._system.parts:
             found |= beside([goal for goal in numbers if goal not in found], recordings, self._limits.seed)
@@ -336,19 +353,30 @@ class _Together:
             if isinstance(verdict, Proved):
                 self._found[number] = Never(verdict.engine)
 
-    def _alone(self, numbers: Sequence[int]) -> None:
+    def _alone(self, numbers: Sequence[int], witnesses: Witnesses) -> None:
         """Find runs of one machine alone, for inherited properties and cases that read one machine only."""
         for number in numbers:
             if self._ends.passed:
                 return
-            prop = self._asked[number].prop
-            place = [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
-            own = occurs_alone(self._system, prop, place)
+            own = self._of_one_machine(number)
             if own is not None:
                 part, goal = own
-                trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
+                trace = self._shown_alone(number, witnesses)
+                if trace is None:
+                    trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
                 if trace is not None:
                     self._found[number] = Seen(f"of {part.name} by itself, none of the whole", pack_trace(trace))
+
+    def _of_one_machine(self, number: int) -> tuple[Part, Goal] | None:
+        """Return the machine in which the case could occur alone, and that goal."""
+        prop = self._asked[number].prop
+        place = [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
+        return occurs_alone(self._system, prop, place)
+
+    def _shown_alone(self, number: int, witnesses: Witnesses) -> Trace | None:
+        """Return the run of a witness of one machine alone in which the case occurs; None if there is none."""
+        own = self._of_one_machine(number)
+        return None if own is None else shown([own[1]], witnesses.get(own[0].alone.name, ())).get(own[1])
 
     def _within(self, seconds: float) -> Limits:
         return replace(self._limits, seconds=max(0.001, seconds))

@@ -30,7 +30,7 @@ from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.overlap import overlap
 from safeloc.proof.provers.portfolio import GRACE_SECONDS, OnFinding, proved_base
 from safeloc.proof.provers.reachability import reached
-from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
 from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
 from safeloc.proof.provers.workers import Lost, Task, in_processes
 from safeloc.proof.results import Finding
@@ -55,19 +55,21 @@ def obligations(
     jobs: int = 1,
     on_finding: OnFinding | None = None,
     recordings: Sequence[Recording] = (),
+    witnesses: Witnesses = NO_WITNESSES,
     properties: Sequence[Property] = (),
 ) -> list[Finding]:
     """Return all free obligations of a system, one Finding each; checks run in `jobs` processes with time limits.
 
-    Events that `recordings` show need no search. The cases of `properties` have to occur.
+    Events that `recordings` or
+    `witnesses` show need no search. The cases of `properties` have to occur.
     """
     proved_base(system, limits)
     most = CLOCK * (SEARCHES + len(system.parts)) * limits.seconds + GRACE_SECONDS
     tasks = [
         Task(f"{system.name}: {name}", partial(_packed, check, system, limits), most)
-        for name, check in _checks(recordings).items()
+        for name, check in _checks(recordings, witnesses).items()
     ]
-    search = antecedents.search_task(system, properties, limits, recordings)
+    search = antecedents.search_task(system, properties, limits, recordings, witnesses)
     found: dict[int, list[Finding]] = {}
     if search is None:
         found[len(tasks)] = _occurring(system, properties, 0.0)
@@ -89,9 +91,9 @@ def _occurring(system: TransitionSystem, properties: Sequence[Property], seconds
     return [_finding(system, one, seconds) for one in antecedents.found(system, properties).obligation()]
 
 
-def _checks(recordings: Sequence[Recording]) -> dict[str, Check]:
+def _checks(recordings: Sequence[Recording], witnesses: Witnesses) -> dict[str, Check]:
     searches: dict[str, Check] = {
-        "reachable": partial(reached, recordings=recordings),
+        "reachable": partial(reached, recordings=recordings, witnesses=witnesses),
         "assumption": partial(assumption_kept, recordings=recordings),
     }
     return {**CHECKS, **searches}

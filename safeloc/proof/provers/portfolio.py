@@ -30,7 +30,7 @@ from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.recheck import ENGINE
-from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import spacer
@@ -91,18 +91,19 @@ def prove(
     jobs: int = 1,
     on_finding: OnFinding | None = None,
     recordings: Sequence[Recording] = (),
+    witnesses: Witnesses = NO_WITNESSES,
 ) -> list[Finding]:
     """Return a Finding for every declared lemma and every property, in order; `on_finding` gets each at once.
 
     The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. Events that `recordings`
-    show need no search. PropertyError if two properties share a name.
+    or `witnesses` show need no search. PropertyError if two properties share a name.
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
     lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)]
     claims = [*lemmas, *(_property_claim(system, prop) for prop in properties)]
     findings: dict[int, Finding] = {}
-    for index, finding in _findings(claims, _Cases(system, properties, limits, recordings), jobs):
+    for index, finding in _findings(claims, _Cases(system, properties, limits, recordings, witnesses), jobs):
         findings[index] = finding
         if on_finding is not None:
             on_finding(finding)
@@ -250,10 +251,11 @@ class _Cases:
     properties: Sequence[Property]
     limits: Limits
     recordings: Sequence[Recording]
+    witnesses: Witnesses
 
     def task(self) -> Task | None:
         """Return the search as a task; None if all cases are known."""
-        return antecedents.search_task(self.system, self.properties, self.limits, self.recordings)
+        return antecedents.search_task(self.system, self.properties, self.limits, self.recordings, self.witnesses)
 
     def remember(self, packed: Sequence[antecedents.Outcome] | Lost) -> None:
         """Store the results of the search."""

@@ -21,13 +21,15 @@ from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import Base, base
-from safeloc.proof.provers.recorded_witnesses import Recording, shown
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
 from safeloc.proof.provers.relevance import Relevance
 from safeloc.proof.provers.searches import AT_FIRST, first_runs, sparing_runs
 from safeloc.proof.provers.spacer import spacer
 
-EXCLUSION = 0.2
-"""Share of the limit for excluding goals that read the same machines; the goals left after it are searched."""
+EXCLUSION, EXCLUSION_OF_ONE = 0.2, 0.5
+"""Share of the limit for excluding goals that read the same machines, and those of a target of one machine; the goals left after
+it are searched.
+"""
 SHALLOW = 3
 """Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
 LEAPS = (3, 6)
@@ -62,21 +64,32 @@ class _Target:
     mode: bool
 
 
-def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()) -> Iterator[Obligation]:
-    """Check that modes and transitions occur: under the assumption in random, recorded or searched runs, else without it."""
+def reached(
+    system: TransitionSystem,
+    limits: Limits,
+    recordings: Sequence[Recording] = (),
+    witnesses: Witnesses = NO_WITNESSES,
+) -> Iterator[Obligation]:
+    """Check that modes and transitions occur: under the assumption in random, recorded or searched runs, else without it.
+
+    witnesses  runs that an earlier search found, of the system and of its machines alone
+    """
     targets = _targets(system)
     known = base(system, seconds=limits.seconds)
-    kept = _known_runs([one.goal for one in targets], limits, recordings)
+    kept = _known_runs(
+        [one.goal for one in targets], limits, recordings, witnesses, _shown_alone(system, targets, witnesses)
+    )
     kept = _excluded(kept, known.everything, limits)
     kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST) if system.parts else limits)
-    alone, depth = _by_itself(system, targets, [one for one in targets if one.goal in kept.left], limits), kept.depth
+    unseen = [one for one in targets if one.goal in kept.left]
+    alone, depth = _by_itself(system, targets, unseen, limits, witnesses), kept.depth
     if system.parts:
         kept = _searched(kept, limits, without={one.goal for one in alone})
     open_ = [one for one in targets if one.goal not in kept.runs]
     dead = _dead_in_the_whole(list(alone), known, limits)
     free = [one.free for one in open_ if one not in alone]
     broken = _without_assumption(
-        free, list(known.always.values()), limits, kept, [one.free for one in targets if one.mode]
+        free, list(known.always.values()), limits, kept, [one.free for one in targets if one.mode], witnesses
     )
     for one in targets:
         excluded = one.goal in kept.excluded
@@ -139,14 +152,32 @@ class _Looked:
         return replace(self, runs={**self.runs, **{goal: _Run(run, engine, words) for goal, run in found.items()}})
 
 
-def _known_runs(goals: Sequence[Goal], limits: Limits, recordings: Sequence[Recording] = ()) -> _Looked:
-    """Find the goals that random runs or recordings reach, and in a composition random runs beside recordings."""
-    looked = _Looked(goals, {}).also(drawn(goals, limits.seed), "drawn", "a drawn run")
+def _known_runs(
+    goals: Sequence[Goal],
+    limits: Limits,
+    recordings: Sequence[Recording] = (),
+    witnesses: Witnesses = NO_WITNESSES,
+    undrawn: Container[Goal] = (),
+) -> _Looked:
+    """Find the goals that witnesses, recordings or random runs reach, and in a composition random runs beside recordings.
+
+    undrawn  goals for which no random run is drawn
+    """
+    looked = _Looked(goals, {})
+    if not goals:
+        return looked
+    looked = looked.also(shown(goals, witnesses.get(goals[0].plain.name, ())), "witness", "a shipped witness")
     looked = looked.also(shown(looked.left, recordings), "recorded", "a recorded run")
-    if looked.left and looked.left[0].original.parts:
-        found = beside(looked.left, recordings, limits.seed)
+    looked = looked.also(drawn(_without(looked.left, undrawn), limits.seed), "drawn", "a drawn run")
+    left = _without(looked.left, undrawn)
+    if left and left[0].original.parts:
+        found = beside(left, recordings, limits.seed)
         looked = looked.also(found, "drawn", "a drawn run beside a recording")
     return looked
+
+
+def _without(goals: Sequence[Goal], others: Container[Goal]) -> list[Goal]:
+    return [goal for goal in goals if goal not in others]
 
 
 def _excluded(looked: _Looked, facts: Sequence[Bool], limits: Limits) -> _Looked:
@@ -164,13 +195,18 @@ def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) ->
 
 
 def _without_assumption(
-    goals: Sequence[Goal], always: Sequence[Bool], limits: Limits, lawful: _Looked, modes: Sequence[Goal]
+    goals: Sequence[Goal],
+    always: Sequence[Bool],
+    limits: Limits,
+    lawful: _Looked,
+    modes: Sequence[Goal],
+    witnesses: Witnesses,
 ) -> _Looked:
     """Find runs to goals without the assumption, also beyond the lawful runs to other goals; exclude goals by the facts `always`.
 
     modes  goals without the assumption that may lie on the way: the modes of the machine
     """
-    looked = _excluded(_known_runs(goals, limits), always, limits)
+    looked = _excluded(_known_runs(goals, limits, witnesses=witnesses), always, limits)
     near = [goal for goal in looked.left if goal not in looked.excluded]
     found = _leaping(near, limits, [run.trace for run in lawful.runs.values()], modes) if near else {}
     return _searched(looked.also(found, "bmc", "witness"), limits)
@@ -202,6 +238,8 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[
     if not goals:
         return set()
     watched, relevance = watch(goals[0].plain, goals), Relevance(goals[0].original)
+    one = not goals[0].original.parts and not goals[0].original.whole
+    seconds = limits.seconds * (EXCLUSION_OF_ONE if one else EXCLUSION)
     given = [environment(watched.system), *facts]
     after = Substitution(dict(watched.system.next))
     later = {number: goal.good.implies(after.bool(goal.good)) for number, goal in enumerate(goals)}
@@ -213,7 +251,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[
     for numbers in alike.values():
         wanted = {number: later[number] for number in numbers if number not in possible}
         step = Query("step", relevance.select(given, wanted.values()), wanted)
-        possible |= set(unproved(step, limits.seconds * EXCLUSION))
+        possible |= set(unproved(step, seconds))
     return {goal for number, goal in enumerate(goals) if number not in possible}
 
 
@@ -240,8 +278,28 @@ def _none_of_the_whole(depth: int) -> str:
     return "the whole was not searched in time" if depth < 0 else f"none of the whole in {depth} steps"
 
 
+def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses: Witnesses) -> set[Goal]:
+    """Return the goals that a witness of one machine alone reaches: when it was made, random runs of the whole did not."""
+    found: set[Goal] = set()
+    for number, part in enumerate(system.parts):
+        own = [target.goal for target in targets if target.part == number]
+        pairs = {
+            one: theirs
+            for mine, theirs in zip(_targets(part.alone), own, strict=True)
+            for one in (mine.goal, mine.free)
+        }
+        for free in (False, True):
+            goals = [one for one in pairs if one.prop.unconditional == free]
+            found |= {pairs[one] for one in shown(goals, witnesses.get(part.alone.name, ()))}
+    return found
+
+
 def _by_itself(
-    system: TransitionSystem, targets: Sequence[_Target], open_: Container[_Target], limits: Limits
+    system: TransitionSystem,
+    targets: Sequence[_Target],
+    open_: Container[_Target],
+    limits: Limits,
+    witnesses: Witnesses,
 ) -> dict[_Target, _Alone]:
     """Find targets that no known run of the composition reaches, but a run of one machine alone; return these runs."""
     found: dict[_Target, _Alone] = {}
@@ -249,19 +307,20 @@ def _by_itself(
         own = [target for target in targets if target.part == number]
         pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
         if pairs:
-            found |= {theirs: _Alone(*shown_) for theirs, shown_ in _runs_alone(part.alone, pairs, limits)}
+            found |= {theirs: _Alone(*shown_) for theirs, shown_ in _runs_alone(part.alone, pairs, limits, witnesses)}
     return found
 
 
 def _runs_alone(
-    alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits
+    alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits, witnesses: Witnesses
 ) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
     """Return the targets that the machine reaches alone, each with its description and the run."""
     known, modes = base(alone, seconds=limits.seconds), [one.free for one in _targets(alone) if one.mode]
-    looked = _excluded(_known_runs([mine.goal for mine, _ in pairs], limits), known.everything, limits)
+    looked = _known_runs([mine.goal for mine, _ in pairs], limits, witnesses=witnesses)
+    looked = _excluded(looked, known.everything, limits)
     lawful = _searched(looked, limits)
     free = [mine.free for mine, _ in pairs if mine.goal not in lawful.runs]
-    unlawful = _without_assumption(free, list(known.always.values()), limits, lawful, modes).runs
+    unlawful = _without_assumption(free, list(known.always.values()), limits, lawful, modes, witnesses).runs
     for mine, theirs in pairs:
         if mine.goal in lawful.runs:
             run = lawful.runs[mine.goal].trace

@@ -11,6 +11,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
+from types import MappingProxyType
 
 from safeloc.errors import EngineError, InputError
 from safeloc.language.expr import Bool, BoolVar, Var
@@ -30,6 +31,11 @@ class Recording:
 
     first: Mapping[str, Value]
     steps: Sequence[Mapping[str, object]]
+
+
+Witnesses = Mapping[str, Sequence[Recording]]
+"""Name of a system, the whole or one of its machines alone -> short runs of it that an earlier search found."""
+NO_WITNESSES: Witnesses = MappingProxyType({})
 
 
 def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, Trace]:

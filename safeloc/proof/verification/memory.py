@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
-LOOKS_EVERY_S = 2.0
+LOOKS_EVERY_S = 5.0
 PROC = Path("/proc")
 
 

@@ -16,6 +16,7 @@ from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 from safeloc.proof.verification.replay import replay_stream, whole_run
 from safeloc.proof.verification.unasked import nothing_asked
+from safeloc.proof.verification.witness_files import read_witnesses
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
@@ -71,6 +72,7 @@ class Work:
             jobs=self.jobs,
             on_finding=self.on_finding,
             recordings=self._recordings(),
+            witnesses=read_witnesses(self.target.witnesses),
         )
 
     def obliged(self, limits: Limits) -> list[Finding]:
@@ -82,6 +84,7 @@ class Work:
             jobs=self.jobs,
             on_finding=self.on_finding,
             recordings=self._recordings(),
+            witnesses=read_witnesses(self.target.witnesses),
             properties=self.target.properties,
         )
 

@@ -1,0 +1,55 @@
+"""The witnesses that ship: each is a run of its machine as it is today, and the tool that makes them finds the same again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from safeloc.catalogue import ENTRIES, load_target
+from safeloc.language.interpret import start, taken
+from safeloc.language.system import TransitionSystem, environment, first_without_the_world
+from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.verification.witness_files import read_witnesses
+from safeloc.target import WITNESSES, Target, witnesses_of
+from tests import witnesses as tool
+
+MADE = [name for name in ENTRIES if witnesses_of(name)]
+AGAIN = "python -m tests.witnesses"
+
+
+def test_nothing_else_stands_there() -> None:
+    """A file for a machine, and small ones."""
+    assert set(WITNESSES.iterdir()) == {WITNESSES / f"{name}.jsonl.gz" for name in MADE}
+    assert sum(path.stat().st_size for path in WITNESSES.iterdir()) < 500_000
+
+
+def systems(of: Target) -> dict[str, TransitionSystem]:
+    """The whole, and each of its machines alone."""
+    return {one.name: one for one in (of.system, *(part.alone for part in of.system.parts))}
+
+
+def runs_to_its_end(system: TransitionSystem, run: Recording) -> bool:
+    """Whether the machine takes every step, whatever the world allows."""
+    state = start(replace(system, init=first_without_the_world(system)), dict(run.first))
+    steps = taken(system, state, [dict(step) for step in run.steps], while_=environment(system, assume=False))
+    return len(list(steps)) == len(run.steps)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_each_is_a_run_of_its_machine(name: str) -> None:
+    """After an edit of a machine's inputs or ranges they are made anew."""
+    known = systems(load_target(name))
+    for system, runs in read_witnesses(witnesses_of(name)).items():
+        assert all(runs_to_its_end(known[system], run) for run in runs), AGAIN
+
+
+@pytest.mark.parametrize("name", ["arbitration", "delocalized", "route"])
+def test_each_shows_something(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The tool, which keeps what still shows something, keeps all of them, and finds nothing new."""
+    shipped = witnesses_of(name)
+    assert shipped is not None
+    monkeypatch.setattr(tool, "WITNESSES", tmp_path)
+    tool.main([name])
+    assert (tmp_path / shipped.name).read_bytes() == shipped.read_bytes(), AGAIN
