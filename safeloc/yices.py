@@ -49,11 +49,12 @@ def goals_of(text: str) -> tuple[str, list[str]]:
     return start, [group.split(_ENDS)[0] for group in groups]
 
 
-def answers(text: str, seconds: float) -> list[str]:
+def answers(text: str, seconds: float, alone_seconds: float) -> list[str]:
     """Return yices' answer to each goal of a certificate: together at first, then each that is left alone.
 
-    seconds  processor time for the goals together, and again for each goal that is asked alone. Where the system cannot limit
-             a process by its processor time, the clock ends it, after CLOCK times as much.
+    seconds        processor time for the goals together. Where the system cannot limit a process by its processor time, the
+                   clock ends it, after CLOCK times as much
+    alone_seconds  processor time for a goal that is asked alone
 
     An answer is `unsat`, `sat` or `unknown`, or the message by which yices refuses the text. yices must be installed.
     """
@@ -61,7 +62,7 @@ def answers(text: str, seconds: float) -> list[str]:
     found = _fitting(_run(text, seconds, together=True), len(groups)) if len(groups) > 1 else [UNKNOWN] * len(groups)
     for goal, answer in enumerate(found):
         if answer == UNKNOWN:
-            [found[goal]] = _fitting(_run(f"{start}\n{groups[goal]}\n", seconds, together=False), 1)
+            [found[goal]] = _fitting(_run(f"{start}\n{groups[goal]}\n", alone_seconds, together=False), 1)
     return found
 
 

@@ -56,20 +56,20 @@ def test_without_it_there_is_no_version(monkeypatch: pytest.MonkeyPatch) -> None
 )
 def test_each_goal_has_its_own_answer(goals: list[str], expected: list[str]) -> None:
     """One goal does not decide another."""
-    assert yices.answers(text_of(*goals), 5.0) == expected
+    assert yices.answers(text_of(*goals), 5.0, 5.0) == expected
 
 
 def test_a_certificate_is_read() -> None:
     """Hypotheses are asserted, and each goal is negated."""
-    assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2, "b": X > 4})), 5.0) == ["unsat", "sat"]
-    assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2})), 5.0) == ["unsat"]
+    assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2, "b": X > 4})), 5.0, 5.0) == ["unsat", "sat"]
+    assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2})), 5.0, 5.0) == ["unsat"]
 
 
 def test_a_hard_goal_is_unknown_and_ends_in_time() -> None:
     """Alone or among others, and others are decided all the same."""
     began = time.process_time()
-    assert yices.answers(text_of(FACTORS), 1.0) == ["unknown"]
-    assert yices.answers(text_of(FALSE, FACTORS, FALSE), 1.0) == ["unsat", "unknown", "unsat"]
+    assert yices.answers(text_of(FACTORS), 1.0, 1.0) == ["unknown"]
+    assert yices.answers(text_of(FALSE, FACTORS, FALSE), 1.0, 1.0) == ["unsat", "unknown", "unsat"]
     assert time.process_time() - began < 1.0  # the work is done by another process
 
 
@@ -84,10 +84,10 @@ def test_a_hard_goal_is_unknown_and_ends_in_time() -> None:
 )
 def test_a_text_that_it_cannot_read_confirms_nothing(broken: str) -> None:
     """Its message takes the place of the answers."""
-    assert "unsat" not in yices.answers(broken, 5.0)
+    assert "unsat" not in yices.answers(broken, 5.0, 5.0)
 
 
 def test_more_answers_than_goals_confirm_nothing() -> None:
     """A text with a question outside of its goals is none that we write."""
     text = text_of(FALSE, FALSE).replace("\n(push 1)", "\n(check-sat)\n(push 1)", 1)
-    assert yices.answers(text, 5.0) == ["3 answers to 2 goals"] * 2
+    assert yices.answers(text, 5.0, 5.0) == ["3 answers to 2 goals"] * 2

@@ -77,7 +77,7 @@ class Opinions:
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
-        more = {} if yices.program() is None else {"yices": yices.answers(text, self._seconds)}
+        more = {} if yices.program() is None else {"yices": yices.answers(text, self._seconds, self._seconds)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:

@@ -91,9 +91,9 @@ def test_every_proof_calls_yices_and_none_cvc5(monkeypatch: pytest.MonkeyPatch) 
     asked: list[str] = []
     honest = yices.answers
 
-    def listening(text: str, seconds: float) -> list[str]:
+    def listening(text: str, seconds: float, alone_seconds: float) -> list[str]:
         asked.append(text)
-        return honest(text, seconds)
+        return honest(text, seconds, alone_seconds)
 
     monkeypatch.setattr(yices, "answers", listening)
     monkeypatch.setattr(module, "recheck", lambda *_, **__: pytest.fail("cvc5 was asked"))
