@@ -139,8 +139,8 @@ def recorded(name: str) -> tuple[Path, ...]:
 
 
 def witnesses_of(name: str) -> Path | None:
-    """Return the file of witnesses that ships for a machine, `models/witnesses/NAME.jsonl.gz`; None if there is none."""
-    path = WITNESSES / f"{name}.jsonl.gz"
+    """Return the file of witnesses that ships for a machine, `models/witnesses/NAME.jsonl.xz`; None if there is none."""
+    path = WITNESSES / f"{name}.jsonl.xz"
     return path if path.is_file() else None
 
 

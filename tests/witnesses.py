@@ -1,4 +1,4 @@
-"""Make the witnesses that ship: `python -m tests.witnesses [--anew] [MACHINE ...]` writes models/witnesses/MACHINE.jsonl.gz.
+"""Make the witnesses that ship: `python -m tests.witnesses [--anew] [MACHINE ...]` writes models/witnesses/MACHINE.jsonl.xz.
 
 A witness is a short run to a mode, a transition or a case of a property. With witnesses at hand `verify` need not search for it. Run
 this after an edit that made some of them show nothing (tests/models/test_witnesses.py says so), or that brought new events.
@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     WITNESSES.mkdir(exist_ok=True)
     for name in asked.machine:
         runs = witnesses(load_target(name), anew=asked.anew)
-        path = WITNESSES / f"{name}.jsonl.gz"
+        path = WITNESSES / f"{name}.jsonl.xz"
         if runs:
             write_witnesses(path, [(run.system.name, first_of(run), run.stream()) for run in runs])
         else:

@@ -21,8 +21,8 @@ AGAIN = "python -m tests.witnesses"
 
 def test_nothing_else_stands_there() -> None:
     """A file for a machine, and small ones."""
-    assert set(WITNESSES.iterdir()) == {WITNESSES / f"{name}.jsonl.gz" for name in MADE}
-    assert sum(path.stat().st_size for path in WITNESSES.iterdir()) < 500_000
+    assert set(WITNESSES.iterdir()) == {WITNESSES / f"{name}.jsonl.xz" for name in MADE}
+    assert sum(path.stat().st_size for path in WITNESSES.iterdir()) < 300_000
 
 
 def systems(of: Target) -> dict[str, TransitionSystem]:

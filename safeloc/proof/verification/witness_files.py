@@ -3,20 +3,20 @@
 A run counts for what it shows when it is run again, and for nothing else: after an edit a run that no longer reaches an event
 shows nothing, and the event is searched for.
 
-The file is gzipped JSON, one object a line: first {"schema": "safeloc-witnesses/1"}, then each run as {"system": name of the
+The file is packed JSON (xz), one object a line: first {"schema": "safeloc-witnesses/1"}, then each run as {"system": name of the
 composition or of one of its machines alone, "first": open initial values, "steps": inputs of each step}.
 """
 
 from __future__ import annotations
 
-import gzip
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from safeloc.errors import StreamError
+from safeloc.errors import InputError, StreamError
 from safeloc.language.nodes import Value
 from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.runtime.packed import packed, read_packed
 
 SCHEMA = "safeloc-witnesses/1"
 
@@ -26,13 +26,13 @@ def read_witnesses(path: Path | None) -> dict[str, list[Recording]]:
     if path is None:
         return {}
     try:
-        head, *lines = [json.loads(line) for line in gzip.decompress(path.read_bytes()).splitlines()]
+        head, *lines = [json.loads(line) for line in read_packed(path).splitlines()]
         if head != {"schema": SCHEMA}:
             raise ValueError(f"it begins with {head}")
         found: dict[str, list[Recording]] = {}
         for line in lines:
             found.setdefault(line["system"], []).append(Recording(line["first"], line["steps"]))
-    except (OSError, EOFError, ValueError, TypeError, KeyError) as error:
+    except (InputError, ValueError, TypeError, KeyError) as error:
         raise StreamError(f"{path}: no file of witnesses ({SCHEMA}): {error}. Make it anew: CONTRIBUTING.md") from error
     return found
 
@@ -44,4 +44,4 @@ def write_witnesses(path: Path, runs: Sequence[tuple[str, Mapping[str, Value], S
         {"system": system, "first": dict(first), "steps": list(map(dict, steps))} for system, first, steps in runs
     ]
     text = "".join(f"{json.dumps(line, separators=(',', ':'))}\n" for line in lines)
-    path.write_bytes(gzip.compress(text.encode(), mtime=0))
+    path.write_bytes(packed(text.encode()))

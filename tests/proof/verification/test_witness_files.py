@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import gzip
 import json
+import lzma
 from pathlib import Path
 
 import pytest
@@ -42,7 +42,7 @@ WITNESSES = {"counter": [Recording({}, [{"p": True}] * 8), Recording({}, [{"p": 
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
     """By the name of the system; equal runs give equal bytes."""
-    path, other = tmp_path / "a.jsonl.gz", tmp_path / "b.jsonl.gz"
+    path, other = tmp_path / "a.jsonl.xz", tmp_path / "b.jsonl.xz"
     write_witnesses(path, RUNS)
     write_witnesses(other, RUNS)
     assert path.read_bytes() == other.read_bytes()
@@ -57,28 +57,28 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     "content",
     [
         b"",
-        b"no gzip",
-        gzip.compress(b""),
-        gzip.compress(b"{}"),
-        gzip.compress(b'{"schema": "safeloc-witnesses/2"}'),
-        gzip.compress(json.dumps({"schema": SCHEMA}).encode() + b'\n{"system": "pair"}'),
-        gzip.compress(json.dumps({"schema": SCHEMA}).encode() + b"\n[1, 2]"),
-        gzip.compress(json.dumps({"schema": SCHEMA}).encode() + b"\nnothing"),
-        gzip.compress(json.dumps({"schema": SCHEMA}).encode())[:-9],
+        b"no xz",
+        lzma.compress(b""),
+        lzma.compress(b"{}"),
+        lzma.compress(b'{"schema": "safeloc-witnesses/2"}'),
+        lzma.compress(json.dumps({"schema": SCHEMA}).encode() + b'\n{"system": "pair"}'),
+        lzma.compress(json.dumps({"schema": SCHEMA}).encode() + b"\n[1, 2]"),
+        lzma.compress(json.dumps({"schema": SCHEMA}).encode() + b"\nnothing"),
+        lzma.compress(json.dumps({"schema": SCHEMA}).encode())[:-9],
     ],
 )
 def test_another_file_is_refused(tmp_path: Path, content: bytes) -> None:
     """The message names file and form."""
-    path = tmp_path / "bad.jsonl.gz"
+    path = tmp_path / "bad.jsonl.xz"
     path.write_bytes(content)
-    with pytest.raises(StreamError, match=r"bad\.jsonl\.gz: no file of witnesses \(safeloc-witnesses/1\)"):
+    with pytest.raises(StreamError, match=r"bad\.jsonl\.xz: no file of witnesses \(safeloc-witnesses/1\)"):
         read_witnesses(path)
 
 
 def test_a_file_that_is_gone_is_refused(tmp_path: Path) -> None:
     """As any other."""
     with pytest.raises(StreamError, match="no file of witnesses"):
-        read_witnesses(tmp_path / "gone.jsonl.gz")
+        read_witnesses(tmp_path / "gone.jsonl.xz")
 
 
 def _mode_off(found: list[Obligation]) -> Obligation:
