@@ -19,8 +19,9 @@ START = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {HOLD!r}
 
 
 @pytest.mark.parametrize("code", [HOLD, START])
-def test_what_a_process_holds_is_seen(code: str) -> None:
+def test_what_a_process_holds_is_seen(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The memory of a child process counts, and that of a grandchild."""
+    monkeypatch.setattr(memory, "LOOKS_EVERY_S", 0.3)
     before, command = sum(one.size_bytes for one in taken(os.getpid(), {}).values()), [sys.executable, "-c", code]
     with Memory() as seen, subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
         assert one.stdout is not None
