@@ -23,6 +23,8 @@ from safeloc.checker.text import Certificate
 
 SOLVERS = ("z3", "cvc5", "yices")
 NEEDED = SOLVERS[:2]
+_YICES_SECONDS = 5.0
+"""Most processor time of yices for the goals of a text together and for each alone, as its answer is not required."""
 _FIRST_SECONDS = {
     "z3": 2.0,
     "cvc5": 10.0,
@@ -77,7 +79,8 @@ class Opinions:
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
-        more = {} if yices.program() is None else {"yices": yices.answers(text, self._seconds, self._seconds)}
+        most_s = min(self._seconds, _YICES_SECONDS)
+        more = {} if yices.program() is None else {"yices": yices.answers(text, most_s, most_s)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:
