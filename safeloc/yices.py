@@ -17,30 +17,35 @@ from functools import cache
 UNSAT, SAT, UNKNOWN = "unsat", "sat", "unknown"
 CLOCK = 6.0
 """Multiple of a limit after which the clock ends the work, whatever the process has counted."""
+LOOK_S = 10.0
+"""Time in which the program has to say its version."""
 _GROUP, _ENDS = "\n(push 1)\n", "\n(pop 1)\n"
 
 
 def program() -> str | None:
-    """Return the path of yices' program for SMT-LIB, beside Python or on the search path; None if it is not installed."""
-    return _program(os.environ.get("PATH", ""))
-
-
-@cache
-def _program(path: str) -> str | None:
-    return shutil.which("yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), path]))
+    """Return the path of yices' program for SMT-LIB, beside Python or on the search path; None if there is none that runs."""
+    found = _installed(os.environ.get("PATH", ""))
+    return found and found[0]
 
 
 def version() -> str | None:
-    """Return the version of the installed program, such as `2.6.5`; None if yices is not installed."""
-    path = program()
-    return None if path is None else _version(path)
+    """Return the version of that program, such as `2.6.5`; None if there is none that runs."""
+    found = _installed(os.environ.get("PATH", ""))
+    return found and found[1]
 
 
 @cache
-def _version(path: str) -> str:
-    said = subprocess.run([path, "--version"], capture_output=True, text=True, check=True).stdout
-    found = re.search(r"\d+(\.\d+)+", said)
-    return found.group() if found else "of unknown version"
+def _installed(search_path: str) -> tuple[str, str] | None:
+    """Return path and version; None for a program that does not say its version, as one made for another system."""
+    path = shutil.which("yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), search_path]))
+    if path is None:
+        return None
+    try:
+        printed = subprocess.run([path, "--version"], capture_output=True, text=True, errors="replace", timeout=LOOK_S)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    number = re.search(r"\d+(\.\d+)+", printed.stdout)
+    return None if printed.returncode or number is None else (path, number.group())
 
 
 def goals_of(text: str) -> tuple[str, list[str]]:
@@ -85,8 +90,8 @@ def _run(text: str, seconds: float, *, together: bool) -> list[str]:
         asked, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as process:
         _limit(process.pid, seconds)
-        said, _ = process.communicate(text)
-    return [line for line in said.splitlines() if line]
+        printed, _ = process.communicate(text)
+    return [line for line in printed.splitlines() if line]
 
 
 def _limit(pid: int, seconds: float) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
-import time
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,7 @@ from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.language.expr import NumVar
 from safeloc.language.units import ONE
 
+needs_yices = pytest.mark.skipif(yices.program() is None, reason="yices is not installed")
 X = NumVar("x", ONE, 0, 9)
 HEAD = "(set-logic QF_NIA)\n(declare-const a Int)\n(declare-const b Int)"
 FACTORS = "(assert (and (> a 1) (> b 1) (= (* a b) 1000000016000000063)))"
@@ -27,24 +29,53 @@ def text_of(*goals: str) -> str:
 FALSE, TRUE = "(assert (< a a))", "(assert (= a a))"
 
 
-def test_it_is_installed_beside_python() -> None:
-    """The tests have it, and it says its version."""
-    assert yices.program()
-    assert re.fullmatch(r"\d+\.\d+.*", str(yices.version()))
+@needs_yices
+def test_it_says_its_version() -> None:
+    """As results name it."""
+    assert re.fullmatch(r"\d+(\.\d+)+", str(yices.version()))
 
 
-def test_without_it_there_is_no_version(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is optional."""
-    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+@pytest.fixture
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder that alone is searched for the program."""
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     monkeypatch.setenv("PATH", "/nowhere")
-    yices._program.cache_clear()
-    try:
-        assert yices.program() is None
-        assert yices.version() is None
-    finally:
-        yices._program.cache_clear()
+    monkeypatch.setattr(yices, "LOOK_S", 2.0)
+    yices._installed.cache_clear()
+    yield tmp_path
+    yices._installed.cache_clear()
 
 
+@pytest.mark.parametrize(
+    "content",
+    [
+        None,
+        "#!/bin/sh\nexit 1\n",
+        "#!/bin/sh\necho Yices 2.6.5; exit 1\n",
+        "#!/bin/sh\necho hello\n",
+        "#!/nowhere/sh\n",
+        "#!/bin/sh\nexec /bin/sleep 60\n",
+    ],
+)
+def test_a_program_that_does_not_run_counts_as_none(elsewhere: Path, content: str | None) -> None:
+    """It is optional: without one that says its version, all is left to cvc5."""
+    if content is not None:
+        (elsewhere / "yices-smt2").write_text(content)
+        (elsewhere / "yices-smt2").chmod(0o755)
+    assert yices.program() is None
+    assert yices.version() is None
+
+
+def test_a_program_beside_python_is_found(elsewhere: Path) -> None:
+    """By its path and its version."""
+    path = elsewhere / "yices-smt2"
+    path.write_text("#!/bin/sh\necho Yices 2.9.1\n")
+    path.chmod(0o755)
+    assert yices.program() == str(path)
+    assert yices.version() == "2.9.1"
+
+
+@needs_yices
 @pytest.mark.parametrize(
     ("goals", "expected"),
     [
@@ -59,20 +90,21 @@ def test_each_goal_has_its_own_answer(goals: list[str], expected: list[str]) -> 
     assert yices.answers(text_of(*goals), 5.0, 5.0) == expected
 
 
+@needs_yices
 def test_a_certificate_is_read() -> None:
     """Hypotheses are asserted, and each goal is negated."""
     assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2, "b": X > 4})), 5.0, 5.0) == ["unsat", "sat"]
     assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2})), 5.0, 5.0) == ["unsat"]
 
 
-def test_a_hard_goal_is_unknown_and_ends_in_time() -> None:
+@needs_yices
+def test_a_hard_goal_is_unknown() -> None:
     """Alone or among others, and others are decided all the same."""
-    began = time.process_time()
     assert yices.answers(text_of(FACTORS), 1.0, 1.0) == ["unknown"]
     assert yices.answers(text_of(FALSE, FACTORS, FALSE), 1.0, 1.0) == ["unsat", "unknown", "unsat"]
-    assert time.process_time() - began < 1.0  # the work is done by another process
 
 
+@needs_yices
 @pytest.mark.parametrize(
     "broken",
     [
@@ -87,6 +119,7 @@ def test_a_text_that_it_cannot_read_confirms_nothing(broken: str) -> None:
     assert "unsat" not in yices.answers(broken, 5.0, 5.0)
 
 
+@needs_yices
 def test_more_answers_than_goals_confirm_nothing() -> None:
     """A text with a question outside of its goals is none that we write."""
     text = text_of(FALSE, FALSE).replace("\n(push 1)", "\n(check-sat)\n(push 1)", 1)

@@ -273,19 +273,22 @@ class _Together:
     def outcomes(self, recordings: Sequence[Recording], witnesses: Witnesses) -> dict[int, Outcome]:
         """Return the outcome of each case.
 
-        Tried in turn: witnesses that ship, exclusion in one step, random runs, bounded search, search from states of recordings, runs of one machine
-        alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search and the runs of one
-        machine come first for properties that it inherits from that machine: those of its own need a run of the whole.
+        Tried in turn: shipped witnesses, exclusion in one step, random runs, bounded search, search from states of recordings,
+        runs of one machine alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search
+        and the runs of one machine come first for properties that it inherits from that machine: those of its own need a run
+        of the whole. No random run is drawn for a case that a shipped witness of one machine alone shows.
         """
-        self._ship(witnesses)
+        self._find_shipped(witnesses)
         self._exclude(self._unlikely(), self._ends.left / 3)
-        self._draw([number for number in self._left if self._shown_alone(number, witnesses) is None], recordings)
+        alone = {number: run for number in self._left if (run := self._shipped_alone(number, witnesses)) is not None}
+        self._draw([number for number in self._left if number not in alone], recordings)
         if self._system.parts:
             self._search(min(self._ends.left, self._limits.seconds * AT_FIRST))
-            self._alone([number for number in self._left if self._asked[number].prop.kept_by is not None], witnesses)
+            inherited = [number for number in self._left if self._asked[number].prop.kept_by is not None]
+            self._find_alone(inherited, alone)
         self._search(self._ends.left / 2)
         self._beside(recordings)
-        self._alone(self._left, witnesses)
+        self._find_alone(self._left, alone)
         self._exclude(self._left, self._ends.left / 2)
         self._exclude(self._left, self._ends.left, spacer)
         return self._found | {number: Open("not found") for number in self._left}
@@ -294,8 +297,8 @@ class _Together:
     def _left(self) -> list[int]:
         return [number for number in self._goals if number not in self._found]
 
-    def _ship(self, witnesses: Witnesses) -> None:
-        """Find cases in the witnesses of the whole that ship."""
+    def _find_shipped(self, witnesses: Witnesses) -> None:
+        """Find cases in the shipped witnesses of the whole."""
         numbers = {self._goals[number]: number for number in self._left}
         for goal, trace in shown(list(numbers), witnesses.get(self._system.name, ())).items():
             self._found[numbers[goal]] = Seen(SHIPPED, pack_trace(trace))
@@ -353,15 +356,18 @@ class _Together:
             if isinstance(verdict, Proved):
                 self._found[number] = Never(verdict.engine)
 
-    def _alone(self, numbers: Sequence[int], witnesses: Witnesses) -> None:
-        """Find runs of one machine alone, for inherited properties and cases that read one machine only."""
+    def _find_alone(self, numbers: Sequence[int], shipped: Mapping[int, Trace]) -> None:
+        """Find runs of one machine alone, for inherited properties and cases that read one machine only.
+
+        shipped  such runs of shipped witnesses, by number of the case
+        """
         for number in numbers:
             if self._ends.passed:
                 return
             own = self._of_one_machine(number)
             if own is not None:
                 part, goal = own
-                trace = self._shown_alone(number, witnesses)
+                trace = shipped.get(number)
                 if trace is None:
                     trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
                 if trace is not None:
@@ -373,8 +379,8 @@ class _Together:
         place = [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
         return occurs_alone(self._system, prop, place)
 
-    def _shown_alone(self, number: int, witnesses: Witnesses) -> Trace | None:
-        """Return the run of a witness of one machine alone in which the case occurs; None if there is none."""
+    def _shipped_alone(self, number: int, witnesses: Witnesses) -> Trace | None:
+        """Return the run of a shipped witness of one machine alone in which the case occurs; None if there is none."""
         own = self._of_one_machine(number)
         return None if own is None else shown([own[1]], witnesses.get(own[0].alone.name, ())).get(own[1])
 

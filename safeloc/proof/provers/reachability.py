@@ -70,7 +70,7 @@ def reached(
     recordings: Sequence[Recording] = (),
     witnesses: Witnesses = NO_WITNESSES,
 ) -> Iterator[Obligation]:
-    """Check that modes and transitions occur: under the assumption in random, recorded or searched runs, else without it.
+    """Check that modes and transitions occur: under the assumption in shipped, recorded, random or searched runs, else without it.
 
     witnesses  runs that an earlier search found, of the system and of its machines alone
     """
@@ -282,6 +282,8 @@ def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses
     """Return the goals that a witness of one machine alone reaches: when it was made, random runs of the whole did not."""
     found: set[Goal] = set()
     for number, part in enumerate(system.parts):
+        if part.alone.name not in witnesses:
+            continue
         own = [target.goal for target in targets if target.part == number]
         pairs = {
             one: theirs

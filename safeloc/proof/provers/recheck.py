@@ -1,6 +1,6 @@
 """Second opinion: yices or cvc5 decides every proof again, from its SMT-LIB 2 text alone.
 
-yices, if it is installed, is asked first: it takes a tenth of cvc5's time. cvc5 decides the goals that yices leaves open, and all
+yices, if it is installed, is asked first: it takes a fraction of cvc5's time. cvc5 decides the goals that yices leaves open, and all
 goals without yices. The text holds the hypotheses that z3's proof needs, or all of them if they cannot confirm the proof from
 those.
 """

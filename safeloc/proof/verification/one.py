@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
@@ -11,7 +12,7 @@ from safeloc.proof.provers.antecedents import found
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import CHECKS, obligations
 from safeloc.proof.provers.portfolio import OnFinding, prove
-from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 from safeloc.proof.verification.replay import replay_stream, whole_run
@@ -72,7 +73,7 @@ class Work:
             jobs=self.jobs,
             on_finding=self.on_finding,
             recordings=self._recordings(),
-            witnesses=read_witnesses(self.target.witnesses),
+            witnesses=self._witnesses,
         )
 
     def obliged(self, limits: Limits) -> list[Finding]:
@@ -84,7 +85,7 @@ class Work:
             jobs=self.jobs,
             on_finding=self.on_finding,
             recordings=self._recordings(),
-            witnesses=read_witnesses(self.target.witnesses),
+            witnesses=self._witnesses,
             properties=self.target.properties,
         )
 
@@ -103,6 +104,10 @@ class Work:
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
         return self._announced(tests)
+
+    @cached_property
+    def _witnesses(self) -> Witnesses:
+        return read_witnesses(self.target.witnesses)
 
     def _recordings(self) -> list[Recording]:
         return [Recording(stream.first, stream.steps) for stream in map(read_steps, self.target.streams)]

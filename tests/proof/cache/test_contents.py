@@ -128,6 +128,9 @@ def test_a_recording_counts_by_name_and_content(tmp_path: Path) -> None:
     moved = tmp_path / "else" / "one.jsonl"
     moved.write_bytes(first.read_bytes())
     with_first = target_digest(target(streams=(first,)))
+    assert len({with_first, target_digest(target(streams=(first,), witnesses=first))}) == 2
+    shipped = {target_digest(target(witnesses=path)) for path in (None, first, second)}
+    assert len(shipped) == 3
     assert with_first == target_digest(target(streams=(moved,)))
     assert with_first != target_digest(target(streams=(second,)))
     moved.write_text('{"x": 2}\n')

@@ -15,7 +15,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Vacuous, word
 from safeloc.language.world import World
-from safeloc.proof.provers.antecedents import RANDOM, Never, Open, Seen, found, remember, search
+from safeloc.proof.provers.antecedents import RANDOM, SHIPPED, Never, Open, Seen, found, remember, search
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
@@ -124,6 +124,26 @@ def test_a_recording_shows_what_a_search_does_not() -> None:
     assert Seen("in recordings") == seen
     (too_short,) = search(lower(GATE), cases(prop), quick, [Recording({}, [{"x": 4}] * 59)])
     assert isinstance(too_short, Open)
+
+
+def test_a_shipped_witness_shows_a_case() -> None:
+    """Its run is the evidence; a run that does not come so far shows nothing, nor does one of another system."""
+    prop = always("deep", N.eq(60).implies(GATE.mode.ne(C)))
+    quick, gate_ = Limits(depth=5, seconds=5), lower(GATE)
+    far, near = Recording({}, [{"x": 4}] * 61), Recording({}, [{"x": 4}] * 59)
+    (seen,) = search(gate_, cases(prop), quick, witnesses={"gate": [near, far]})
+    assert isinstance(seen, Seen)
+    assert SHIPPED == seen.where
+    remember(gate_, [prop], quick, 0, [seen])
+    (_, shown) = found(gate_, [prop]).obligation()
+    assert shown.method == "a run of 60 steps, in a shipped witness"
+    assert isinstance(shown.verdict, Proved)
+    assert "witness" == shown.verdict.engine
+    assert shown.verdict.witness is not None
+    assert 60 == shown.verdict.witness.steps[-1].state["n"]
+    for useless in ({"gate": [near]}, {"gates": [far]}, {"gate": [Recording({}, [{"y": 4}] * 61)]}):
+        (open_,) = search(lower(GATE), cases(prop), quick, witnesses=useless)
+        assert isinstance(open_, Open)
 
 
 def test_a_random_run_shows_a_case() -> None:

@@ -29,6 +29,7 @@ from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.proof.provers.replayed_evidence import replayed
 from safeloc.proof.provers.searches import Runs
 from safeloc.proof.results import Finding
@@ -412,6 +413,38 @@ def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pyte
     assert expected == told.method
     assert isinstance(told.verdict, Proved)
     assert 1 == told.verdict.depth
+
+
+def test_a_shipped_witness_of_one_machine_is_no_run_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is reported as of the machine by itself, and what the whole reaches by a search stays shown of the whole.
+
+    No random run is drawn for an event that such a witness shows.
+    """
+    calm, alarm = modes("CALM", "ALARM")
+    heard = number("q", ONE, 0, 9)
+    second = Machine("b", (calm, alarm), [heard], {}, {}, [Transition("raise", calm, alarm, heard > 5)])
+    low = number("i", ONE, 0, 3)
+    first = follower("a", inputs=[low], transitions=[Transition("follow", S, S, TRUE, {X: low})])
+    drawn_for: list[str] = []
+    draw = reachability.drawn
+
+    def listening(goals: Sequence[Goal], *more: Any) -> dict[Goal, Trace]:
+        drawn_for.extend(goal.prop.name for goal in goals if goal.original.parts)
+        return draw(goals, *more)
+
+    monkeypatch.setattr(reachability, "drawn", listening)
+    for machines, statement in (([first, second], ""), ([follower("a"), second], "b: 'raise' fires")):
+        whole = compose("w", machines, {heard: X}).system
+        alone = whole.parts[1].alone.name
+        for witnesses in ({alone: [Recording({}, [{"q": 6}])]}, {"w": [Recording({}, [{"q": 6}])]}, {}):
+            drawn_for.clear()
+            found = list(reachability.reached(whole, LIMITS, witnesses=witnesses))
+            (one,) = [one for one in found if one.name == "transition b: raise"]
+            assert ("row 1 of machine 1" in drawn_for) == (alone not in witnesses)
+            assert isinstance(one.verdict, Proved) == bool(statement)
+            assert one.statement.startswith(statement)
+            assert "by itself" not in one.statement
+            assert "shipped" not in one.method
 
 
 def test_a_violated_unconditional_property_comes_with_its_run() -> None:
