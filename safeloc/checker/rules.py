@@ -280,21 +280,19 @@ class Theory:
         return kept | self.dag.conjuncts(last.goals) | frozenset(last.goals)
 
     def _on_the_way(self, speaker: Speaker, *together: Certificate) -> None:
-        """Establish facts about every state that belong to no property: for all inputs, or else under the assumption."""
+        """Establish facts about every state that belong to no property: for all inputs if its hypotheses allow it, else under
+        the assumption; those that read ghosts always under the assumption."""
         if together[0].header["rule"] == "first state":
             raise RefusedError("there is no property of this name")
-        for lawful in (False, True):
-            frame = speaker.facts_frame(lawful=lawful)
-            try:
-                shown = self._shown(frame, together)
-            except RefusedError:
-                if lawful:
-                    raise
-            else:
-                kept = frozenset(one for one in shown if self.dag.variables(one) <= frame.over)
-                self.further |= kept
-                return speaker.add(kept, lawful=lawful)
-        return None
+        free, lawful = speaker.facts_frame(lawful=False), speaker.facts_frame(lawful=True)
+        try:
+            shown, frames = self._shown(free, together), {False: free, True: lawful}
+        except RefusedError:
+            shown, frames = self._shown(lawful, together), {True: lawful}
+        for law, frame in frames.items():
+            kept = frozenset(one for one in shown if self.dag.variables(one) <= frame.over)
+            self.further |= kept
+            speaker.add(kept, lawful=law)
 
     # -------------------------------------------------------------- obligations with hypotheses of their own
 

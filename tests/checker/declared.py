@@ -137,6 +137,21 @@ tracking = Machine(
 """What it hears is never at rest: lawful inputs are terms over state, and more than one is needed."""
 
 
+CODE, CODED = number("code", COUNT, 0, 3), number("coded", COUNT, 0, 3)
+coded = Machine(
+    name="coded",
+    modes=(ONLY,),
+    inputs=[CODE],
+    state={CODED: 0},
+    outputs={},
+    transitions=[Transition("read", ONLY, ONLY, TRUE, {CODED: CODE})],
+    world=World(
+        ghosts={TRUTH: 0}, choices=[STEP], moves={TRUTH: minimum(TRUTH + STEP, 20)}, clauses={"assumption": CODE.eq(0) | (TRUTH >= 1)}
+    ),
+)
+"""Some input is lawful whatever the ghost is: the condition that shows this reads the ghost, and needs no fact about it."""
+
+
 def made_of(figures: dict[str, int]) -> Machine:
     """A machine whose range is the user's."""
     level = number("level", COUNT, 0, figures["highest"])
@@ -148,6 +163,8 @@ def properties(found: Machine | Composition) -> list[Property]:
     """What is to be proved of each."""
     if isinstance(found, Machine) and found.name == "made":
         return []
+    if found is coded:
+        return [always("first code", previous(CODED.eq(0)).implies(TRUTH >= 0)), reachable("a code", CODED.eq(3))]
     if found is tracking:
         return [always("known is near", before(PLACE) <= KNOWN)]
     if found is twins:

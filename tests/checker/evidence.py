@@ -21,7 +21,7 @@ from safeloc.report.data import result_data
 from safeloc.report.folder import write_folder
 from safeloc.target import Target
 
-NAMES = ("counting", "whole", "twins", "tracking")
+NAMES = ("counting", "whole", "twins", "tracking", "coded")
 LIMITS = Limits(seconds=20)
 
 
