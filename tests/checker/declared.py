@@ -146,7 +146,10 @@ coded = Machine(
     outputs={},
     transitions=[Transition("read", ONLY, ONLY, TRUE, {CODED: CODE})],
     world=World(
-        ghosts={TRUTH: 0}, choices=[STEP], moves={TRUTH: minimum(TRUTH + STEP, 20)}, clauses={"assumption": CODE.eq(0) | (TRUTH >= 1)}
+        ghosts={TRUTH: 0},
+        choices=[STEP],
+        moves={TRUTH: minimum(TRUTH + STEP, 20)},
+        clauses={"assumption": CODE.eq(0) | (TRUTH >= 1)},
     ),
 )
 """Some input is lawful whatever the ghost is: the condition that shows this reads the ghost, and needs no fact about it."""

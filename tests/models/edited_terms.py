@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
-from tests.models.one_step import not_kept
+from tests.models.one_step import kept
 
 Made = tuple[Machine, Iterable[Property]]
 
@@ -34,4 +34,4 @@ def keeps(made: Made, claim: str) -> bool:
     """Whether the claim of that name, with ranges and lemmas, is kept from each step to the next."""
     machine, claims = made
     [prop] = [one for one in claims if one.name == claim]
-    return not not_kept(machine, prop)
+    return kept(machine, prop)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import all_of
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range, lower
@@ -14,12 +15,15 @@ from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from tests.models.spoilt import rebuilt
 
 
-def not_kept(machine: Machine, prop: Property) -> set[str]:
-    """Names of what does not follow in one step from ranges, lemmas and the property: empty for a sound machine."""
-    return not_kept_by(lower(machine), prop)
+def kept(machine: Machine, prop: Property, only: str = "") -> bool:
+    """Whether ranges, lemmas and the property hold after each step from a state in which they hold: all, or the named one only.
+
+    All is one question: the first run found against it ends it. KeyError if nothing has that name.
+    """
+    return kept_by(lower(machine), prop, only)
 
 
-def not_kept_by(system: TransitionSystem, prop: Property) -> set[str]:
+def kept_by(system: TransitionSystem, prop: Property, only: str = "") -> bool:
     """The same of a composition."""
     goal = observe(system, prop)
     ghosts = goal.original.ghosts if prop.unconditional else frozenset()
@@ -31,8 +35,8 @@ def not_kept_by(system: TransitionSystem, prop: Property) -> set[str]:
     after = Substitution(dict(goal.system.next))
     wanted = {**known, prop.name: goal.good & goal.helper}
     given = [environment(goal.system), in_range(goal.system.state), *wanted.values()]
-    later = Query("one step", given, {name: after.bool(term) for name, term in wanted.items()})
-    return set(unproved(later, 60))
+    asked = wanted[only] if only else all_of(wanted.values())
+    return not unproved(Query("one step", given, {"kept": after.bool(asked)}), 60)
 
 
 def changed(machine: Machine, name: str, **fields: object) -> Machine:

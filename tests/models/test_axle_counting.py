@@ -22,7 +22,7 @@ from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, unproved_of
-from tests.models.one_step import changed, not_kept
+from tests.models.one_step import changed, kept
 
 
 @cache
@@ -268,7 +268,7 @@ def test_a_broken_section_is_noticed(row: str, fields: dict[str, object], broken
     given = {name: table.get(value, value) if isinstance(value, str) else value for name, value in fields.items()}
     wrong = replace(section(), machine=changed(section().machine, row, **given))
     prop = next(one for one in section_properties.properties(wrong) if one.name == broken)
-    assert not_kept(wrong.machine, prop)
+    assert not kept(wrong.machine, prop)
 
 
 @pytest.mark.parametrize(
@@ -283,7 +283,7 @@ def test_a_broken_head_is_noticed(row: str, target: str, broken: str) -> None:
     """A wheel that disturbs, an axle in the wrong direction, a direction that is guessed: each loses a proof."""
     table = {mode.label: mode for mode in head().machine.modes}
     wrong = replace(head(), machine=changed(head().machine, row, target=table[target]))
-    assert not_kept(wrong.machine, next(p for p in head_properties.properties(wrong) if p.name == broken))
+    assert not kept(wrong.machine, next(p for p in head_properties.properties(wrong) if p.name == broken))
 
 
 def test_a_broken_record_is_noticed() -> None:
@@ -295,7 +295,7 @@ def test_a_broken_record_is_noticed() -> None:
         ("train has passed", {"when": TRUE}, "the whole train has passed"),
     ):
         wrong = replace(own, machine=changed(own.machine, row, **fields))
-        assert not_kept(wrong.machine, next(p for p in counter_properties.properties(wrong) if p.name == broken))
+        assert not kept(wrong.machine, next(p for p in counter_properties.properties(wrong) if p.name == broken))
 
 
 def test_a_train_that_never_surely_passes_is_refused() -> None:

@@ -92,16 +92,19 @@ def prove(
     on_finding: OnFinding | None = None,
     recordings: Sequence[Recording] = (),
     witnesses: Witnesses = NO_WITNESSES,
+    lemmas: bool = True,
 ) -> list[Finding]:
     """Return a Finding for every declared lemma and every property, in order; `on_finding` gets each at once.
+
+    Without `lemmas` there are Findings of properties only, and no run is searched that breaks a lemma.
 
     The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. Events that `recordings`
     or `witnesses` show need no search. PropertyError if two properties share a name.
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
-    lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)]
-    claims = [*lemmas, *(_property_claim(system, prop) for prop in properties)]
+    kept = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)] if lemmas else []
+    claims = [*kept, *(_property_claim(system, prop) for prop in properties)]
     findings: dict[int, Finding] = {}
     for index, finding in _findings(claims, _Cases(system, properties, limits, recordings, witnesses), jobs):
         findings[index] = finding

@@ -15,6 +15,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Generic
 
 import cvc5
@@ -45,8 +46,10 @@ longer with them, equalities of two copies over 2 s instead of 0.2 s."""
 ALONE = {
     "decision": "justification"
 }  # for goals left over: equalities of two copies take 0.5 s with it, over 15 s together
-FIRST_SECONDS = 10.0  # for each goal in the common query, before it is tried alone: most take 1 s there, 15 s alone
-ALONE_SECONDS = 5.0  # for a goal with the options ALONE, which decide in 0.5 s if they suit it; then OPTIONS again
+FIRST_SECONDS = 10.0  # for each of several goals together, before it is tried alone: most take 1 s there, 15 s alone
+ROUNDS_S = (1.0, 4.0, 16.0, math.inf)
+"""For a goal alone, with each set of options in turn. What a set suits, it decides soon: a query of the guard takes 0.3 s with
+OPTIONS, 0.7 s with ALONE, and over 45 s with INDUCTION_OF_ONE_GOAL."""
 
 
 LONGEST_NAME = 150
@@ -126,20 +129,26 @@ def _of_children_s() -> float:
 def _left_by_cvc5(
     query: Query[Key], file: str, text: str, seconds: float, options: Mapping[str, str]
 ) -> tuple[Key, ...]:
-    """Return the goals that cvc5 does not confirm in time, first asked together, then each alone."""
-    ends, first = deadline(seconds), min(seconds, FIRST_SECONDS)
+    """Return the goals that cvc5 does not confirm in time: several are asked together, and what is left of them each alone."""
+    ends = deadline(seconds)
+    if len(query.goals) == 1:
+        sets = [options, ALONE] if options is OPTIONS else [options, ALONE, OPTIONS]
+        return () if _confirmed_alone(file, text, sets, ends) else tuple(query.goals)
+    first = min(seconds, FIRST_SECONDS)
     answers = recheck(file, text, len(query.goals), seconds=seconds, each=first, options=options)
     left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
-    return tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
+    texts = {
+        goal: to_smtlib(only_needed(Query(query.name, query.hypotheses, {goal: query.goals[goal]}))) for goal in left
+    }
+    return tuple(goal for goal in left if not _confirmed_alone(file, texts[goal], [ALONE, options], ends))
 
 
-def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
-    """Return whether cvc5 confirms one goal alone in the remaining time: with the options ALONE, or else OPTIONS."""
-    text = to_smtlib(only_needed(Query(query.name, query.hypotheses, {goal: query.goals[goal]})))
-    for options, seconds in ((ALONE, ALONE_SECONDS), (OPTIONS, math.inf)):
+def _confirmed_alone(file: str, text: str, sets: Sequence[Mapping[str, str]], ends: Deadline) -> bool:
+    """Return whether cvc5 confirms the one goal of a text in the remaining time, with one of these sets of options."""
+    for most_s, options in product(ROUNDS_S, sets):
         if ends.passed:
             return False
-        [answer] = recheck(query.name, text, 1, seconds=min(seconds, ends.left), options=options)
+        [answer] = recheck(file, text, 1, seconds=min(most_s, ends.left), options=options)
         if answer == "unsat":
             return True
     return False
