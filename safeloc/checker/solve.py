@@ -26,7 +26,7 @@ NEEDED = SOLVERS[:2]
 _YICES_SECONDS = 5.0
 """Most processor time of yices for the goals of a text together and for each alone, as its answer is not required."""
 _FIRST_SECONDS = {
-    "z3": 2.0,
+    "z3": 5.0,
     "cvc5": 10.0,
 }  # limit for a goal among others: a goal that takes longer is often quick alone
 _TOGETHER = {"incremental": "true", "ext-rew-prep": "use"}  # measured: three times faster on our terms

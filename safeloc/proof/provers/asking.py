@@ -38,15 +38,15 @@ def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResu
         return z3.unknown
     solver.set("rlimit", units(seconds))
     solver.set("timeout", milliseconds(CLOCK * seconds))
-    before = _counted(solver)
+    before = counted(solver)
     answer = solver.check(*assumptions)
-    spend((_counted(solver) - before) % WRAPS / UNITS_PER_SECOND)
+    spend((counted(solver) - before) % WRAPS / UNITS_PER_SECOND)
     return answer
 
 
-def units(seconds: float) -> int:
+def units(seconds: float, per_second: int = UNITS_PER_SECOND) -> int:
     """Return seconds of effort as a limit in z3's units: at least 1, since 0 means `no limit` to z3."""
-    return min(MOST_UNITS, max(1, int(seconds * UNITS_PER_SECOND)))
+    return min(MOST_UNITS, max(1, int(seconds * per_second)))
 
 
 def why_unknown(solver: z3.Solver) -> str:
@@ -54,5 +54,6 @@ def why_unknown(solver: z3.Solver) -> str:
     return str(solver.reason_unknown()).replace("canceled", "limit reached")
 
 
-def _counted(solver: z3.Solver) -> int:
+def counted(solver: z3.Solver | z3.Fixedpoint) -> int:
+    """Return the units that z3 has used so far, modulo WRAPS."""
     return int(solver.statistics().get_key_value("rlimit count"))

@@ -166,7 +166,7 @@ def test_what_is_too_deep_is_unknown() -> None:
             Transition("count", ONE, ONE, ticks <= 800, {ticks: ticks + 1}),
         ],
     )
-    verdict = _found(deep, Limits(depth=3, seconds=2.0))["mode deep TWO"].result
+    verdict = _found(deep, Limits(depth=3, seconds=0.5))["mode deep TWO"].result
     assert isinstance(verdict, Unknown)
     assert verdict.depth == 3
 
