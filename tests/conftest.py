@@ -12,6 +12,9 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from safeloc.codegen import compiled
+from tests.generated_once import generated_once
+
 SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
 settings.register_profile(
@@ -21,6 +24,8 @@ settings.register_profile("deep", deadline=None, max_examples=1000, suppress_hea
 settings.load_profile(os.environ.get("SAFELOC_HYPOTHESIS", "ci"))
 
 NUMBERS = count()
+GENERATING = ("codegen", "fuzz", "language")
+"""Folders with tests of generated code itself."""
 
 
 @pytest.fixture(scope="session")
@@ -33,3 +38,10 @@ def cache_folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def nothing_kept(monkeypatch: pytest.MonkeyPatch, cache_folders: Path) -> None:
     """No test finds what an earlier run of anybody found, and none leaves anything with the user."""
     monkeypatch.setenv("SAFELOC_CACHE", str(cache_folders / str(next(NUMBERS))))
+
+
+@pytest.fixture(autouse=True)
+def machines_generated_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The Python of equal declarations is generated once in a process, outside the tests of generated code."""
+    if request.path.relative_to(Path(__file__).parent).parts[0] not in GENERATING:
+        monkeypatch.setattr(compiled, "to_python", generated_once)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from types import CodeType
 from typing import Any
 
 from safeloc.codegen.python_code import rows_to_python, terms_to_python, to_python
@@ -63,8 +65,7 @@ class Compiled:
 def compile_system(system: TransitionSystem) -> Compiled:
     """Generate and load the functions. For the on-board system, pass `without_ghosts(system)`."""
     source = to_python(system)
-    space: dict[str, Any] = {}
-    exec(compile(source, f"<safeloc {system.name}>", "exec"), space)  # our own text, made from checked terms
+    space = _functions(source, system.name)
     return Compiled(
         system,
         source,
@@ -81,15 +82,26 @@ def compile_system(system: TransitionSystem) -> Compiled:
 
 def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Row]:
     """Return the terms as a function of one row of values, in the order of `reads`."""
-    space: dict[str, Any] = {}
-    exec(compile(terms_to_python(reads, terms), "<safeloc terms>", "exec"), space)
+    space = _functions(terms_to_python(reads, terms), "terms")
     function: Callable[[Sequence[Value]], Row] = space["terms"]
     return function
 
 
 def compile_rows(rows: Mapping[str, Sequence[Var]], terms: Sequence[Expr]) -> Callable[..., Row]:
     """Return the terms as a function of several rows of values, in order; it unpacks only the values that the terms read."""
-    space: dict[str, Any] = {}
-    exec(compile(rows_to_python(rows, terms), "<safeloc terms>", "exec"), space)
+    space = _functions(rows_to_python(rows, terms), "terms")
     function: Callable[..., Row] = space["terms"]
     return function
+
+
+def _functions(source: str, name: str) -> dict[str, Any]:
+    """Return what a generated text defines."""
+    space: dict[str, Any] = {}
+    exec(_code(source, name), space)  # our own text, made from checked terms
+    return space
+
+
+@lru_cache(maxsize=32)
+def _code(source: str, name: str) -> CodeType:
+    """Compile a text once: a process often runs several copies of a machine."""
+    return compile(source, f"<safeloc {name}>", "exec")

@@ -57,12 +57,18 @@ def found() -> dict[str, Entry[Any]]:
 class _Shipped(Mapping[str, Entry[Any]]):
     """The entries by name, searched for at the first access: a user's own machine needs none of them."""
 
+    def __init__(self) -> None:
+        self._asked: dict[str, Entry[Any]] = {}
+
     @cached_property
     def _entries(self) -> dict[str, Entry[Any]]:
-        return found()
+        return {name: self._asked.get(name, entry) for name, entry in found().items()}
 
     def __getitem__(self, name: str) -> Entry[Any]:
-        return self._entries[name]
+        """Return the entry; most stand in a folder of their name, and then no other folder is imported."""
+        if name not in self._asked and "_entries" not in self.__dict__ and name.isidentifier() and _has_target(name):
+            self._asked |= {entry.name: entry for entry in declared(name)}
+        return self._asked[name] if name in self._asked else self._entries[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)

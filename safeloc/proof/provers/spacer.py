@@ -83,7 +83,9 @@ def _text(reason: str | bytes) -> str:
 
 def _engine(limits: Limits) -> z3.Fixedpoint:
     engine = z3.Fixedpoint()
-    engine.set(engine="spacer", timeout=milliseconds(CLOCK * limits.seconds), rlimit=units(limits.seconds, UNITS_PER_SECOND))
+    engine.set(
+        engine="spacer", timeout=milliseconds(CLOCK * limits.seconds), rlimit=units(limits.seconds, UNITS_PER_SECOND)
+    )
     engine.set("spacer.random_seed", limits.seed)
     return engine
 

@@ -72,12 +72,12 @@ class Projector:
     def __init__(self, line: Line, *, edges: Sequence[str] | None = None) -> None:
         """`edges` restricts the projection to some edges, for instance those of a route."""
         self._shapely, self._pyproj = _shapely(), _pyproj()
+        self._transformers: dict[tuple[str, str], Any] = {}
         chosen = [edge for edge in line.edges if edge.geometry is not None and (edges is None or edge.id in edges)]
         if not chosen:
             raise InputError(f"{line.name}: none of these edges has a geometry; positions cannot be projected to them.")
         degrees = [self._degrees(edge) for edge in chosen]
         self._plane = _plane_at(degrees)
-        self._transformers: dict[str, Any] = {}
         self._courses = [self._course(edge, points) for edge, points in zip(chosen, degrees, strict=True)]
         self._tree = self._shapely.STRtree([course.line for course in self._courses])
 
@@ -123,7 +123,7 @@ class Projector:
 
     def prepare(self, crs: str) -> None:
         """Prepare for positions of a coordinate system; InputError if it is unknown."""
-        self._transformers.setdefault(crs, self._transformer(crs, self._plane))
+        self._transformer(crs, self._plane)
 
     def plane(self, x: float, y: float, *, crs: str = WGS84) -> tuple[float, float]:
         """Return a position in the plane of the projection: metres east and north of the line's middle. InputError as above."""
@@ -145,18 +145,21 @@ class Projector:
         return round(math.hypot(bx - ax, by - ay) * 1000)
 
     def _to_plane(self, x: float, y: float, crs: str) -> tuple[float, float]:
-        if crs not in self._transformers:
-            self.prepare(crs)
-        east, north = self._transformers[crs].transform(x, y)
+        east, north = self._transformer(crs, self._plane).transform(x, y)
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(east) and math.isfinite(north)):
             raise InputError(f"({x}, {y}) is no position in {crs}.")
         return east, north
 
     def _transformer(self, crs: str, to: str) -> Any:
+        made = self._transformers.get((crs, to))
+        if made is not None:
+            return made
         try:
-            return self._pyproj.Transformer.from_crs(crs, to, always_xy=True)
+            made = self._pyproj.Transformer.from_crs(crs, to, always_xy=True)
         except self._pyproj.exceptions.CRSError as error:
             raise InputError(f"{crs!r} is no coordinate system: {error}.") from error
+        self._transformers[crs, to] = made
+        return made
 
     def _degrees(self, edge: TrackEdge) -> tuple[tuple[float, float], ...]:
         assert isinstance(edge.geometry, Geometry)

@@ -143,5 +143,6 @@ def test_a_file_that_goes_meanwhile(copy: Path, monkeypatch: pytest.MonkeyPatch)
     """What cannot be looked at is not known to be undisturbed."""
     monkeypatch.setattr(engine, "PACKAGE", copy)
     monkeypatch.setattr(engine, "_BEGAN", time.time() + 1)
-    monkeypatch.setattr(engine, "_files", lambda *_: [copy / "gone.py"])
+    assert engine.undisturbed()
+    (copy / "gone.py").symlink_to(copy / "was_here.py")
     assert not engine.undisturbed()
