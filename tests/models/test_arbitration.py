@@ -21,6 +21,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.arbitration import properties
+from tests.models.everything_proved import shipped_runs
 from tests.models.one_step import changed, kept, without
 
 SUBSETS = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]
@@ -175,7 +176,7 @@ def test_unknown_sources_are_refused() -> None:
 def test_everything_is_proved(sources: tuple[str, ...]) -> None:
     """Every property and lemma, whatever the sources are; a single source takes over from none, and nothing is claimed of it."""
     model = machine(*sources)
-    findings = prove(lower(model.machine), properties(model), Limits())
+    findings = prove(lower(model.machine), properties(model), Limits(), **shipped_runs("arbitration"))
     taken_over = {one.id for one in findings if one.id.endswith("takes over for a reason")}
     wanted = sources if len(sources) > 1 else ()
     assert taken_over == {f"arbitration/property/{source} takes over for a reason" for source in wanted}

@@ -21,7 +21,8 @@ from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
 from safeloc.runtime.streams.steps import Cell
-from tests.models.fibre_family import labels, mode_labels, unproved_of
+from tests.models.everything_proved import unproved_of
+from tests.models.fibre_family import labels, mode_labels
 from tests.models.one_step import changed, kept
 
 

@@ -17,7 +17,8 @@ from safeloc.models import emitter
 from safeloc.models.emitter import Emitter, EmitterConfig, Parts, build, judgement, parts
 from safeloc.properties.emitter import properties
 from safeloc.runtime.streams.steps import Cell
-from tests.models.fibre_family import labels, mode_labels, unproved_of
+from tests.models.everything_proved import unproved_of
+from tests.models.fibre_family import labels, mode_labels
 from tests.models.one_step import changed, kept
 from tests.models.wrong_edits import lost
 

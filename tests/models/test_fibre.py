@@ -22,7 +22,8 @@ from safeloc.models.fibre.code import Symbol
 from safeloc.models.fibre.cycle import Cycle
 from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.properties.fibre import properties
-from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
+from tests.models.everything_proved import unproved_of
+from tests.models.fibre_family import labels, mode_labels, replayed
 from tests.models.one_step import changed, kept
 
 CONFIG = FibreConfig()

@@ -35,7 +35,8 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
-from tests.models.fibre_family import labels, recordings_of
+from tests.models.everything_proved import shipped_runs
+from tests.models.fibre_family import labels
 from tests.models.one_step import changed, kept_by
 
 CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
@@ -193,8 +194,8 @@ def test_cycles_that_differ_are_refused() -> None:
 @pytest.mark.slow
 def test_everything_is_proved() -> None:
     """Every lemma and property through the whole step, without a bound."""
-    system, known = made().composition.system, recordings_of("fibre_area")
-    found = prove(system, properties(made()), Limits(seconds=60), jobs=2, recordings=known)
+    system, known = made().composition.system, shipped_runs("fibre_area")
+    found = prove(system, properties(made()), Limits(seconds=60), jobs=2, **known)
     assert {one.id: word(one.result) for one in found if not isinstance(one.result, Proved)} == {}
 
 

@@ -40,6 +40,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
 from safeloc.runtime.streams.steps import read_steps
+from tests.models.everything_proved import shipped_runs
 from tests.models.one_step import changed, kept, without
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
@@ -97,7 +98,7 @@ BELIEVED = [at(0), at(0), at(0)]
 def test_everything_is_proved(figures: Mapping[str, int]) -> None:
     """Without a bound, for configurations that differ in period, row and brake."""
     model = build(parts(GuardConfig.model_validate(figures)))
-    findings = prove(lower(model.machine), properties(model), Limits(seconds=60))
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), **shipped_runs("guard"))
     assert [finding.id for finding in findings if not isinstance(finding.result, Proved)] == []
 
 

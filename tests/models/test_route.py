@@ -28,6 +28,7 @@ from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.simulation.motion import Leg
 from safeloc.target import STREAMS
+from tests.models.everything_proved import shipped_runs
 from tests.models.spoilt import rebuilt
 
 CONFIG = RouteConfig()
@@ -189,7 +190,7 @@ def test_impossible_configurations_are_refused() -> None:
 def test_everything_is_proved(routes: int) -> None:
     """Every property, for any number of routes, without a bound on the length of the run."""
     model = route.build(parts(RouteConfig(routes=routes)))
-    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), jobs=2)
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), jobs=2, **shipped_runs("route"))
     wrong = [finding.id for finding in findings if not isinstance(finding.result, Proved)]
     assert [] == wrong
 

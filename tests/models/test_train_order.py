@@ -15,7 +15,7 @@ from safeloc.models.train_order import TrainOrder, TrainOrderConfig, build, part
 from safeloc.models.train_order.cycle import Cycle
 from safeloc.properties.train_order import properties
 from safeloc.runtime.streams.steps import Cell
-from tests.models.fibre_family import unproved_of
+from tests.models.everything_proved import unproved_of
 from tests.models.one_step import changed, kept
 
 

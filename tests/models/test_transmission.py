@@ -18,6 +18,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.transmission import properties
+from tests.models.everything_proved import shipped_runs
 from tests.models.one_step import changed, kept
 
 CONFIG = TransmissionConfig(max_speed_mm_s=10_000, age_limit_ms=500)
@@ -103,7 +104,7 @@ def test_what_has_become_too_wide_is_withdrawn() -> None:
 def test_everything_is_proved() -> None:
     """Every property and lemma, and every obligation: all transitions fire in some run."""
     model = link()
-    findings = prove(lower(model.machine), properties(model), Limits())
+    findings = prove(lower(model.machine), properties(model), Limits(), **shipped_runs("transmission"))
     findings += obligations(lower(model.machine), Limits())
     assert [one.id for one in findings if not isinstance(one.result, Proved)] == []
 

@@ -23,7 +23,8 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.verification import properties
 from safeloc.properties.verification.mismatch import NAMED
 from safeloc.runtime.streams.steps import Cell
-from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
+from tests.models.everything_proved import shipped_runs, unproved_of
+from tests.models.fibre_family import labels, mode_labels, replayed
 from tests.models.one_step import changed, kept
 from tests.models.wrong_edits import lost
 
@@ -234,7 +235,7 @@ def test_everything_is_proved() -> None:
 def test_other_configurations_are_proved(config: VerificationConfig) -> None:
     """The same holds where control data are required, and where every cycle has to be verified."""
     model = made_for(config)
-    found = prove(lower(model.machine), properties(model), Limits(seconds=30), jobs=1)
+    found = prove(lower(model.machine), properties(model), Limits(seconds=30), jobs=1, **shipped_runs("verification"))
     assert {one.id: word(one.result) for one in found if word(one.result) != "proved"} == {}
 
 

@@ -19,7 +19,7 @@ from safeloc.models.verification.judgement import Judged
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
 from safeloc.properties.verification import properties
-from tests.models.fibre_family import unproved_of
+from tests.models.everything_proved import unproved_of
 from tests.models.one_step import kept
 
 CONFIG = VerificationConfig()
