@@ -1,6 +1,6 @@
 """Several targets at once: a process for each target, and slots at the processors that all processes share.
 
-The longest targets begin first. Progress is reported at once; all findings of a target arrive when it is done. All processes
+The longest targets begin first, beside one short one. Progress is reported at once; all findings of a target arrive when it is done. All processes
 are forked before any findings arrive: a process that holds the findings of many targets is ten times as large, and so would
 be every process that is forked from it.
 """
@@ -128,7 +128,7 @@ def verify_targets(
     keeping = look_in is not None or keep_in is not None
     questions = {target: asked(target, "verified", plan) for target in targets} if keeping else {}
     found = dict(_found_before(look_in, questions, on_event))
-    left = sorted((target for target in targets if target.name not in found), key=_size, reverse=True)
+    left = _in_turn([target for target in targets if target.name not in found], jobs)
     slots = Slots(max(1, jobs))
     try:
         with kept_in(keep_in, fresh=look_in is None):
@@ -140,6 +140,12 @@ def verify_targets(
     finally:
         slots.close()
     return {target.name: found[target.name] for target in targets}
+
+
+def _in_turn(targets: Sequence[Target], jobs: int) -> list[Target]:
+    """Return the targets with the longest first; of more than there are processes the shortest before them, for first results soon."""
+    order = sorted(targets, key=_size, reverse=True)
+    return order if len(order) <= jobs or jobs == 1 else [order[-1], *order[:-1]]
 
 
 def _size(target: Target) -> int:

@@ -68,6 +68,23 @@ def test_side_by_side_is_as_one_by_one(alone: tuple[Target, list[Finding]]) -> N
         assert (Began, Over) == (own[0], own[-1])
 
 
+@pytest.mark.parametrize(("jobs", "order"), [(1, [1, 2, 0]), (2, [0, 1, 2])])
+def test_a_short_target_begins_beside_the_longest(jobs: int, order: list[int]) -> None:
+    """With several processes the first results come soon; with one the longest target begins, as it takes as long in any order."""
+    names = ("delocalized", "travel_direction", "emitter")  # from few variables and results to many
+    targets = [replace(load_target(name), streams=(), properties=()) for name in names]
+    sizes = [len(one.system.state) for one in targets]
+    assert sizes[0] == min(sizes)
+    began: list[str] = []
+    verify_targets(
+        targets,
+        PLAN,
+        jobs=jobs,
+        on_event=lambda event: began.append(event.target) if isinstance(event, Began) else None,
+    )
+    assert [names[place] for place in order] == began
+
+
 def test_what_a_target_raises_is_raised(tmp_path: Path) -> None:
     """For a recording that the machine cannot take, the error has file and line; it is not a lost process."""
     path = tmp_path / "other.jsonl"
