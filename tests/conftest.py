@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from safeloc.codegen import compiled
-from tests.generated_once import generated_once
+from tests.generated_once import compiled_once, generated_once
 
 SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
@@ -42,6 +42,7 @@ def nothing_kept(monkeypatch: pytest.MonkeyPatch, cache_folders: Path) -> None:
 
 @pytest.fixture(autouse=True)
 def machines_generated_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The Python of equal declarations is generated once in a process, outside the tests of generated code."""
+    """The Python of equal declarations is generated and compiled once in a process, outside the tests of generated code."""
     if request.path.relative_to(Path(__file__).parent).parts[0] not in GENERATING:
         monkeypatch.setattr(compiled, "to_python", generated_once)
+        monkeypatch.setattr(compiled, "_code", compiled_once)

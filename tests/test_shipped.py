@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +21,19 @@ from safeloc.target import Entry, Family
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "docs" / "examples" / "beacons.py"
+
+
+def test_a_machine_is_found_without_the_others() -> None:
+    """Asked for by the name of its folder it is imported alone, and is the same entry afterwards."""
+    code = """
+import sys
+from safeloc.shipped import ENTRIES
+one = ENTRIES["axle_head"]
+print(sorted(name for name in sys.modules if name.startswith("safeloc.models.") and name.endswith(".target")))
+print("no machine" in ENTRIES, len(ENTRIES), ENTRIES["axle_head"] is one, dict(ENTRIES)["axle_head"] is one)
+"""
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ["['safeloc.models.axle_head.target']", f"False {len(ENTRIES)} True True"] == ran.stdout.splitlines()
 
 
 def test_every_folder_with_a_target_is_in_the_catalogue() -> None:

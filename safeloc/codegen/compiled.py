@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from types import CodeType
 from typing import Any
 
@@ -101,7 +100,5 @@ def _functions(source: str, name: str) -> dict[str, Any]:
     return space
 
 
-@lru_cache(maxsize=32)
 def _code(source: str, name: str) -> CodeType:
-    """Compile a text once: a process often runs several copies of a machine."""
     return compile(source, f"<safeloc {name}>", "exec")

@@ -66,7 +66,7 @@ class _Shipped(Mapping[str, Entry[Any]]):
 
     def __getitem__(self, name: str) -> Entry[Any]:
         """Return the entry; most stand in a folder of their name, and then no other folder is imported."""
-        if name not in self._asked and "_entries" not in self.__dict__ and name.isidentifier() and _has_target(name):
+        if name not in self._asked and "_entries" not in vars(self) and name.isidentifier() and _has_target(name):
             self._asked |= {entry.name: entry for entry in declared(name)}
         return self._asked[name] if name in self._asked else self._entries[name]
 

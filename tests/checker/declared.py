@@ -167,7 +167,7 @@ def properties(found: Machine | Composition) -> list[Property]:
     if isinstance(found, Machine) and found.name == "made":
         return []
     if found is coded:
-        return [always("first code", previous(CODED.eq(0)).implies(TRUTH >= 0)), reachable("a code", CODED.eq(3))]
+        return [always("no code before the truth", CODED.eq(0) | (TRUTH >= 1)), reachable("a code", CODED.eq(3))]
     if found is tracking:
         return [always("known is near", before(PLACE) <= KNOWN)]
     if found is twins:

@@ -16,7 +16,7 @@ from tests.cli.calling import Call
 
 
 def _as_proved(texts: Mapping[str, str], _jobs: int, _seconds: float) -> Iterator[tuple[str, Opinion]]:
-    """Yield for each text that both solvers confirm all its goals; those of the provers have confirmed them already."""
+    """Yield for each text that both solvers confirm all its goals; the provers had each text confirmed by a second solver."""
     for name, text in texts.items():
         goals = len(read(name, text, Dag()).goals)
         yield name, Opinion({solver: ["unsat"] * goals for solver in NEEDED})
@@ -33,4 +33,4 @@ def test_all_texts_together_prove_what_the_report_claims(
     found = check_folder(tmp_path / "report", jobs=2)
     assert ({}, {}) == (found.wrong, found.undecided)
     assert [] == [(row.id, row.why) for row in found.rows if row.answer not in (CONFIRMED, NO_PROOF)]
-    assert sum(row.answer == CONFIRMED for row in found.rows) > 2_800
+    assert {("proved", CONFIRMED), ("held", NO_PROOF)} == {(row.verdict, row.answer) for row in found.rows}

@@ -1,4 +1,4 @@
-"""Terms of a machine that are edited wrongly, and the claims that notice: those that are no longer kept in one step."""
+"""Terms of a machine that are edited wrongly, and the claims that notice: those that are no longer inductive."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
-from tests.models.one_step import kept
+from tests.models.one_step import inductive
 
 Made = tuple[Machine, Iterable[Property]]
 
@@ -31,7 +31,7 @@ def edited(monkeypatch: pytest.MonkeyPatch, owner: type | ModuleType, name: str,
 
 
 def keeps(made: Made, claim: str) -> bool:
-    """Whether the claim of that name, with ranges and lemmas, is kept from each step to the next."""
+    """Whether the claim of that name is inductive with ranges and lemmas."""
     machine, claims = made
     [prop] = [one for one in claims if one.name == claim]
-    return kept(machine, prop)
+    return inductive(machine, prop)

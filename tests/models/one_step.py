@@ -1,4 +1,4 @@
-"""Whether a machine keeps a property from one step to the next: what breaks when a model is broken on purpose."""
+"""Whether a property is inductive with the lemmas of its machine, and machines that are broken on purpose."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from tests.models.spoilt import rebuilt
 
 
-def kept(machine: Machine, prop: Property, only: str = "") -> bool:
-    """Whether ranges, lemmas and the property hold after each step from a state in which they hold: all, or the named one only.
+def inductive(machine: Machine, prop: Property, only: str = "") -> bool:
+    """Whether ranges, lemmas and the property are inductive together: each step from a state in which all hold keeps them.
 
-    All is one question: the first run found against it ends it. KeyError if nothing has that name.
+    only  the range, lemma or property that has to hold after the step; all of them if empty. KeyError for an unknown name
     """
-    return kept_by(lower(machine), prop, only)
+    return inductive_in(lower(machine), prop, only)
 
 
-def kept_by(system: TransitionSystem, prop: Property, only: str = "") -> bool:
+def inductive_in(system: TransitionSystem, prop: Property, only: str = "") -> bool:
     """The same of a composition."""
     goal = observe(system, prop)
     ghosts = goal.original.ghosts if prop.unconditional else frozenset()
@@ -36,7 +36,7 @@ def kept_by(system: TransitionSystem, prop: Property, only: str = "") -> bool:
     wanted = {**known, prop.name: goal.good & goal.helper}
     given = [environment(goal.system), in_range(goal.system.state), *wanted.values()]
     asked = wanted[only] if only else all_of(wanted.values())
-    return not unproved(Query("one step", given, {"kept": after.bool(asked)}), 60)
+    return not unproved(Query("one step", given, {"after it": after.bool(asked)}), 60)
 
 
 def changed(machine: Machine, name: str, **fields: object) -> Machine:

@@ -22,7 +22,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.arbitration import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, kept, without
+from tests.models.one_step import changed, inductive, without
 
 SUBSETS = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]
 FEW = [("satellite",), ("odometry", "balise"), ("reflector", "fibre"), SOURCES]
@@ -207,8 +207,8 @@ def test_a_missing_guard_is_noticed(transition: str, property_: str) -> None:
     """Without the transition the property that speaks of it is not kept any more."""
     model = machine("odometry", "balise")
     prop = next(one for one in properties(model) if one.name == property_)
-    assert kept(model.machine, prop)
-    assert not kept(without(model.machine, transition), prop)
+    assert inductive(model.machine, prop)
+    assert not inductive(without(model.machine, transition), prop)
 
 
 def test_leading_without_a_reference_is_noticed() -> None:
@@ -218,8 +218,8 @@ def test_leading_without_a_reference_is_noticed() -> None:
     wrong = changed(
         model.machine, "balise leads first", when=model.cycle.usable & model.cycle.leads(model.own.sources[1])
     )
-    assert kept(model.machine, prop)
-    assert not kept(wrong, prop)
+    assert inductive(model.machine, prop)
+    assert not inductive(wrong, prop)
 
 
 def test_a_front_end_that_does_not_lag_is_noticed() -> None:
@@ -228,4 +228,4 @@ def test_a_front_end_that_does_not_lag_is_noticed() -> None:
     prop = next(one for one in properties(model) if one.name == "min safe front end advances with the distance")
     row = next(t for t in model.machine.transitions if t.name == "balise takes over")
     wrong = changed(model.machine, "balise takes over", set={**row.set, model.own.lag: 0}, when=row.when & TRUE)
-    assert not kept(wrong, prop)
+    assert not inductive(wrong, prop)

@@ -14,7 +14,7 @@ from safeloc.models.area.slot import ACCEPTED, ENTERS_LOW, Reach, Slot
 from safeloc.models.sections import SectionsConfig, compose_machines
 from safeloc.properties.sections import properties
 from tests.models.edited_terms import edited
-from tests.models.one_step import kept_by
+from tests.models.one_step import inductive_in
 
 CONFIG = SectionsConfig(area=AreaConfig(trains=2))
 HELD, LOOSE = "train 1 containment", "loose vehicles are accounted for"
@@ -26,7 +26,7 @@ def keeps(claim: str, config: SectionsConfig = CONFIG) -> bool:
     """Whether the composition as it is built now keeps the claim from each step to the next."""
     model = compose_machines(config)
     [prop] = [one for one in properties(model) if one.name == claim]
-    return kept_by(model.composition.system, prop)
+    return inductive_in(model.composition.system, prop)
 
 
 def at_rest(slot: Slot) -> tuple[Num, Num]:

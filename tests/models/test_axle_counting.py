@@ -23,7 +23,7 @@ from safeloc.properties import axle_section as section_properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import unproved_of
 from tests.models.fibre_family import labels, mode_labels
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 
 @cache
@@ -269,7 +269,7 @@ def test_a_broken_section_is_noticed(row: str, fields: dict[str, object], broken
     given = {name: table.get(value, value) if isinstance(value, str) else value for name, value in fields.items()}
     wrong = replace(section(), machine=changed(section().machine, row, **given))
     prop = next(one for one in section_properties.properties(wrong) if one.name == broken)
-    assert not kept(wrong.machine, prop)
+    assert not inductive(wrong.machine, prop)
 
 
 @pytest.mark.parametrize(
@@ -284,7 +284,7 @@ def test_a_broken_head_is_noticed(row: str, target: str, broken: str) -> None:
     """A wheel that disturbs, an axle in the wrong direction, a direction that is guessed: each loses a proof."""
     table = {mode.label: mode for mode in head().machine.modes}
     wrong = replace(head(), machine=changed(head().machine, row, target=table[target]))
-    assert not kept(wrong.machine, next(p for p in head_properties.properties(wrong) if p.name == broken))
+    assert not inductive(wrong.machine, next(p for p in head_properties.properties(wrong) if p.name == broken))
 
 
 def test_a_broken_record_is_noticed() -> None:
@@ -296,7 +296,7 @@ def test_a_broken_record_is_noticed() -> None:
         ("train has passed", {"when": TRUE}, "the whole train has passed"),
     ):
         wrong = replace(own, machine=changed(own.machine, row, **fields))
-        assert not kept(wrong.machine, next(p for p in counter_properties.properties(wrong) if p.name == broken))
+        assert not inductive(wrong.machine, next(p for p in counter_properties.properties(wrong) if p.name == broken))
 
 
 def test_a_train_that_never_surely_passes_is_refused() -> None:

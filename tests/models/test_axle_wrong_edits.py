@@ -18,7 +18,7 @@ from safeloc.models.axle_section.variables import Parts
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
-from tests.models.one_step import kept
+from tests.models.one_step import inductive
 from tests.models.spoilt import rebuilt
 
 Term = Callable[[Parts], Bool | Num]
@@ -29,7 +29,7 @@ Term = Callable[[Parts], Bool | Num]
 
 def _head_lacks(config: AxleHeadConfig, claim: str, only: str = "") -> bool:
     model = axle_head.build(axle_head.parts(config))
-    return not kept(model.machine, next(p for p in head_properties.properties(model) if p.name == claim), only)
+    return not inductive(model.machine, next(p for p in head_properties.properties(model) if p.name == claim), only)
 
 
 @pytest.mark.parametrize("wrong", [{"sample_us": 700}, {"spacing_mm": 42}], ids=["overlap", "one channel alone"])
@@ -49,7 +49,7 @@ def test_a_disturbed_head_that_is_told_free_is_noticed() -> None:
     told = {**machine.outputs, "damped": mode.ne(free) & mode.ne(disturbed)}
     wrong = replace(model, machine=rebuilt(machine, machine.transitions, outputs=told))
     [prop] = [one for one in head_properties.properties(wrong) if one.name == claim]
-    assert not kept(wrong.machine, prop, claim)
+    assert not inductive(wrong.machine, prop, claim)
     assert not _head_lacks(AxleHeadConfig(), claim, claim)
 
 
@@ -92,7 +92,7 @@ SECTION_EDITS: list[tuple[str, Term, str]] = [
 
 def _section_lacks(claim: str) -> bool:
     model = axle_section.build(axle_section.parts(AxleSectionConfig()))
-    return not kept(model.machine, next(p for p in section_properties.properties(model) if p.name == claim))
+    return not inductive(model.machine, next(p for p in section_properties.properties(model) if p.name == claim))
 
 
 @pytest.mark.parametrize(("name", "wrong", "broken"), SECTION_EDITS)
@@ -125,7 +125,7 @@ def test_a_way_of_the_sweep_that_is_not_kept_is_noticed(end: int, way: str, monk
 
 def _counter_lacks(claim: str) -> bool:
     model = axle_counter.build(axle_counter.parts(AxleCounterConfig()))
-    return not kept(model.machine, next(p for p in counter_properties.properties(model) if p.name == claim))
+    return not inductive(model.machine, next(p for p in counter_properties.properties(model) if p.name == claim))
 
 
 def _unchanged_runs(cycle: Cycle) -> tuple[Num, Num]:

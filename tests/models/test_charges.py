@@ -20,7 +20,7 @@ from safeloc.models.guard.variables import parts as guard_parts
 from safeloc.properties.fibre import properties as fibre_properties
 from safeloc.properties.guard import properties as guard_properties
 from safeloc.properties.sections import properties as section_properties
-from tests.models.one_step import kept_by
+from tests.models.one_step import inductive_in
 
 Found = tuple[TransitionSystem, dict[str, Property]]
 CHARGES = {
@@ -62,7 +62,7 @@ BUILT = {"fibre": _fibre, "guard": _guard, "sections": _sections}
 def _lost(name: str) -> list[str]:
     """Properties about charges that the machine, as it is built now, does not keep."""
     system, found = BUILT[name]()
-    return [one for one in CHARGES[name] if not kept_by(system, found[one])]
+    return [one for one in CHARGES[name] if not inductive_in(system, found[one])]
 
 
 @pytest.mark.parametrize("name", BUILT)

@@ -19,7 +19,7 @@ from safeloc.properties.emitter import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import unproved_of
 from tests.models.fibre_family import labels, mode_labels
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 from tests.models.wrong_edits import lost
 
 CONFIG = EmitterConfig()
@@ -116,7 +116,7 @@ def test_everything_is_proved() -> None:
 def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
     """A pattern that is not waited for, or not looked at, loses a proof."""
     wrong = replace(made(), machine=changed(made().machine, row, **fields))
-    assert not kept(wrong.machine, next(prop for prop in properties(wrong) if prop.name == broken))
+    assert not inductive(wrong.machine, next(prop for prop in properties(wrong) if prop.name == broken))
 
 
 def test_a_pattern_that_counts_at_any_time_is_refused() -> None:

@@ -24,7 +24,7 @@ from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.properties.fibre import properties
 from tests.models.everything_proved import unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 CONFIG = FibreConfig()
 RAISED = Section(1_000_000, 1_300_000, Symbol(rises=True, long=True))
@@ -150,7 +150,7 @@ def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: st
     modes = {mode.label: mode for mode in made().machine.modes}
     given = {name: modes.get(value, value) if isinstance(value, str) else value for name, value in fields.items()}
     wrong = replace(made(), machine=changed(made().machine, row, **given))
-    assert not kept(wrong.machine, _named(broken, wrong))
+    assert not inductive(wrong.machine, _named(broken, wrong))
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
 def lacking(claim: str) -> bool:
     """Whether the machine, as it is at present, does not keep a claim."""
     model = build(parts(CONFIG))
-    return not kept(model.machine, _named(claim, model))
+    return not inductive(model.machine, _named(claim, model))
 
 
 @pytest.mark.parametrize(("name", "wrong", "broken"), EDITS, ids=[f"{name}: {broken}" for name, _, broken in EDITS])

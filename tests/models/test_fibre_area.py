@@ -37,7 +37,7 @@ from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
 from tests.models.fibre_family import labels
-from tests.models.one_step import changed, kept_by
+from tests.models.one_step import changed, inductive_in
 
 CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
 Wiring = Callable[[Verification, Fibre, Fibre, Emitter, Entry], dict[Var, Expr]]
@@ -266,7 +266,7 @@ def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object],
     """A row without its guard, its updates or its target loses a proof of the whole."""
     model = spoilt(part, row, **fields)
     (prop,) = [one for one in properties(model) if one.name == broken]
-    assert not kept_by(model.composition.system, prop)
+    assert not inductive_in(model.composition.system, prop)
 
 
 @pytest.mark.parametrize(
@@ -283,7 +283,7 @@ def test_a_broken_wire_is_noticed(wire: str, broken: str, monkeypatch: pytest.Mo
     monkeypatch.setattr(fibre_area, "_verification_wires", _with_broken(fibre_area._verification_wires, wire))
     model = compose_machines(CONFIG)
     (prop,) = [one for one in properties(model) if one.name == broken]
-    assert not kept_by(model.composition.system, prop)
+    assert not inductive_in(model.composition.system, prop)
 
 
 def _with_broken(wires: Wiring, name: str) -> Wiring:

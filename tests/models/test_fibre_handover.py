@@ -25,7 +25,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_handover import properties
 from safeloc.runtime.streams.steps import Cell
-from tests.models.one_step import changed, kept_by
+from tests.models.one_step import changed, inductive_in
 
 CONFIG = FibreHandoverConfig()
 SHARED_MM = (300_000, 500_000)
@@ -166,7 +166,7 @@ def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object],
     """A row without its guard or its updates loses a proof of the whole."""
     model = spoilt(part, row, **fields)
     (prop,) = [one for one in properties(model) if one.name == broken]
-    assert not kept_by(model.composition.system, prop)
+    assert not inductive_in(model.composition.system, prop)
 
 
 def test_places_beyond_the_line_are_refused() -> None:

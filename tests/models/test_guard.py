@@ -41,7 +41,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
 from safeloc.runtime.streams.steps import read_steps
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, kept, without
+from tests.models.one_step import changed, inductive, without
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
 
@@ -105,7 +105,7 @@ def test_everything_is_proved(figures: Mapping[str, int]) -> None:
 def keeps(machine: Machine, name: str, only: str = "") -> bool:
     """Whether the property of that name and all lemmas, or the fact `only`, follow in one step."""
     found = {prop.name: prop for prop in properties(replace(MODEL, machine=machine))}
-    return kept(machine, found[name], only)
+    return inductive(machine, found[name], only)
 
 
 @pytest.mark.parametrize(
@@ -291,11 +291,11 @@ QUICK_EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
 def test_a_wrong_edit_of_course_or_reach_is_noticed_in_one_step(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Refusals by course and by the place last known are claimed in both directions, and follow in one step where nothing is edited."""
     where, name, wrong, broken = QUICK_EDITS[edit]
-    assert kept(MODEL.machine, PROPERTIES[broken])
+    assert inductive(MODEL.machine, PROPERTIES[broken])
     monkeypatch.setattr(where, name, wrong(getattr(where, name)))
     made = build(parts(CONFIG))
     found = {prop.name: prop for prop in properties(made)}
-    assert not kept(made.machine, found[broken], broken)
+    assert not inductive(made.machine, found[broken], broken)
 
 
 SLOW = ("the row grows by two", "whatever is held is kept", "a jump costs no trust")

@@ -25,7 +25,7 @@ from safeloc.properties.odometry import properties
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 from tests.data_sources import log_steps_mm, rows
-from tests.models.one_step import kept
+from tests.models.one_step import inductive
 
 FIVE_PERCENT = ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000)
 PLAIN = OdometryConfig(
@@ -399,7 +399,7 @@ def test_every_field_carries_unit_and_source() -> None:
 def keeps(machine: Machine, name: str, model: odometry.Odometry, only: str = "") -> bool:
     """Whether a (possibly broken) machine keeps a property, its lemmas and ranges in one step, or the named one of these."""
     prop = next(one for one in properties(replace(model, machine=machine)) if one.name == name)
-    return kept(machine, prop, only)
+    return inductive(machine, prop, only)
 
 
 def without(machine: Machine, name: str) -> Machine:

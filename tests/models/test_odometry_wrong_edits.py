@@ -24,7 +24,7 @@ from safeloc.models.vocabulary.measured import Limits
 from safeloc.proof.provers.implication import Refuted, unproved
 from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from safeloc.properties.odometry import properties
-from tests.models.one_step import kept
+from tests.models.one_step import inductive
 
 FIX = "safeloc.models.odometry.cycle.fix"
 Patch = pytest.MonkeyPatch
@@ -186,4 +186,4 @@ def test_a_unit_that_may_be_silent_for_ever_is_noticed(good: int, monkeypatch: p
 
 
 def _keeps(model: odometry.Odometry, claim: str, only: str = "") -> bool:
-    return kept(model.machine, next(one for one in properties(model) if one.name == claim), only)
+    return inductive(model.machine, next(one for one in properties(model) if one.name == claim), only)

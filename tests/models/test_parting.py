@@ -29,7 +29,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.fibre_area import properties
 from tests.models.edited_terms import edited
-from tests.models.one_step import kept, kept_by
+from tests.models.one_step import inductive, inductive_in
 
 FIGURES = PartingConfig(count_run_mm=3_000, roll_back_mm=20)
 REACH = AreaConfig(period_ms=500, limit_mm=1_000_000).reach
@@ -118,10 +118,10 @@ def test_a_wrong_edit_of_what_is_believed_is_noticed(monkeypatch: pytest.MonkeyP
     """What is told of a counted train holds it; not of one whose trailing end is believed too soon or too far in."""
     name, wrong = OF_THE_ENDS[edit]
     machine, report = alone()
-    assert kept(machine, holds(machine, report))
+    assert inductive(machine, holds(machine, report))
     edited(monkeypatch, Believed, name, wrong)
     machine, report = alone()
-    assert not kept(machine, holds(machine, report))
+    assert not inductive(machine, holds(machine, report))
 
 
 # ------------------------------------------------------------------ the whole, told in journeys
@@ -213,9 +213,9 @@ def nothing_inside() -> tuple[Machine, Property]:
 @pytest.mark.parametrize("edit", OF_THE_EXIT)
 def test_a_wrong_edit_of_the_exit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """A train that has left has left with all its axles; not where they are counted, or believed, wrongly."""
-    assert kept(*nothing_inside())
+    assert inductive(*nothing_inside())
     edited(monkeypatch, Heard, *OF_THE_EXIT[edit])
-    assert not kept(*nothing_inside())
+    assert not inductive(*nothing_inside())
 
 
 @pytest.mark.parametrize(
@@ -231,4 +231,4 @@ def test_the_whole_notices_a_wrong_exit(monkeypatch: pytest.MonkeyPatch, wrong: 
     edited(monkeypatch, Heard, "complete", wrong)
     model = compose_machines(CONFIG)
     (prop,) = [one for one in properties(model) if one.name == claim]
-    assert not kept_by(model.composition.system, prop)
+    assert not inductive_in(model.composition.system, prop)

@@ -19,7 +19,7 @@ from safeloc.models.vocabulary.first_of import first_of
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties
-from tests.models.one_step import changed, kept, without
+from tests.models.one_step import changed, inductive, without
 
 ONE_SLOT = ReflectorConfig(echo_slots=1)
 
@@ -43,7 +43,7 @@ def updates(made: ReflectorMachine, name: str) -> Mapping[Var, Expr | int | bool
 def test_the_sound_machine_keeps_its_lemmas() -> None:
     """Nothing is broken in the machine as it is."""
     made = model()
-    assert kept(made.machine, named(made, "containment"))
+    assert inductive(made.machine, named(made, "containment"))
 
 
 @pytest.mark.parametrize(
@@ -68,9 +68,9 @@ def test_each_check_of_an_echo_is_needed(dropped: Lit, broken: str, monkeypatch:
     monkeypatch.setattr(echo, "first_of", lenient)
     made = model()
     if broken == "tolerance":
-        assert not kept(made.machine, named(made, broken), "range of own_margin_above_nm")
+        assert not inductive(made.machine, named(made, broken), "range of own_margin_above_nm")
     else:
-        assert not kept(made.machine, named(made, broken), broken)
+        assert not inductive(made.machine, named(made, broken), broken)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_an_optimistic_measurement_is_noticed(name: str, side: str) -> None:
     assert isinstance(narrower, Num)
     broken = changed(made.machine, name, set={**updates(made, name), var: narrower - 1})
     lost = "holds where the radar has the truth" if name == "self-test passed" else "holds the truth"
-    assert not kept(broken, named(made, "containment"), f"a measured interval {lost}")
+    assert not inductive(broken, named(made, "containment"), f"a measured interval {lost}")
 
 
 def test_a_forgotten_constant_is_noticed() -> None:
@@ -96,7 +96,7 @@ def test_a_forgotten_constant_is_noticed() -> None:
     broken = changed(
         made.machine, "echo missing", set={**updates(made, "echo missing"), **made.own.track.become(run_on)}
     )
-    assert not kept(broken, named(made, "containment"), "a dead-reckoned interval holds the truth")
+    assert not inductive(broken, named(made, "containment"), "a dead-reckoned interval holds the truth")
 
 
 def test_a_continuation_from_the_balise_is_noticed() -> None:
@@ -104,7 +104,7 @@ def test_a_continuation_from_the_balise_is_noticed() -> None:
     made = model()
     older = made.own.track.become(made.judged.anchored)
     broken = changed(made.machine, "reflector lost", set={**updates(made, "reflector lost"), **older})
-    assert not kept(broken, named(made, "goes on from the last position"), "goes on from the last position")
+    assert not inductive(broken, named(made, "goes on from the last position"), "goes on from the last position")
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_a_wrong_target_mode_is_noticed(transition: str, fields: dict[str, int],
     """A transition that leads to the wrong mode is found by the property that it hurts."""
     made = model()
     broken = changed(made.machine, transition, target=made.machine.modes[fields["target"]])
-    assert not kept(broken, named(made, prop, broken), prop)
+    assert not inductive(broken, named(made, prop, broken), prop)
 
 
 @pytest.mark.parametrize(
@@ -139,9 +139,9 @@ def test_a_wrong_target_mode_is_noticed(transition: str, fields: dict[str, int],
 def test_a_forgotten_transition_is_noticed(transition: str, prop: str) -> None:
     """Without the transition its property is lost."""
     made = model()
-    assert kept(made.machine, named(made, prop))
+    assert inductive(made.machine, named(made, prop))
     broken = without(made.machine, transition)
-    assert not kept(broken, named(made, prop, broken), prop)
+    assert not inductive(broken, named(made, prop, broken), prop)
 
 
 def test_a_retry_is_noticed() -> None:
@@ -149,15 +149,15 @@ def test_a_retry_is_noticed() -> None:
     made = model()
     again = made.own.balise.read & made.own.ahead.known
     broken = changed(made.machine, "reference measurement begins", when=again)
-    assert not kept(broken, named(made, "no retry", broken), "no retry")
+    assert not inductive(broken, named(made, "no retry", broken), "no retry")
 
 
 def test_readiness_without_a_test_is_noticed() -> None:
     """A way into readiness that leaves out the self-test is found: readiness no longer follows from a passed test."""
     made = model()
     shortcut = changed(made.machine, "balise without self-test", target=made.machine.modes[3])
-    assert kept(made.machine, _ready_by_test(made.machine))
-    assert not kept(shortcut, _ready_by_test(shortcut), "ready by test")
+    assert inductive(made.machine, _ready_by_test(made.machine))
+    assert not inductive(shortcut, _ready_by_test(shortcut), "ready by test")
 
 
 def _ready_by_test(machine: Machine) -> Property:

@@ -27,7 +27,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
-from tests.models.one_step import kept_by
+from tests.models.one_step import inductive_in
 from tests.models.wrong_edits import lost_by
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
@@ -389,7 +389,7 @@ def test_a_prediction_that_overshoots_is_noticed(monkeypatch: pytest.MonkeyPatch
     def keeps() -> bool:
         model = compose_machines(CONFIG)
         [claim] = [prop for prop in properties(model) if prop.name == name]
-        return kept_by(model.composition.system, claim, name)
+        return inductive_in(model.composition.system, claim, name)
 
     assert keeps()
     monkeypatch.setattr(satellite, "predicted", overshoots)
@@ -502,7 +502,7 @@ def test_a_term_that_is_not_charged_is_noticed(
     """Threshold, prediction or clock left out of a level, or prediction and clock as it once was."""
     model = _uncharged(kind, left_out, monkeypatch)
     (asked,) = [prop for prop in properties(model) if prop.name == NARROWED]
-    assert not kept_by(model.composition.system, asked, NARROWED)
+    assert not inductive_in(model.composition.system, asked, NARROWED)
 
 
 @pytest.mark.parametrize("kind", ["range", pytest.param("speed", marks=pytest.mark.slow)])
@@ -525,7 +525,7 @@ def test_one_unit_less_is_noticed(kind: Kind, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(SelectionConfig, name, property(lambda _: right - 1))
     model = compose_machines(CONFIG)
     (asked,) = [prop for prop in properties(model) if prop.name == NARROWED]
-    assert not kept_by(model.composition.system, asked, NARROWED)
+    assert not inductive_in(model.composition.system, asked, NARROWED)
     if kind == "range":
         assert {"containment": "violated"} == lost_by(model.composition.system, properties(model), "containment")
 
@@ -534,7 +534,7 @@ def test_the_right_machine_keeps_its_levels() -> None:
     """Nothing is noticed of the machine as it is."""
     model = compose_machines(CONFIG)
     (asked,) = [prop for prop in properties(model) if prop.name == NARROWED]
-    assert kept_by(model.composition.system, asked)
+    assert inductive_in(model.composition.system, asked)
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ from safeloc.models.satellite_selection import Channel, Compared, Parts, Removal
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.satellite_selection import properties
-from tests.models.one_step import kept
+from tests.models.one_step import inductive
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
 
@@ -166,7 +166,7 @@ def test_a_criterion_without_magnitudes_is_noticed(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(selection, "abs_", lambda term: term)
     wrong = build(parts(SelectionConfig(channels=2)))
     asked = [one for one in properties(wrong) if one.name.endswith("a violation is not usable")]
-    assert [False, False] == [kept(wrong.machine, one) for one in asked]
+    assert [False, False] == [inductive(wrong.machine, one) for one in asked]
 
 
 def test_a_duplicate_that_counts_twice_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -174,7 +174,7 @@ def test_a_duplicate_that_counts_twice_is_noticed(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(selection, "_is_twice", lambda *_: FALSE)
     wrong = build(parts(SelectionConfig(channels=2)))
     (asked,) = [one for one in properties(wrong) if one.name == "channel 2: no satellite twice"]
-    assert not kept(wrong.machine, asked)
+    assert not inductive(wrong.machine, asked)
 
 
 def _excluded_for_good(own: Parts, one: Channel) -> Expr:

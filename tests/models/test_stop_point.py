@@ -24,7 +24,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.stop_point import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 CONFIG = StopPointConfig()
 ON_BOARD = without_ghosts(lower(machine(CONFIG)))
@@ -295,7 +295,7 @@ def test_a_broken_guard_is_noticed(transition: str, fields: dict[str, object], b
     by_label = dict(zip(MODES, made.machine.modes, strict=True))
     wrong = changed(made.machine, transition, **{key: by_label.get(str(v), v) for key, v in fields.items()})
     prop = next(one for one in properties(_with(made, wrong)) if one.name == broken)
-    assert not kept(wrong, prop, broken)
+    assert not inductive(wrong, prop, broken)
 
 
 def _with(made: StopPoint, machine_: object) -> StopPoint:

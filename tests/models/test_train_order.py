@@ -16,7 +16,7 @@ from safeloc.models.train_order.cycle import Cycle
 from safeloc.properties.train_order import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import unproved_of
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 
 @cache
@@ -98,4 +98,4 @@ def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: st
     given = {name: dict(zip(own.belongs, Cycle(own).after, strict=True)) if isinstance(value, str) else value
              for name, value in fields.items()}  # fmt: skip
     wrong = replace(made(), machine=changed(made().machine, row, **given))
-    assert not kept(wrong.machine, next(one for one in properties(wrong) if one.name == broken))
+    assert not inductive(wrong.machine, next(one for one in properties(wrong) if one.name == broken))

@@ -19,7 +19,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.transmission import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 CONFIG = TransmissionConfig(max_speed_mm_s=10_000, age_limit_ms=500)
 RUN_MM = 1_000
@@ -114,8 +114,8 @@ def test_a_link_without_a_limit_of_width_is_noticed() -> None:
     model = link()
     wrong = changed(model.machine, "report has become too wide", when=~TRUE)
     prop = next(one for one in properties(model) if one.name == "tolerance")
-    assert kept(model.machine, prop)
-    assert not kept(wrong, prop)
+    assert inductive(model.machine, prop)
+    assert not inductive(wrong, prop)
 
 
 @pytest.mark.parametrize("property_", ["containment", "age widens a stored report"])
@@ -124,5 +124,5 @@ def test_a_link_that_forgets_to_age_is_noticed(property_: str) -> None:
     model = link()
     wrong = replace(model, machine=changed(model.machine, "report grows older", set={}))
     right_one, wrong_one = (next(one for one in properties(each) if one.name == property_) for each in (model, wrong))
-    assert kept(model.machine, right_one)
-    assert not kept(wrong.machine, wrong_one)
+    assert inductive(model.machine, right_one)
+    assert not inductive(wrong.machine, wrong_one)

@@ -20,7 +20,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.travel_direction import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 ON_BOARD = without_ghosts(lower(machine()))
 
@@ -113,14 +113,14 @@ def test_a_wrong_row_is_noticed(transition: str, target: str, broken: str) -> No
     whole = made()
     modes = {mode.label: mode for mode in whole.machine.modes}
     wrong = changed(whole.machine, transition, target=modes[target])
-    assert not kept(wrong, _named(whole, wrong, "direction is true"), broken)
+    assert not inductive(wrong, _named(whole, wrong, "direction is true"), broken)
 
 
 def test_a_forgotten_turn_is_noticed() -> None:
     """A vehicle that turned and goes on stating its direction is found."""
     whole = made()
     wrong = changed(whole.machine, "turned", when=FALSE)
-    assert not kept(wrong, _named(whole, wrong, "turning forgets"), "turning forgets")
+    assert not inductive(wrong, _named(whole, wrong, "turning forgets"), "turning forgets")
 
 
 def _named(whole: TravelDirection, wrong: Machine, name: str) -> Property:

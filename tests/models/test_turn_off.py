@@ -18,7 +18,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.turn_off import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 
 ON_BOARD = without_ghosts(lower(machine()))
 SWITCH = 50_000
@@ -158,4 +158,4 @@ def test_a_broken_guard_is_noticed(transition: str, broken: str) -> None:
         fields = {"set": {own.noted: own.lateral}}
     wrong = changed(whole.machine, transition, **fields)
     names = {prop.name: prop for prop in properties(replace(whole, machine=wrong))}
-    assert not kept(wrong, names.get(broken, names["course is true"]), broken)
+    assert not inductive(wrong, names.get(broken, names["course is true"]), broken)

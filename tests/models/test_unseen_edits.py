@@ -24,7 +24,7 @@ import json, sys
 from pathlib import Path
 from safeloc.catalogue import load_target
 from safeloc.errors import SafelocError
-from tests.models.one_step import kept_by
+from tests.models.one_step import inductive_in
 from tests.models.wrong_edits import lost_by
 name, claim, figures, proving = json.loads(sys.argv[1])
 try:
@@ -34,7 +34,7 @@ except SafelocError as refused:
     sys.exit()
 named = {one.name: one for one in target.properties}
 prop = named.get(claim) or target.properties[0]
-lost = claim in lost_by(target.system, target.properties, claim) if proving else not kept_by(target.system, prop, claim)
+lost = claim in lost_by(target.system, target.properties, claim) if proving else not inductive_in(target.system, prop, claim)
 print(json.dumps(lost))
 """
 

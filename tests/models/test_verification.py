@@ -25,7 +25,7 @@ from safeloc.properties.verification.mismatch import NAMED
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs, unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
-from tests.models.one_step import changed, kept
+from tests.models.one_step import changed, inductive
 from tests.models.wrong_edits import lost
 
 CONFIG = VerificationConfig()
@@ -259,7 +259,7 @@ def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: st
     given = {name: table.get(value, value) if isinstance(value, str) else value for name, value in fields.items()}
     wrong = replace(made(), machine=changed(made().machine, row, **given))
     prop = next(one for one in properties(wrong) if one.name == broken)
-    assert not kept(wrong.machine, prop)
+    assert not inductive(wrong.machine, prop)
 
 
 def giving(row: str, given: Bool) -> Verification:
@@ -285,7 +285,7 @@ def test_revoked_says_whether_something_was_given_out(given: Bool) -> None:
     """A mismatch after a pause revokes just what was given out: not nothing, and not always."""
     claim, wrong = "a reported position is revoked after a pause too", giving("mismatch", given)
     [prop] = [one for one in properties(wrong) if one.name == claim]
-    assert not kept(wrong.machine, prop, claim)
+    assert not inductive(wrong.machine, prop, claim)
     assert not lacking(claim)
 
 
@@ -304,8 +304,8 @@ def test_a_comparison_that_is_left_out_is_noticed(reason: str) -> None:
     counted = any_of(flaw for flaw, why in flaws if why.label != reason)
     wrong = replace(made(), machine=changed(made().machine, "mismatch", when=(made().own.due | known) & counted))
     named = {one.name: one for one in properties(wrong)}
-    assert not kept(wrong.machine, named["mismatch withholds in the same cycle"])
-    assert not kept(wrong.machine, named[NAMES[reason]])
+    assert not inductive(wrong.machine, named["mismatch withholds in the same cycle"])
+    assert not inductive(wrong.machine, named[NAMES[reason]])
 
 
 def _own_brake(own: Parts) -> Num:
@@ -370,7 +370,7 @@ def test_brakes_that_train_control_tells_are_used(monkeypatch: pytest.MonkeyPatc
 def lacking(claim: str) -> bool:
     """Whether the machine, as it is at present, does not keep a claim."""
     model = made_for(CONFIG)
-    return not kept(model.machine, next(one for one in properties(model) if one.name == claim))
+    return not inductive(model.machine, next(one for one in properties(model) if one.name == claim))
 
 
 @pytest.mark.parametrize("claim", sorted({broken for *_, broken in EDITS} | set(NAMES.values())))

@@ -20,7 +20,7 @@ from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
 from safeloc.properties.verification import properties
 from tests.models.everything_proved import unproved_of
-from tests.models.one_step import kept
+from tests.models.one_step import inductive
 
 CONFIG = VerificationConfig()
 
@@ -161,4 +161,4 @@ def test_the_right_machine_keeps_it() -> None:
     """What wrong edits and sharper figures lose, the machine of these limits has."""
     model = made(SHORT)
     asked = {claim for *_, claim in EDITS.values()} | {claim for claim, _ in SHARP}
-    assert [claim for claim in asked if not kept(model.machine, named(model, claim))] == []
+    assert [claim for claim in asked if not inductive(model.machine, named(model, claim))] == []

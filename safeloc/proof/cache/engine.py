@@ -52,20 +52,9 @@ def undisturbed() -> bool:
     Otherwise the loaded code may differ from the digested files, and no result may enter the cache.
     """
     try:
-        return all(changed_s <= _BEGAN for changed_s in _changed_s(str(PACKAGE)))
+        return all(entry.stat().st_ctime <= _BEGAN for entry in _entries(str(PACKAGE), frozenset()))
     except FileNotFoundError:  # a file was deleted during the check
         return False
-
-
-def _changed_s(folder: str) -> Iterator[float]:
-    """Yield when each file of `_files` was last written; without Path objects, as this is asked often."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if not entry.is_dir():
-                if not entry.name.endswith(".pyc"):
-                    yield entry.stat().st_ctime
-            elif entry.name != "__pycache__":
-                yield from _changed_s(entry.path)
 
 
 def _began() -> float:
@@ -93,9 +82,16 @@ def _engine_files() -> list[Path]:
 
 
 def _files(folder: Path, without: tuple[str, ...]) -> list[Path]:
-    found: list[Path] = []
-    for at, folders, names in os.walk(folder, followlinks=True):
-        here = Path(at).relative_to(folder)
-        folders[:] = [name for name in folders if name != "__pycache__" and (here / name).as_posix() not in without]
-        found += [Path(at, name) for name in names if not name.endswith(".pyc")]
-    return sorted(found)
+    left_out = frozenset(str(folder / name) for name in without)
+    return sorted(Path(entry.path) for entry in _entries(str(folder), left_out))
+
+
+def _entries(folder: str, without: frozenset[str]) -> Iterator[os.DirEntry[str]]:
+    """Yield all files below a folder, through links, except compiled Python and the folders `without`, given by their paths."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if not entry.is_dir():
+                if not entry.name.endswith(".pyc"):
+                    yield entry
+            elif entry.name != "__pycache__" and entry.path not in without:
+                yield from _entries(entry.path, without)

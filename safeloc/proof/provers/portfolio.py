@@ -103,8 +103,8 @@ def prove(
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
-    kept = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)] if lemmas else []
-    claims = [*kept, *(_property_claim(system, prop) for prop in properties)]
+    of_lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)] if lemmas else []
+    claims = [*of_lemmas, *(_property_claim(system, prop) for prop in properties)]
     findings: dict[int, Finding] = {}
     for index, finding in _findings(claims, _Cases(system, properties, limits, recordings, witnesses), jobs):
         findings[index] = finding

@@ -1,8 +1,8 @@
 """Several targets at once: a process for each target, and slots at the processors that all processes share.
 
-The longest targets begin first, beside one short one. Progress is reported at once; all findings of a target arrive when it is done. All processes
-are forked before any findings arrive: a process that holds the findings of many targets is ten times as large, and so would
-be every process that is forked from it.
+The longest targets begin first, and the shortest one beside them. Progress is reported at once; all findings of a target
+arrive when it is done. All processes are forked before any findings arrive: a process that holds the findings of many
+targets is ten times as large, and so would be every process that is forked from it.
 """
 
 from __future__ import annotations
@@ -143,7 +143,10 @@ def verify_targets(
 
 
 def _in_turn(targets: Sequence[Target], jobs: int) -> list[Target]:
-    """Return the targets with the longest first; of more than there are processes the shortest before them, for first results soon."""
+    """Return the targets in the order in which they begin: the longest first, since it ends last.
+
+    If several processes have more targets than they can begin at once, the shortest begins beside it: its results come soon.
+    """
     order = sorted(targets, key=_size, reverse=True)
     return order if len(order) <= jobs or jobs == 1 else [order[-1], *order[:-1]]
 

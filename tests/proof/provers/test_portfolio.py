@@ -122,6 +122,16 @@ def test_too_little_time_is_unknown() -> None:
         assert isinstance(finding.result, Unknown)
 
 
+def test_properties_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without lemmas there are results of properties only, the same ones, and no run against a wrong lemma is searched for."""
+    wrong, claims = system(counter(lemmas={"wrong": LEVEL <= 3})), [always("claim", LEVEL <= 10)]
+    every = prove(wrong, claims, LIMITS)
+    assert ["counter/lemma/wrong", "counter/property/claim"] == [one.id for one in every]
+    monkeypatch.setattr(module, "bmc", lambda *_: pytest.fail("a run is searched for"))
+    alone = prove(wrong, claims, LIMITS, lemmas=False)
+    assert [(every[1].id, word(every[1].result))] == [(one.id, word(one.result)) for one in alone]
+
+
 def test_a_hanging_engine_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     """A solver that ignores its time limit leaves only its own property undecided."""
 

@@ -176,3 +176,19 @@ def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(module, "recheck", answers)
     assert certify(SOUND, seconds=10.0).undecided == ()
     assert asked == [(2, False), (1, True)]
+
+
+@pytest.mark.usefixtures("without_yices")
+def test_a_goal_alone_is_tried_in_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each set of options has a second, then each four: one that does not suit the goal does not take the whole limit."""
+    asked: list[tuple[float, dict[str, str]]] = []
+
+    def answers(*_: object, seconds: float, options: dict[str, str]) -> list[str]:
+        asked.append((seconds, options))
+        return ["unsat"] if len(asked) == 5 else ["unknown"]
+
+    monkeypatch.setattr(module, "recheck", answers)
+    first = module.INDUCTION_OF_ONE_GOAL
+    assert certify(Query("one", [X > 3], {"above 2": X > 2}), seconds=30.0, one_goal=first).undecided == ()
+    sets = [first, module.ALONE, module.OPTIONS]
+    assert asked == [*((1.0, one) for one in sets), *((4.0, one) for one in sets[:2])]

@@ -514,4 +514,4 @@ def test_memory_does_not_grow() -> None:
     go(401, 1_000)
     grown = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
-    assert grown < 20_000
+    assert grown < 10_000
