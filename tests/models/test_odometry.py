@@ -250,6 +250,20 @@ def test_trailing_reading_counts_once() -> None:
     assert label(trace, "rear_reading") == "UNPAIRED"
 
 
+SLOW_MM, FAST_MM = 700, 1_000
+"""Distances of a cycle that differ by more than the error laws of both devices allow."""
+
+
+@pytest.mark.parametrize("ahead", ["front", "rear"])
+def test_devices_that_exclude_each_other_have_no_position(ahead: str) -> None:
+    """Whichever device is ahead, with units that agree within each."""
+    both = [*located(), *(step(1_000) for _ in range(89)), step(1_000, **marker("rear", 1, 0))]
+    apart = {name: FAST_MM if name.startswith(ahead) else SLOW_MM for name in UNITS}
+    trace = run(on_board(PLAIN), [*both, *[step(SLOW_MM) | apart] * 120])
+    lost = next(index for index, out in enumerate(outputs(trace)) if index > len(both) and not out["valid"])
+    assert label(trace, "reason", lost) == "CONTRADICTION"
+
+
 def test_train_longer_than_the_spacing() -> None:
     """Two identities wait for the trailing reader; it takes them in order, and the latest setting counts."""
     config = PLAIN.model_copy(update={"vehicle_length_mm": 15_000})
