@@ -13,6 +13,8 @@ READY := .venv/ready
 TWO := -n 2 --dist worksteal
 # An ordinary test takes seconds; one that hangs is ended after this time, and where it hung is told.
 ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
+# Of the tests that take more than three seconds a sample is ordinary (tests/ordinary.py). CI says WHICH="not slow".
+WHICH := ordinary
 
 .PHONY: verify test test-all test-long lint formatted ruff mypy pyright bench coverage clean
 
@@ -20,7 +22,7 @@ verify: $(READY)
 	$(BIN)/safeloc verify --out safeloc-report --jobs 2
 
 test: $(READY)
-	$(BIN)/python -m pytest $(TWO) $(ENDED) -m "not slow"
+	$(BIN)/python -m pytest $(TWO) $(ENDED) -m "$(WHICH)"
 
 test-all: $(READY)
 	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest $(TWO)

@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, settings
 
 from safeloc.codegen import compiled
 from tests.generated_once import compiled_once, generated_once
+from tests.ordinary import by_test, ordinary
 
 SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
@@ -26,6 +27,13 @@ settings.load_profile(os.environ.get("SAFELOC_HYPOTHESIS", "ci"))
 NUMBERS = count()
 GENERATING = ("codegen", "fuzz", "language")
 """Folders with tests of generated code itself."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the cases that `make test` runs, before `-m` chooses."""
+    for case in (case for cases in by_test(items) for case in ordinary(cases)):
+        case.add_marker("ordinary")
 
 
 @pytest.fixture(scope="session")

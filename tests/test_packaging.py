@@ -70,6 +70,7 @@ def names(wheel: Path) -> list[str]:
         return sorted(name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info"))
 
 
+@pytest.mark.thorough
 def test_the_wheel_holds_the_tree(wheel: Path) -> None:
     """Every file of safeloc, models and properties is in the wheel, and no other."""
     expected = sorted(name for _, name in delivered())
@@ -94,6 +95,7 @@ def test_one_top_level_name(wheel: Path) -> None:
     assert len(tops) == 2
 
 
+@pytest.mark.thorough
 def test_packages_are_the_trees() -> None:
     """The packages that setup.py finds are the folders with Python files, each of which has an __init__.py."""
     expected = {name.rpartition("/")[0].replace("/", ".") for _, name in delivered() if name.endswith(".py")}

@@ -40,6 +40,7 @@ def names() -> Mapping[str, set[str]]:
     return found
 
 
+@pytest.mark.thorough(ordinary=18)
 @pytest.mark.parametrize("machine", MACHINES)
 def test_every_new_name_exists_and_no_old_one_does(machine: str, names: Mapping[str, set[str]]) -> None:
     """A name that changes again, or a claim that goes, changes the table as well."""

@@ -97,6 +97,7 @@ def test_a_certificate_is_read() -> None:
     assert yices.answers(to_smtlib(Query("q", [X > 3], {"a": X > 2})), 5.0, 5.0) == ["unsat"]
 
 
+@pytest.mark.thorough
 @needs_yices
 def test_a_hard_goal_is_unknown() -> None:
     """Alone or among others, and others are decided all the same."""

@@ -135,6 +135,7 @@ def test_what_an_output_may_be_is_put_out() -> None:
     assert [] == shared_terms(Target("m", (chosen,), lower(chosen), (claim,)))
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     "name",
     [

@@ -58,6 +58,7 @@ def assert_nothing_hidden(found: Covered) -> None:
     )
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("folder", QUICK)
 def test_the_configurations_of_a_machine_hide_no_case(folder: str) -> None:
     """Of the quick ones."""

@@ -23,6 +23,7 @@ def test_every_way_to_run_the_odometer_ends_alike(tmp_path: Path) -> None:
         assert expected(FEW) == contender.prepare(FEW)(), contender.name
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("whole", [WHOLE[0], pytest.param(WHOLE[1], marks=pytest.mark.slow)], ids=lambda one: one.title)
 def test_every_way_to_run_a_whole_machine_ends_alike(whole: Whole) -> None:
     """The same for shipped machines, over the first seconds of a service."""

@@ -16,6 +16,7 @@ def tallies() -> dict[str, Tally]:
     return made
 
 
+@pytest.mark.thorough
 def test_runs_are_judged(tallies: dict[str, Tally]) -> None:
     """A train that is told, within its bounds, and nothing that is not there."""
     (tally,) = tallies.values()

@@ -11,6 +11,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.verification.one import Plan, Work
 
 
+@pytest.mark.thorough
 def test_the_machine_of_ten_variables_is_all_proved() -> None:
     """Lemmas, properties and obligations are proved and the tests held: what is timed is a whole verification."""
     target = line_target(10)

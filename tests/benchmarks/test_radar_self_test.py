@@ -9,6 +9,7 @@ from benchmarks.radar_self_test import RADARS, Radar, biased, driven, scaled, ta
 LAWFUL = [one for one in RADARS if one.lawful]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("radar", LAWFUL, ids=[one.name for one in LAWFUL])
 def test_a_wrong_radar_never_makes_a_precise_interval_wrong(radar: Radar) -> None:
     """Whatever its constant error, and whatever drift and scale the supplier's figures allow."""

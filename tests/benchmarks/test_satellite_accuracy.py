@@ -75,6 +75,7 @@ def test_errors_are_those_of_solutions_that_were_taken() -> None:
     assert len(HEADS) == len(Row(tally).cells())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "most"), [("street", 0.15), ("tunnel", 0.02)])
 def test_no_interval_misses_while_bounds_hold(name: str, most: float) -> None:
     """One journey: nothing missed; far errors excluded; healthy signals kept, fewer where many are disturbed."""
@@ -90,6 +91,7 @@ def still() -> Recording:
     return geodetic(data_file("gnss_septentrio/rover.obs").parents[1])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["as recorded", "steps of 60 m, five"])
 def test_recorded_signals(name: str) -> None:
     """Every far error is excluded, healthy signals stay, the known point is always inside, and errors stay below 2 m."""

@@ -180,6 +180,7 @@ def edited(proofs: dict[str, Evidence], whole_proofs: dict[str, Evidence], seed:
     return "harmless" if left else f"missed: seed {seed}, {file}"
 
 
+@pytest.mark.thorough
 def test_edits_of_witness_functions(proofs: dict[str, Evidence]) -> None:
     """Each is detected, or what is left is lawful all the same."""
     evidence = proofs["tracking"]
@@ -198,6 +199,7 @@ def tally(proofs: dict[str, Evidence], whole_proofs: dict[str, Evidence], seeds:
     return Counter(edited(proofs, whole_proofs, seed) for seed in seeds)
 
 
+@pytest.mark.thorough
 def test_some_edits(proofs: dict[str, Evidence], whole_proofs: dict[str, Evidence]) -> None:
     """A sample: none is missed, and both kinds occur."""
     found = tally(proofs, whole_proofs, range(SAMPLE))

@@ -48,6 +48,7 @@ def test_an_unchanged_run_is_put_back(call: Call, tmp_path: Path, monkeypatch: p
             call("verify", "emitter", *QUICK, "--seed", "1", "--cache", str(cache), "--out", str(first))
 
 
+@pytest.mark.thorough
 def test_fresh_ignores_what_was_found(call: Call, tmp_path: Path) -> None:
     """And leaves what it finds to the next one."""
     arguments = ["verify", "emitter", *QUICK, "--out", str(tmp_path / "report"), "--cache", str(tmp_path / "cache")]
@@ -58,6 +59,7 @@ def test_fresh_ignores_what_was_found(call: Call, tmp_path: Path) -> None:
     assert "nothing has changed" in call(*arguments).err
 
 
+@pytest.mark.thorough
 def test_a_report_says_what_was_kept(call: Call, tmp_path: Path) -> None:
     """By machine, with the time since when; in the data, on the page and on the screen."""
     folder, cache = tmp_path / "report", tmp_path / "cache"
@@ -70,6 +72,7 @@ def test_a_report_says_what_was_kept(call: Call, tmp_path: Path) -> None:
     assert f"of {data['kept']['emitter']}" in (folder / "index.html").read_text()
 
 
+@pytest.mark.thorough
 def test_prove_looks_up_too(call: Call, tmp_path: Path) -> None:
     """All of a machine, and one property, are two questions."""
     arguments = ["prove", "emitter", "--depth", "6", "--cache", str(tmp_path)]
@@ -109,6 +112,7 @@ def test_what_is_violated_is_never_put_back_as_a_whole(call: Call, tmp_path: Pat
     assert (0, False) == (mended.code, "unchanged" in mended.err)
 
 
+@pytest.mark.thorough
 def test_recheck_follows_where_it_is_asked_for(call: Call, tmp_path: Path) -> None:
     """Of a report that was put back as well."""
     arguments = [
@@ -135,6 +139,7 @@ def test_cache_says_how_much_is_kept_and_cleans(call: Call, tmp_path: Path) -> N
     assert "0 files" in call("cache", "--size", "--cache", str(tmp_path)).out
 
 
+@pytest.mark.thorough
 def test_what_is_done_when_interrupted_is_kept(call: Call, tmp_path: Path) -> None:
     """A machine that was done is not verified again; of the one that was not, there is no report."""
     arguments = ["verify", "travel_direction", "fibre_area", *QUICK, "--out", str(tmp_path / "report")]

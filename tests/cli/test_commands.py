@@ -60,6 +60,7 @@ def test_list_assumptions(call: Call) -> None:
     assert 2 == call("list", "assumptions", "--text", "x").code
 
 
+@pytest.mark.thorough
 def test_list_requirements(call: Call) -> None:
     """Every requirement with what carries and shows it, and every transition and property back."""
     data = json.loads(call("list", "requirements", "--json").out)
@@ -72,6 +73,7 @@ def test_list_requirements(call: Call) -> None:
     assert isinstance(data["gaps"], list)
 
 
+@pytest.mark.thorough
 def test_list_requirements_as_text(call: Call) -> None:
     """Plain lines: a requirement, below it its transitions, properties and tests, and then the way back."""
     lines = call("list", "requirements").out.splitlines()

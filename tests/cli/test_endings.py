@@ -43,6 +43,7 @@ def test_no_error_looks_like_a_violation(
     assert message in called.err
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("what", [["list", "requirements"], ["export", DOOR, "--to", "smtlib"]])
 def test_a_closed_pipe(what: list[str]) -> None:
     """The reader went away: no complaint, and no verdict's exit code."""

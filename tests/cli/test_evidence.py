@@ -62,6 +62,7 @@ def test_faults_as_lines_data_model_and_picture(call: Call) -> None:
     assert "wrong" == data["effects"][0]["end"]
 
 
+@pytest.mark.thorough
 def test_faults_of_a_machine_without_an_interval(call: Call) -> None:
     """Claims are told; order 2 asks of an interval."""
     told = call("faults", "turn_off", "--cache", KEPT)

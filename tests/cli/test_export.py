@@ -46,6 +46,7 @@ def test_the_readme_of_the_folder_compiles(call: Call, tmp_path: Path) -> None:
         assert subprocess.run([str(tmp_path / "own")], check=False).returncode == 0
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_the_configuration_reaches_the_code(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures of the configuration stand in the C and in the unit: tolerance and period. Where nothing is proved, that is

@@ -58,6 +58,7 @@ def recorded(folder: Path, steps: list[dict[str, Cell]]) -> Path:
     return path
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", RUNS)
 def test_records_of_all_devices_are_the_run(tmp_path: Path, name: str) -> None:
     """Odometers, markers, balises, radar, satellites, fibre: their records become the inputs of the steps, and none is refused."""
@@ -71,6 +72,7 @@ def test_records_of_all_devices_are_the_run(tmp_path: Path, name: str) -> None:
         assert read_inputs(system, inputs) == read_inputs(system, wanted)
 
 
+@pytest.mark.thorough
 def test_a_report_of_the_whole_run(call: Call, tmp_path: Path) -> None:
     """One command: the strip with what the front end passes, a row for each source, and the rejections with their reasons."""
     path = recorded(tmp_path, heard_on_board("metro-silent-odometer-corrupted-balise"))

@@ -85,6 +85,7 @@ def test_a_terminal_that_hangs_up(tmp_path: Path) -> None:
         assert run.end(signal.SIGTERM) == 3
 
 
+@pytest.mark.thorough
 def test_silence_withdraws_without_a_watchdog(tmp_path: Path) -> None:
     """After the longest gap, told once; behind a restart the place does not come back, though lines are read again."""
     source, sink, snapshot = (tmp_path / name for name in ("lines.jsonl", "reports.jsonl", "snapshot.json"))

@@ -36,6 +36,7 @@ NAMES = [
 ]
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(("declared", "said"), NAMES)
 def test_what_was_looked_for_is_said(call: Call, tmp_path: Path, declared: str, said: str) -> None:
     """Without properties, or under another name: which name was found, in which file, and how it must be called."""

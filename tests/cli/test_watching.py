@@ -106,6 +106,7 @@ def line_with(process: subprocess.Popen[str], words: str) -> str:
     raise AssertionError(f"no line with {words!r}")
 
 
+@pytest.mark.thorough
 def test_an_edit_is_decided_again(tmp_path: Path) -> None:
     """The property that it breaks is first, with what it was before; a file that cannot be loaded says why; Ctrl-C ends."""
     path = tmp_path / "own.py"

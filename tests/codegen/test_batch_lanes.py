@@ -85,6 +85,7 @@ def test_random_machines_run_as_interpreted(tmp_path_factory: pytest.TempPathFac
     assert_lanes_agree(data, system, compiled(system, tmp_path_factory.getbasetemp() / "lanes"))
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(example: Example, tmp_path: Path) -> None:
     """On every example machine and any streams, lanes and the interpreter agree step by step."""
@@ -101,6 +102,7 @@ LARGE = ("fibre_area", "localizer", "localizer_sections", "reflector")
 SHIPPED = [pytest.param(name, marks=[pytest.mark.slow] if name in LARGE else []) for name in ENTRIES]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_machines_run_as_interpreted(name: str, tmp_path: Path) -> None:
     """Recorded, simulated, lawful and any streams: lanes, numpy and the interpreter agree, everything of every step."""

@@ -71,6 +71,7 @@ def test_random_machines_run_as_interpreted(tmp_path_factory: pytest.TempPathFac
     assert_same_run(system, run(system, stream, first=first), stream, first, tmp_path_factory.mktemp("c"))
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(example: Example, tmp_path: Path) -> None:
     """On every example machine and any stream, generated C and the interpreter agree step by step."""
@@ -83,6 +84,7 @@ def test_examples_run_as_interpreted(example: Example, tmp_path: Path) -> None:
     agree()
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_pass_their_own_check(example: Example, tmp_path: Path) -> None:
     """The exported folder compiles under the strictest flags and passes, plain and under sanitizers."""
@@ -92,6 +94,7 @@ def test_examples_pass_their_own_check(example: Example, tmp_path: Path) -> None
     assert len(re.findall(r"\d+ steps in 3 runs agree", printed)) == 2
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ENTRIES)
 def test_shipped_machines_pass_their_own_check(name: str, tmp_path: Path) -> None:
     """Every shipped machine on the beginnings of recorded, simulated and drawn streams; small ones under sanitizers."""

@@ -152,6 +152,7 @@ def leaves_its_ranges(system: TransitionSystem, state: State, seed: int) -> bool
     return False
 
 
+@pytest.mark.thorough
 def test_every_state_of_a_run_passes(tmp_path: Path) -> None:
     """Also of runs that break what is assumed of the world: the folder's own check asks it after each step."""
     system = shipped("axle_head")

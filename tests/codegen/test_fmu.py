@@ -38,6 +38,7 @@ def written(folder: Path, name: str, period_ms: int | None = 100) -> Path:
     return path
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", [*SYSTEMS, *SOME_SHIPPED])
 def test_nothing_is_found_wrong(name: str, tmp_path: Path) -> None:
     """fmpy finds no problem: schema, names, structure, start values, combinations."""
@@ -45,6 +46,7 @@ def test_nothing_is_found_wrong(name: str, tmp_path: Path) -> None:
     assert validation.validate_fmu(str(written(tmp_path, name))) == []
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", [*SYSTEMS, *SOME_SHIPPED])
 def test_runs_as_interpreted(name: str, tmp_path: Path) -> None:
     """Outputs, fired transitions and state of every communication step are those of the interpreter."""

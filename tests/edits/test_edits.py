@@ -39,6 +39,7 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
     return Checkout(tmp_path_factory.mktemp("checkout"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "case", [Case(0, "machine", "emitter"), pytest.param(Case(1, "engine", "emitter"), marks=pytest.mark.slow)]
 )

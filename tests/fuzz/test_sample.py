@@ -39,6 +39,7 @@ def sampled(kind: str, numbers: Iterable[int]) -> Tally:
     return all_
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("block", range(BLOCKS))
 def test_machines_agree(block: int) -> None:
     """Forty machines: a claim by induction with the base, or by bounded search; now and then all engines and obligations."""
@@ -48,6 +49,7 @@ def test_machines_agree(block: int) -> None:
     assert found.compared["obligation reachable"] >= 3
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("block", range(3))
 def test_compositions_agree(block: int) -> None:
     """Eight compositions: contracts, what is inherited, and the rest."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, Var, as_num, boolean, ceil_div, ite, maximum, number
-from safeloc.language.folding import settled
+from safeloc.language.folding import Folding, settled
 from safeloc.language.spec import once
 from safeloc.language.terms import Substitution, in_order
 from safeloc.language.units import COUNT
@@ -41,6 +41,20 @@ def left(term: Bool) -> Bool:
 def test_what_no_variable_decides_is_worked_out(term: Bool, expected: str) -> None:
     """Comparisons of constants, choices by them and between them, and connectives; the past is left as it is."""
     assert expected == repr(left(term))
+
+
+@pytest.mark.parametrize(
+    ("term", "expected"),
+    [
+        (ite(P, X, as_num(3, COUNT)).eq(4), "false"),
+        (ite(ite(P, X, as_num(3, COUNT)) <= 3, Q, P), "q"),
+        (ite(P, X, as_num(3, COUNT)) < X, "(< 3 x)"),
+        (ite(Q, X, as_num(3, COUNT)).eq(4), "(== (ite q x 3) 4)"),
+    ],
+)
+def test_a_known_truth_value_decides_what_is_compared(term: Bool, expected: str) -> None:
+    """A choice that it decides may leave two constants to be compared, and the result decides further choices."""
+    assert expected == repr(Folding({P: FALSE})(term))
 
 
 def test_what_variables_decide_stays_the_same_node() -> None:

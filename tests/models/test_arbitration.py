@@ -172,6 +172,7 @@ def test_unknown_sources_are_refused() -> None:
         ArbitrationConfig(sources=("compass",))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sources", FEW, ids="+".join)
 def test_everything_is_proved(sources: tuple[str, ...]) -> None:
     """Every property and lemma, whatever the sources are; a single source takes over from none, and nothing is claimed of it."""

@@ -240,6 +240,7 @@ def test_a_disturbed_section_stays_occupied(cells: dict[str, Cell]) -> None:
 # ------------------------------------------------------------------ proofs
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and lemmas of the three machines, without bound."""
     for model, found in (

@@ -80,6 +80,7 @@ def test_a_recording_is_its_run(machine: str, stem: str) -> None:
     assert STREAMS_OF[machine].RUNS[stem].outcome.endswith(".")
 
 
+@pytest.mark.thorough(ordinary=10)
 @pytest.mark.parametrize(("machine", "stem"), [one for one in RUNS if one[1] not in UNLAWFUL])
 def test_a_run_is_lawful(machine: str, stem: str) -> None:
     """With its truth, it keeps what is assumed, and every property holds on it or is not about it."""

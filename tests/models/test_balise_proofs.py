@@ -180,6 +180,7 @@ def sharper(good: Balise) -> Mapping[Var, Expr]:
 SLOW = ("a miss not told", "first miss forgotten", "contradiction not told", "silence forgotten")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("way", [pytest.param(way, marks=pytest.mark.slow if way in SLOW else ()) for way in BROKEN])
 def test_a_broken_machine_is_noticed(way: str) -> None:
     """What is proved of the machine is not proved of the broken one."""
@@ -188,6 +189,7 @@ def test_a_broken_machine_is_noticed(way: str) -> None:
     assert proved(broken, names) == []
 
 
+@pytest.mark.thorough
 def test_what_the_broken_ones_lose_is_proved_of_the_right_one() -> None:
     """The same engine and limits prove each of those properties of the machine as it is."""
     wanted = sorted({name for _, names in BROKEN.values() for name in names})

@@ -68,6 +68,7 @@ def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
     assert wrong(stream, trace) == []
 
 
+@pytest.mark.thorough
 @given(
     seed=st.integers(0, 2**16),
     faults=st.dictionaries(st.integers(1, 8), st.sampled_from(list(FAULTS)), max_size=6),

@@ -158,6 +158,7 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """FVA-8: known place and known time, in the terms that the machine judges by."""
@@ -189,6 +190,7 @@ def test_a_clock_that_a_row_forgets_is_noticed(row: str, forgets: str, broken: s
     assert lost(wrong.machine, properties(wrong), broken)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("fields", [{"passes_to_recover": 1}, {"passes_to_recover": 3, "window_cycles": 1}])
 def test_other_figures_are_proved(fields: dict[str, int]) -> None:
     """One pattern recovers at once, or three; a window of one cycle."""

@@ -123,6 +123,7 @@ def test_a_silent_pattern_is_lost() -> None:
     ]
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and lemmas, without bound."""
     assert unproved_of(made().machine, properties(made())) == {}

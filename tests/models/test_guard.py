@@ -85,6 +85,7 @@ BELIEVED = [at(0), at(0), at(0)]
 # ------------------------------------------------------------------ proofs
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "figures",
     [
@@ -301,6 +302,7 @@ def test_a_wrong_edit_of_course_or_reach_is_noticed_in_one_step(edit: str, monke
 SLOW = ("the row grows by two", "whatever is held is kept", "a jump costs no trust")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", [pytest.param(edit, marks=pytest.mark.slow if edit in SLOW else ()) for edit in EDITS])
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """MRK-D6: gates, charges and trust are claimed in figures of their own."""

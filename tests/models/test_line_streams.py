@@ -236,6 +236,7 @@ def test_a_coarse_balise_confirms_no_precise_stop() -> None:
     assert "STOPPED" not in said(first("fig2", "stop_point")).modes
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("who", [path.stem for path in sorted(SHIPPED.glob("*.toml"))])
 def test_shipped_vehicles_locate_precisely(who: str) -> None:
     """Each with its own law, antenna, radar and speed: at the reflectors of Fig. 2 precise, and never wrong."""

@@ -93,6 +93,7 @@ def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Ex
     assert INSIDE not in names(known.facts)
 
 
+@pytest.mark.thorough
 def test_arbitration_is_the_one_that_is_proved_by_itself() -> None:
     """With the figures of the shipped target `arbitration`; of a vehicle with a smaller tolerance it is proved as well."""
     assert LocalizerConfig().arbitration == ArbitrationConfig()

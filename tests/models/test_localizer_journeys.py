@@ -41,6 +41,7 @@ def nominal(name: str) -> Told:
     return run(NOMINAL[name])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NOMINAL)
 def test_a_nominal_journey_is_located_and_never_wrong(name: str) -> None:
     """From the first confirmed reference on a position is given out, but where none is tolerable, and it holds the truth."""
@@ -109,6 +110,7 @@ def test_a_lawful_journey_keeps_what_is_assumed(name: str) -> None:
         state, _ = step(system, state, inputs)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "-"))
 def test_what_goes_wrong_is_noticed_as_told(case: Case) -> None:
     """What is told of it fires, more often than on the nominal journey; no interval is wrong that could be right."""

@@ -356,6 +356,7 @@ def test_a_faulty_wheel_never_makes_the_interval_wrong(kind: str, single_fault_s
             assert record["truth_mm"] <= out["position_mm"] + out["margin_above_mm"]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("seed", range(4))
 def test_simulated_sensors_keep_the_assumption(seed: int) -> None:
     """The simulation with its ghosts satisfies the assumption in every step, so the interval always holds the truth."""
@@ -459,6 +460,7 @@ def test_a_forgotten_hand_over_is_noticed() -> None:
     assert not keeps(without(model.machine, "hand over to rear device"), claim, model, claim)
 
 
+@pytest.mark.thorough
 def test_an_optimistic_margin_is_noticed() -> None:
     """A margin that grows by one nanometre a cycle less than the error may is not proved to contain the truth."""
     model = odometry.build(parts(OdometryConfig()))

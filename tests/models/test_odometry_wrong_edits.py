@@ -144,6 +144,7 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", EDITS)
 def test_a_wrong_edit_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """After the edit the claim, or a lemma that it rests on, does not hold any more."""
@@ -159,6 +160,7 @@ def test_a_forgotten_drift_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert refuted(odometry.build(parts(config)), "containment")
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("claim", sorted({claim for _, claim in EDITS.values()}))
 def test_without_an_edit_nothing_is_refuted(claim: str) -> None:
     """The machine as it is keeps all that the edits break."""

@@ -94,6 +94,7 @@ def test_a_vehicle_is_located_by_beacons() -> None:
 # ------------------------------------------------------------------ what is wrong is said
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("old", "new", "broken"),
     [

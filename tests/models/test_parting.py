@@ -158,6 +158,7 @@ def over_the_lost(trace: Trace, journey: Journey) -> list[str]:
     return found
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("split", "after_mm"), [(47, 800_000), (52, 800_000), (61, 800_000), (60, 300_000)])
 def test_no_section_is_free_over_what_was_lost(split: int, after_mm: int) -> None:
     """Whenever it parts, and however late the detector's count follows: until the rest has left the area, and after that."""

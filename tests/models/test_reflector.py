@@ -172,6 +172,7 @@ def test_figure_1_deviation() -> None:
     assert max(max(values) for values in margins.values()) <= 30_000
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("seed", "scene", "motion"),
     [

@@ -128,6 +128,7 @@ EDITS: Edits = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The claim that is named is kept by the machine as it is, and not by the one that was edited wrongly."""

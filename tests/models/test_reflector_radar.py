@@ -89,6 +89,7 @@ def run() -> list[Cycle]:
     return cycles
 
 
+@pytest.mark.thorough
 def test_the_front_end_keeps_the_law_that_the_machine_assumes(run: list[Cycle]) -> None:
     """Every echo of a model comes from the reflector of that model, within its bound."""
     places = dict(STANDING)

@@ -84,6 +84,7 @@ def test_each_route_is_recognised(taken: int) -> None:
 MISSED = [(one.number, sight.identity) for one in WAYS for sight in one.sights]
 
 
+@pytest.mark.thorough(ordinary=6)
 @pytest.mark.parametrize(("taken", "identity"), MISSED, ids=[f"{NAMES[n - 1]}-{i}" for n, i in MISSED])
 def test_a_missed_reflector_never_makes_another_route(taken: int, identity: str) -> None:
     """Whichever reflector is missed, no wrong route is stated: ADCD without its first A is not DCD, without D not ACD."""
@@ -206,6 +207,7 @@ def _broken(machine: Machine, fault: str) -> Machine:
     return rebuilt(machine, table)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("fault", "noticed"),
     [

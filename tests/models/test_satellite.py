@@ -268,6 +268,7 @@ def _unproved(model: Satellite, *names: str, seconds: float = 60) -> list[str]:
     return [f.id for f in findings if not isinstance(f.result, Proved) and (not names or f.id in wanted)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("channels", [4, *(pytest.param(n, marks=pytest.mark.slow) for n in (8, 16, 32))])
 def test_everything_is_proved(channels: int) -> None:
     """Every property of selection and position together, without a bound."""
@@ -284,6 +285,7 @@ def test_false_signals_lead_no_farther_than_told(drift_check: Literal["where pre
     assert [] == [finding.id for finding in findings if not isinstance(finding.result, Proved)]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("trusted", "makes"), [("satellites", properties), ("odometry", drift_properties)])
 def test_random_runs_hold(trusted: Trusted, makes: Callable[[Satellite], list[Property]]) -> None:
     """From a simulated street on, plausible and faulty streams keep every property, what the interpreter does included."""
@@ -352,6 +354,7 @@ def _halved(state: State) -> State:
     return replace(state, low=state.low + floor_div(state.below, 2), high=state.high - floor_div(state.above, 2))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("name", "broken", "noticed"),
     [
@@ -396,6 +399,7 @@ def test_a_prediction_that_overshoots_is_noticed(monkeypatch: pytest.MonkeyPatch
     assert not keeps()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["range_threshold_mm", "speed_threshold_mm_s"])
 def test_the_threshold_rule_is_sharp(name: str) -> None:
     """One above noise, clock and what a cycle makes of the state's error keeps every healthy satellite; exactly that does not."""
@@ -428,6 +432,7 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
     return predicted
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("name", "broken", "noticed"),
     [
@@ -517,6 +522,7 @@ def test_a_term_that_is_not_charged_misses_the_truth(
     assert {"containment": "violated"} == lost_by(model.composition.system, properties(model), "containment")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_unit_less_is_noticed(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine that charges 1 mm, or 1 mm/s, less than a usable signal may be wrong by; in place with a run that misses the truth."""

@@ -134,6 +134,7 @@ def _unproved(config: SelectionConfig, seconds: float = 60) -> list[str]:
     return [finding.id for finding in findings if not isinstance(finding.result, Proved)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("compared", get_args(Compared))
 @pytest.mark.parametrize("removal", get_args(Removal))
 def test_everything_is_proved(compared: Compared, removal: Removal) -> None:
@@ -194,6 +195,7 @@ EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """SAT-1, SAT-3, SAT-4, SAT-D1: each part of what the selection judges by."""

@@ -96,6 +96,7 @@ def test_a_stream_replays_to_what_the_chain_said() -> None:
     assert [dict(one.outcome.outputs) for one in driven(STREET)] == outputs
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("kind", ["open sky", "urban canyon", "cutting", "tunnel", "station roof"])
 def test_the_truth_is_inside_in_every_scene(kind: SceneKind) -> None:
     """No interval misses the truth; something is reported in each scene, and nothing is left of it deep in the tunnel."""

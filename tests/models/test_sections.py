@@ -180,6 +180,7 @@ def test_scenes_that_do_not_fit_are_refused() -> None:
         simulate(CONFIG, Scene((0, 10), ((0, 5),), (TRAIN,), 3), seed=0)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("trains", "trusted"),
     [(1, True), (1, False), pytest.param(4, True, marks=pytest.mark.slow)],
@@ -217,6 +218,7 @@ def _believing(machine: Machine) -> Machine:
     return rebuilt(machine, table)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("fault", "noticed"),
     [

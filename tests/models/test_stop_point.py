@@ -74,6 +74,7 @@ BRAKING = step(60_000, 8_000)
 # ------------------------------------------------------------------ simulated stops of source fig. 2
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("stop", "seen"),
     [
@@ -259,6 +260,7 @@ def test_a_speed_limit_below_the_error_is_refused() -> None:
 # ------------------------------------------------------------------ proofs
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and obligations, without bound."""
     made = build(parts(CONFIG))

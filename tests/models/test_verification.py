@@ -218,6 +218,7 @@ def test_gravity_run_wagons_brake_as_control_says() -> None:
     assert labels(stayed(Stay(), at=slower), "reason")[31] == "SPEED_CHANGED"
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and lemmas, without bound."""
     assert unproved_of(made().machine, properties(made())) == {}

@@ -37,6 +37,7 @@ def runs_to_its_end(system: TransitionSystem, run: Recording) -> bool:
     return len(list(steps)) == len(run.steps)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", MADE)
 def test_each_is_a_run_of_its_machine(name: str) -> None:
     """After an edit of a machine's inputs or ranges they are made anew."""
@@ -45,6 +46,7 @@ def test_each_is_a_run_of_its_machine(name: str) -> None:
         assert all(runs_to_its_end(known[system], run) for run in runs), AGAIN
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["arbitration", "delocalized", "route"])
 def test_each_shows_something(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The tool, which keeps what still shows something, keeps all of them, and finds nothing new."""

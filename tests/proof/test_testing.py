@@ -22,6 +22,7 @@ BRIEF = hypothesis.settings(
 )
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_what_fails_is_found_and_what_holds_is_held(example: Example) -> None:
     """Of two properties tested together, the false one is violated by a run that replays; the true one is held."""
@@ -50,6 +51,7 @@ def test_the_class_passes_or_fails_as_unittest_runs_it() -> None:
     assert EXAMPLES[0].fails.statement in text
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2, 3, 4))])
 def test_a_forgotten_remainder_is_found_with_every_seed(seed: int) -> None:
     """Draws lean to the ends of the error law: uniform ones find this bug in no run."""

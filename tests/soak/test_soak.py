@@ -226,6 +226,7 @@ def soaked(out: Path, *arguments: str) -> int:
 SECONDS = ("--hours-of-fleet", "0.25", "--vehicles", "5", "--wall-minutes", "0.04", "--windows", "5")
 
 
+@pytest.mark.thorough
 def test_some_seconds_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Killed and restarted on the way."""
     out = tmp_path / "day.jsonl"

@@ -117,6 +117,7 @@ def test_without_an_interval_claims_are_told_alone() -> None:
     assert {"containment": 2} == one[2].lost
 
 
+@pytest.mark.thorough
 def test_what_was_found_is_kept(tmp_path: Path) -> None:
     """A second run takes it from there, and it is the same."""
     store = Store(tmp_path)

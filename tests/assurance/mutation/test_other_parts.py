@@ -60,6 +60,7 @@ def found(of: Of, where: str, becomes: str, term: str = "") -> Judged:
 # ------------------------------------------------------------------ clauses
 
 
+@pytest.mark.thorough
 def test_a_clause_that_a_claim_needs() -> None:
     """A world that allows more loses the claim."""
     one = found("world", "nobody is fast", "true_speed_mm_s ≤ (80 mm/s + 1 mm/s)")

@@ -152,6 +152,7 @@ def near(now: Cell, then: Cell) -> bool:
     return abs(now - then) <= ROUNDED_MM or abs(now - then) <= ROUNDED_MM * 1_000_000 < abs(then)
 
 
+@pytest.mark.thorough
 def test_a_shipped_recording_is_a_fresh_simulation() -> None:
     """Figure 2, from the ground's strain to the machine's step."""
     fresh_is_shipped(BY_NAME["figure-2-rising"])

@@ -75,6 +75,7 @@ def virtual(name: str) -> list[tuple[int, int, list[str]]]:
     return made
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("name", [one.name for one in AREA_SCENES])
 def test_no_section_is_free_with_a_train_in_it(name: str) -> None:
     """Between the counters, in every step, by the true ends: whatever goes wrong, and a lost part too."""

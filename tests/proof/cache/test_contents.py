@@ -145,6 +145,7 @@ def test_what_cannot_be_told_is_refused() -> None:
         target_digest(target(said={"speed": frozenset([1, 2])}))
 
 
+@pytest.mark.thorough
 def test_shipped_machines_have_digests_of_their_own() -> None:
     """Loaded twice the same; none that of another."""
     digests = {name: target_digest(load_target(name)) for name in ENTRIES}

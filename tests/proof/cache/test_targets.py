@@ -37,6 +37,7 @@ def told(findings: list[Finding]) -> list[dict[str, object]]:
     return [result_data(one) for one in findings]
 
 
+@pytest.mark.thorough
 def test_an_unchanged_target_is_not_verified_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its findings are the same, run by run, and say since when they are kept; another one beside it is verified."""
     store = Store(tmp_path)

@@ -183,6 +183,7 @@ def obligation(findings: list[Finding]) -> Finding | None:
     return next((one for one in findings if one.id == "gate/obligation/antecedents"), None)
 
 
+@pytest.mark.thorough
 def test_all_cases_are_one_obligation() -> None:
     """Proved if all occur, vacuous with those that never do, undecided with those neither found nor excluded."""
     good, bad = always("good", IN_B.implies(N >= 1)), always("bad", IN_C.implies(N >= 1))

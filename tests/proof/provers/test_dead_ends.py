@@ -57,6 +57,7 @@ def test_a_mended_machine_is_proved_to_last(name: str) -> None:
         assert expected == set(decide(file, text, seconds=60))
 
 
+@pytest.mark.thorough(ordinary=22)
 @pytest.mark.parametrize("seed", range(RANDOM))
 def test_random_machines_are_judged_as_by_enumeration(seed: int) -> None:
     """Proved if no reachable state is a dead end, violated by a shortest run otherwise."""

@@ -30,6 +30,7 @@ def _found(machine: Machine, limits: Limits = LIMITS) -> dict[str, Finding]:
     return {finding.id.split("/", 2)[2]: finding for finding in obligations(lower(machine), limits)}
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_every_example_keeps_its_obligations(example: Example) -> None:
     """All obligations of all examples hold; each mode and each transition has a witness."""
@@ -41,6 +42,7 @@ def test_every_example_keeps_its_obligations(example: Example) -> None:
         assert {f"transition {machine.name}: {row.name}" for row in machine.transitions} <= names
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_witnesses_are_streams_that_run(example: Example) -> None:
     """Every witness, run again, ends in the mode or transition that it shows."""

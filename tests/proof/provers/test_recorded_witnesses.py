@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from safeloc.language.expr import number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Goal, observe, reachable
@@ -85,6 +87,7 @@ def test_no_goals() -> None:
     assert {} == shown([], [recording(8)])
 
 
+@pytest.mark.thorough
 def test_a_deep_mode_is_witnessed_by_a_recording() -> None:
     """A mode beyond a search of ten steps is reached with the recording, and undecided without it."""
     made, limits = system(), Limits(depth=10, seconds=10)

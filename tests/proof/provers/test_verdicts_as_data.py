@@ -81,6 +81,7 @@ def test_what_is_true_by_construction_arrives() -> None:
     assert arrived.by_construction == "divisors are positive constants"
 
 
+@pytest.mark.thorough
 def test_deep_terms_are_sent_without_recursion() -> None:
     """A term of tens of thousands of levels is sent and read back."""
     lowered = system(counter())

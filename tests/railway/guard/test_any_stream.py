@@ -66,6 +66,7 @@ def test_what_is_withheld_narrows_nothing(others: list[Delivery]) -> None:
         window = found.window_mm
 
 
+@pytest.mark.thorough
 @given(st.lists(deliveries(), min_size=1, max_size=12))
 def test_the_flag_changes_nothing(others: list[Delivery]) -> None:
     """With other quality flags the judgements are the same."""

@@ -52,6 +52,7 @@ def located() -> Controller:
     return controller
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", SHIPPED)
 def test_steps_are_the_interpreters(name: str) -> None:
     """On a shipped stream a controller takes the transitions and gives the outputs that the interpreter computes."""
@@ -498,6 +499,7 @@ def test_no_record_is_too_odd(kinds: list[str]) -> None:
             assert report.rejections or kind == "nothing"
 
 
+@pytest.mark.thorough
 def test_memory_does_not_grow() -> None:
     """A thousand cycles, with senders that invent channels and faults, leave no more behind than hundreds."""
     controller = Controller(ODOMETRY)

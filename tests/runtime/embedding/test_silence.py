@@ -51,6 +51,7 @@ def broken(target: Target, machine: str) -> dict[str, object]:
     return dict(unproved(Query("silence", (environment(system), *system.lemmas.values()), goals), 60))
 
 
+@pytest.mark.thorough(ordinary=5)
 @pytest.mark.parametrize(("name", "machine"), PAIRS, ids=lambda one: str(one))
 def test_a_silent_step_is_within_the_assumption(name: str, machine: str) -> None:
     """For every state, every truth and every step that obeys the assumption: so does the step without these inputs."""

@@ -29,6 +29,7 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return ran(tmp_path_factory.mktemp("whole"), said="".join(lines(CYCLES))).stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 6))])
 def test_a_file_is_gone_on_with_as_if_nothing_had_been(tmp_path: Path, seed: int, uninterrupted: bytes) -> None:
     """Reading a file that grows, killed again and again: the file of reports is that of an uninterrupted run, to the byte."""
@@ -120,6 +121,7 @@ def by_hand(given: dict[int, list[Any]], last: int) -> list[Data]:
     return [controller.step(given.get(cycle, [])).as_data() for cycle in range(1, last + 1)]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 8))])
 def test_what_was_missed_is_charged(tmp_path: Path, seed: int) -> None:
     """Over TCP, killed after a snapshot: afterwards every report is that of an uninterrupted machine which got nothing in
@@ -220,6 +222,7 @@ def ending(cycle: int, number: int | None = None) -> list[str]:
     return [json.dumps({**said, "number": count}) + "\n"]
 
 
+@pytest.mark.thorough
 def test_a_snapshot_of_something_else_is_refused(tmp_path: Path) -> None:
     """Exit code 2 and what to do; with --fresh it begins anew."""
     arguments = ("--snapshot", str(tmp_path / "snapshot.json"))

@@ -150,6 +150,7 @@ def test_a_reader_that_went_away(tmp_path: Path) -> None:
     assert snapshot.exists()
 
 
+@pytest.mark.thorough
 def test_a_reader_that_is_slow_makes_the_writer_wait(tmp_path: Path) -> None:
     """Nothing is lost and nothing piles up: the sender of lines is held until reports are read."""
     text = "".join(lines(12_000)).encode()
@@ -212,6 +213,7 @@ def test_peers_come_and_go(tmp_path: Path) -> None:
         other.close()
 
 
+@pytest.mark.thorough
 def test_a_peer_that_does_not_read_holds_up_nobody_else(tmp_path: Path) -> None:
     """Its own lines wait; another vehicle has its reports at once."""
     with running(tmp_path, "--from", "tcp:0") as run:
@@ -273,6 +275,7 @@ def test_the_watchdog_ends_a_silent_cycle(tmp_path: Path) -> None:
     assert took > 0.9
 
 
+@pytest.mark.thorough
 def test_a_vehicle_that_never_speaks_again_is_missed(tmp_path: Path) -> None:
     """The watchdog knows it from the snapshot: its cycles go on, and are handed to whoever reads the reports."""
     source, sink = tmp_path / "lines.jsonl", tmp_path / "reports.jsonl"

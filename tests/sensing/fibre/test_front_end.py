@@ -114,6 +114,7 @@ def test_two_trains_keep_their_order() -> None:
         assert low.high.path_mm.high < high.low.path_mm.low
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("factor", "by", "effect", "edges"),
     [
@@ -225,6 +226,7 @@ FAULTS: dict[str, object] = {
 }
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("kind", list(FAULTS))
 def test_faults_are_refused_and_end_what_was_followed(kind: str) -> None:
     """With their reason; trains have to be confirmed anew, under new numbers."""
