@@ -1,16 +1,18 @@
 """Terms as shared nodes: equal terms have the same number, so that two terms are compared by their numbers.
 
 A node is an operator with its operands, a variable (name, sort) or a constant. In the normal form nested conjunctions are
-one (nested disjunctions too), truth constants are folded, and a double negation is removed.
+one (nested disjunctions too), truth constants are folded, two numbers are compared, and a double negation is removed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from operator import eq, ge, le, lt
 
 Node = tuple[str | int, ...]
 INT, BOOL = "Int", "Bool"
 _UNIT = {"and": True, "or": False}
+_COMPARISONS = {"<": lt, "<=": le, ">=": ge, "=": eq}
 
 
 class Dag:
@@ -43,6 +45,9 @@ class Dag:
         found = tuple(parts)
         if operator == "not":
             return self._negated(found[0])
+        if operator in _COMPARISONS and all(self.nodes[part][0] == "lit" for part in found):
+            one, other = (int(self.nodes[part][1]) for part in found)
+            return self.truth[_COMPARISONS[operator](one, other)]
         return self._chosen(*found) if operator == "ite" else self._kept((operator, *found))
 
     def _negated(self, part: int) -> int:
