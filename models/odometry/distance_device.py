@@ -18,7 +18,7 @@ ever better than the worse law, and missing distances widen the interval much.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from safeloc.language.declared import Declared
 from safeloc.language.expr import (
@@ -46,46 +46,22 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, MS, NM, PPM, PPM_PER_ONE
 from safeloc.models.vocabulary.choose import choose
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 
 
 @dataclass(frozen=True, eq=False)
-class Values:
-    """Position and margins at one moment: truth lies in [position - below, position + above] while `alive`.
-
-    Which margin is which ETCS variable: `safeloc.models.vocabulary.interval`.
-    """
+class Values(Interval):
+    """Position (in mm) and margins at one moment: they count while `alive`."""
 
     alive: Bool
-    position: Num
-    above: Num
-    below: Num
-
-    @property
-    def margin(self) -> Num:
-        """The greater of both sides, nm."""
-        return maximum(self.above, self.below)
-
-    @property
-    def low(self) -> Num:
-        """Lower end, nm."""
-        return exact_to(self.position, NM) - self.below
-
-    @property
-    def high(self) -> Num:
-        """Upper end, nm."""
-        return exact_to(self.position, NM) + self.above
-
-    def meets(self, other: Values) -> Bool:
-        """Return whether both intervals have a point in common."""
-        return (self.low <= other.high) & (other.low <= self.high)
 
     def better_than(self, other: Values) -> Bool:
         """Return whether it is alive and the other one is dead or has a greater margin."""
         return self.alive & (~other.alive | (self.margin < other.margin))
 
 
-NOTHING = Values(as_num(1, MM) <= 0, as_num(0, MM), as_num(0, NM), as_num(0, NM))
+NOTHING = Values(as_num(0, MM), as_num(0, NM), as_num(0, NM), alive=as_num(1, MM) <= 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +89,7 @@ class Unit:
     @property
     def values(self) -> Values:
         """Its values before the step."""
-        return Values(self.alive, self.position, self.above, self.below)
+        return Values(self.position, self.above, self.below, self.alive)
 
     def start_wander_nm(self, device: Device) -> int:
         """Return half of the one-off constant that a reading adds, nm: its own, or with `single_fault_safe` the greater of both units."""
@@ -278,7 +254,7 @@ def cycle(device: Device) -> Cycle:
         _prolonged(second, first, (admitted[1], admitted[0]), reach, age, failed),
     )
     clash = moved[0].alive & moved[1].alive & ~moved[0].meets(moved[1])
-    kept = tuple(Values(values.alive & ~clash, values.position, values.above, values.below) for values in moved)
+    kept = tuple(replace(values, alive=values.alive & ~clash) for values in moved)
     return Cycle(
         device,
         (admitted[0], admitted[1]),
@@ -309,7 +285,7 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
     above, below = own.above + charge, own.below + charge
     tolerable = maximum(above, below) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
-    return Values(own.alive & ~failed & tolerable & on_line, moved, above, below)
+    return Values(moved, above, below, own.alive & ~failed & tolerable & on_line)
 
 
 def _usable(limits: Limits, admitted: tuple[Bool, Bool]) -> tuple[Bool, Bool]:

@@ -27,13 +27,13 @@ from safeloc.language.expr import (
     enumeration,
     exact_to,
     ite,
-    maximum,
     members,
     number,
     optional,
 )
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM, PPM_PER_ONE
 from safeloc.models.odometry.distance_device import Cycle, Values
+from safeloc.models.vocabulary.interval import Interval
 
 READING = members(
     "reading",
@@ -126,23 +126,14 @@ def reader(declared: Declared, name: str, *, offset: Num, offset_tolerance_mm: i
 
 
 @dataclass(frozen=True, eq=False)
-class Fix:
-    """The place of end A at the end of the cycle by one reading: in [position - below, position + above]; margins in nm."""
-
-    position: Num
-    above: Num
-    below: Num
+class Fix(Interval):
+    """The place of end A (in mm) at the end of the cycle by one reading."""
 
     def values(self, wander_nm: int, tolerance_nm: int, limit_mm: int) -> Values:
         """Return the values of a unit that the reading sets: its one-off constant counts from the start."""
-        above, below = self.above + 2 * wander_nm, self.below + 2 * wander_nm
-        usable = (maximum(above, below) <= tolerance_nm) & between(-limit_mm, self.position, limit_mm)
-        return Values(usable, self.position, above, below)
-
-    def meets(self, values: Values) -> Bool:
-        """Return whether the fix and the interval of `values` have a point in common."""
-        centre = exact_to(self.position, NM)
-        return (centre - self.below <= values.high) & (values.low <= centre + self.above)
+        own = self.widened(2 * wander_nm)
+        usable = (own.margin <= tolerance_nm) & between(-limit_mm, own.position, limit_mm)
+        return Values(own.position, own.above, own.below, usable)
 
 
 def fix(reader: Reader, moved: Cycle) -> Fix:
