@@ -136,6 +136,16 @@ def _choice(condition: Any, then: Any, other: Any) -> Any:
     return kind(z3.Z3_mk_ite(_context(), condition.as_ast(), then.as_ast(), other.as_ast()))
 
 
+def implied(condition: z3.BoolRef, term: z3.BoolRef) -> z3.BoolRef:
+    """Return `condition` => `term`."""
+    return z3.BoolRef(z3.Z3_mk_implies(_context(), condition.as_ast(), term.as_ast()))
+
+
+def require(solver: z3.Solver, term: z3.BoolRef) -> None:
+    """Add a condition to a solver."""
+    z3.Z3_solver_assert(_context(), solver.solver, term.as_ast())
+
+
 def constant(var: Var, suffix: str = "") -> z3.ExprRef:
     """Return the z3 constant for a variable."""
     return z3.Int(var.name + suffix) if isinstance(var, NumVar) else z3.Bool(var.name + suffix)

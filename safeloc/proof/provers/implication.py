@@ -11,7 +11,7 @@ from typing import Any
 
 import z3
 
-from safeloc.codegen.smt import Terms, constant
+from safeloc.codegen.smt import Terms, constant, implied, require
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.language.expr import Bool
 from safeloc.language.nodes import Value
@@ -117,14 +117,14 @@ class _Asked:
         solver = plain_solver(self._seed)
         switches = [z3.Bool(number) for number in range(len(self._hypotheses))]  # no variable's name is a number
         for switch, hypothesis in zip(switches, self._hypotheses, strict=True):
-            solver.add(z3.Implies(switch, hypothesis))
+            require(solver, implied(switch, hypothesis))
         solver.add(z3.Not(z3.And(*self.left.values())))
         answer = ask(solver, ends.left, *switches)
         if answer == z3.sat:
             return self._taken_out(solver.model())
         if answer == z3.unsat:
-            used = {str(switch) for switch in solver.unsat_core()}
-            _CORES[self._query] = [number for number, switch in enumerate(switches) if str(switch) in used]
+            used = {switch.get_id() for switch in solver.unsat_core()}
+            _CORES[self._query] = [number for number, switch in enumerate(switches) if switch.get_id() in used]
             self.left = {}
         return {}
 
