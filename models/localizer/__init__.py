@@ -13,7 +13,7 @@
 
 A later machine sees what an earlier one computed in the same step. Any of the five sources may be left out. Each keeps its
 own proofs; what arbitration, the links and the restrictive state assume of the machines before them, and the satellites'
-position of a reference, is not assumed of the whole, but owed by those, and proved. Sources of a user's own come behind the five.
+position of a reference, is not assumed of the whole, but proved from those. Sources of a user's own come behind the five.
 """
 
 from __future__ import annotations
@@ -113,13 +113,13 @@ def compose_machines(
     sources = [machine for piece in pieces.values() for machine in piece.machines]
     links = [downlink.machine] if downlink else []
     machines = (moves.machine, *sources, *links, counts.machine, guard, uplink.machine, *more.machines)
-    owed = [one for piece in pieces.values() for one in piece.owed]
+    discharged = [one for piece in pieces.values() for one in piece.discharged]
     whole = compose(
         name,
         machines,
         wires,
         shared=[*moves.shared, *more.shared],
-        discharge=[*owed, *links, counts.machine, guard, uplink.machine, *more.discharge],
+        discharge=[*discharged, *links, counts.machine, guard, uplink.machine, *more.discharge],
     )
     return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
 

@@ -45,7 +45,7 @@ class Piece:
     machines: tuple[Machine, ...]
     wires: Mapping[Var, Expr]
     stated: Stated
-    owed: tuple[Clause, ...] = ()
+    discharged: tuple[Clause, ...] = ()
     models: tuple[object, ...] = ()
 
 
@@ -79,11 +79,11 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
     own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
-    owed = _owed_law(Clause(model.machine, balise.ODOMETER), moves)
-    return Piece((model.machine,), wires, plainly(model.machine), owed, (model,))
+    discharged = _law_of_motion(Clause(model.machine, balise.ODOMETER), moves)
+    return Piece((model.machine,), wires, plainly(model.machine), discharged, (model,))
 
 
-def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
+def _law_of_motion(law: Clause, moves: Motion) -> tuple[Clause, ...]:
     """Return the clause of the distance's law if `motion` discharges it: with a check unit."""
     return () if moves.own.check is None else (law,)
 
@@ -117,7 +117,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         why,
     )
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
-    return Piece((machine,), wires, stated, _owed_law(Clause(machine, reflector.ODOMETER), moves), (model,))
+    return Piece((machine,), wires, stated, _law_of_motion(Clause(machine, reflector.ODOMETER), moves), (model,))
 
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:

@@ -155,7 +155,7 @@ class Claims:
         if self._nodes(goal) != self._nodes(observe(system, replace(again, name=prop.name))):
             return WRONG, "it is not the machine's own property in the terms of the composition"
         free = original.unconditional and part.alone.ghosts.isdisjoint(variables([original.term]))
-        if part.name not in self.theory.heard or not (free or part.name in self.theory.owed):
+        if part.name not in self.theory.in_range or not (free or part.name in self.theory.contracts):
             return (
                 WRONG,
                 f"it is not shown that the inputs of {part.name} are in range and its assumption is discharged",
@@ -178,7 +178,7 @@ class Claims:
         for name, term in self.target.system.lemmas.items():
             yield name, lambda row, term=term: self._lemma(row, term)  # type: ignore[misc]
         for part in self.theory.parts:
-            yield f"contract of {part} holds", lambda _, part=part: proven(part in self.theory.owed)  # type: ignore[misc]
+            yield f"contract of {part} holds", lambda _, part=part: proven(part in self.theory.contracts)  # type: ignore[misc]
 
     def _lemma(self, row: Row, term: Bool) -> Answer:
         free = "for all inputs in range" in row["method"]

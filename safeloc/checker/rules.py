@@ -163,8 +163,8 @@ class Theory:
     """Everything that the certificates of one target establish.
 
     goals      returns the goals by machine ("" for the whole system) and name
-    heard      machines whose wired inputs are proved to be in range
-    owed       machines whose assumption is discharged as well
+    in_range   machines whose wired inputs are proved to be in range
+    contracts  machines whose assumption is discharged as well
     proved     goals that hold in every run, with the files that prove it
     at_first   goals that hold in the first state, with the files that prove it
     further    facts that were proved on the way to an obligation
@@ -180,8 +180,8 @@ class Theory:
             name: Rewriting(self.dag, {self.write(var): self.write(part.into(var)) for var in part.alone.state})
             for name, (part, _) in self.parts.items()
         }
-        self.heard: set[str] = set()
-        self.owed: set[str] = set()
+        self.in_range: set[str] = set()
+        self.contracts: set[str] = set()
         self.proved: dict[Goal, Files] = {}
         self.at_first: dict[Goal, Files] = {}
         self.absent: dict[str, Terms] = {}
@@ -227,11 +227,11 @@ class Theory:
         """Add the facts about each machine to the composition, once its wired inputs are in range and its assumption is
         discharged."""
         for name, (part, alone) in self.parts.items():
-            if self.write.conjuncts([part.heard]) <= self.whole.free:
-                self.heard.add(name)
+            if self.write.conjuncts([part.inputs_in_range]) <= self.whole.free:
+                self.in_range.add(name)
                 self.whole.add(self._into[name].all(alone.always), lawful=False)
-                if self.write.conjuncts([part.owed]) <= self.whole.lawful:
-                    self.owed.add(name)
+                if self.write.conjuncts([part.contract]) <= self.whole.lawful:
+                    self.contracts.add(name)
                     self.whole.add(self._into[name].all(alone.facts), lawful=True)
 
     # -------------------------------------------------------------- facts

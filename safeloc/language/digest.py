@@ -46,7 +46,7 @@ def _full_lines(system: TransitionSystem) -> Iterator[str]:
         yield f"part {part.name!r}"
         yield from _full_lines(part.alone)
         translated = [part.into(var) for var in (*part.alone.state, *part.alone.inputs)]
-        yield from _terms([part.heard, part.owed, *translated])
+        yield from _terms([part.inputs_in_range, part.contract, *translated])
 
 
 def _lines(system: TransitionSystem) -> Iterator[str]:

@@ -42,19 +42,19 @@ from safeloc.language.units import Enumeration
 class Part:
     """One machine of a composition. Facts proved for it in isolation carry over as long as its wired inputs stay in range.
 
-    alone       the machine by itself
-    into        rewrites terms over its state into terms of the composition
-    heard       the condition that its wired inputs are in range, over the composition's state before the step and inputs
-    owed        the conditions that the machines before it have to guarantee: the ranges of its wired ghosts, and the
-                discharged part of its assumption
-    clauses     every clause of its world by name, over the composition's state before the step and inputs
-    guaranteed  names of the clauses that the machines before it guarantee
+    alone            the machine by itself
+    into             rewrites terms over its state into terms of the composition
+    inputs_in_range  the condition that its wired inputs are in range, over the composition's state before the step and inputs
+    contract         the conditions that the machines before it have to guarantee: the ranges of its wired ghosts, and the
+                     discharged part of its assumption
+    clauses          every clause of its world by name, over the composition's state before the step and inputs
+    guaranteed       names of the clauses that the machines before it guarantee
     """
 
     alone: TransitionSystem
     into: Substitution
-    heard: Bool
-    owed: Bool
+    inputs_in_range: Bool
+    contract: Bool
     clauses: Mapping[str, Bool] = field(default_factory=dict)
     guaranteed: tuple[str, ...] = ()
 

@@ -190,10 +190,10 @@ def _hold(case: Case, space: Space, found: Mapping[str, Bool], allowed: Callable
 
 
 def _contracts(case: Case, whole: Whole, known: Base) -> None:
-    """What is heard and what is owed, in every step."""
+    """Wired inputs are in range and contracts hold, in every step."""
     for world in whole.worlds:
         name = f"contract of {world.name} holds"
-        if world.name in known.heard:
+        if world.name in known.in_range:
             bad = next((e.known for _, e in case.space.steps(anyhow) if not whole.hears(world.name, e.known)), None)
             case.tally.judge("heard", "" if bad is None else f"{world.name} hears what it may not: {bad}")
         if name in known.kept:

@@ -44,7 +44,9 @@ def up_to_the_position(whole: Localizer, changed: Mapping[str, Expr]) -> Transit
         [heard] = [var for var in wires if var.name == name]
         wires[heard] = term
     machines = (whole.motion.machine, *first.machines, *position.machines)
-    return compose("part", machines, wires, shared=whole.motion.shared, discharge=[*first.owed, *position.owed]).system
+    return compose(
+        "part", machines, wires, shared=whole.motion.shared, discharge=[*first.discharged, *position.discharged]
+    ).system
 
 
 def told(whole: Localizer) -> Num:
@@ -65,7 +67,7 @@ def test_a_reference_is_owed_not_assumed() -> None:
 def test_without_an_earlier_source_it_is_assumed() -> None:
     """Satellites alone: references come from the environment; only what the selection keeps is discharged."""
     whole = compose_machines(LocalizerConfig(sources=("satellite",)))
-    assert [SELECTED] == [one.name for one in whole.pieces["satellite"].owed if isinstance(one, Clause)]
+    assert [SELECTED] == [one.name for one in whole.pieces["satellite"].discharged if isinstance(one, Clause)]
     assert "position.reference_mm.present" in {var.name for var in whole.composition.system.inputs}
 
 
@@ -86,7 +88,7 @@ def _half(whole: Localizer) -> Mapping[str, Expr]:
     "wrong", [_untrusted, *(pytest.param(one, marks=pytest.mark.slow) for one in (_no_error, _half))]
 )
 def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
-    """No accuracy, a reference that is not trusted, the margin of one side alone: owed, and not kept."""
+    """No accuracy, a reference that is not trusted, the margin of one side alone: to be discharged, and not kept."""
     whole = referring()
     known = base(up_to_the_position(whole, wrong(whole)))
     assert CONTRACT in names(known.refuted)

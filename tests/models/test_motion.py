@@ -74,7 +74,7 @@ def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConf
 
 
 def test_a_creep_is_charged_to_the_last_unit() -> None:
-    """One nm less in a cycle that charges the creep alone: owed, and not kept."""
+    """One nm less in a cycle that charges the creep alone: to be discharged, and not kept."""
     whole = _with(CREEPS)
     charged = whole.motion.machine.output("more_nm")
     assert isinstance(charged, Num)
@@ -120,7 +120,7 @@ def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
     "wrong", [_a_little_less, *(pytest.param(one, marks=pytest.mark.slow) for one in (_no_charge, _as_measured))]
 )
 def test_a_smaller_charge_is_not_enough(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
-    """No charge, one nm less, or the odometer as it measured: owed, and not kept."""
+    """No charge, one nm less, or the odometer as it measured: to be discharged, and not kept."""
     whole = compose_machines(LocalizerConfig(sources=("balise",)))
     assert "contract of balise holds" in names(base(one_user(whole, wrong(whole))).refuted)
 
@@ -133,7 +133,7 @@ def one_user(whole: Localizer, changed: Mapping[str, Expr]) -> TransitionSystem:
         [heard] = [var for var in wires if var.name == name]
         wires[heard] = term
     return compose(
-        "part", (whole.motion.machine, *piece.machines), wires, shared=whole.motion.shared, discharge=piece.owed
+        "part", (whole.motion.machine, *piece.machines), wires, shared=whole.motion.shared, discharge=piece.discharged
     ).system
 
 

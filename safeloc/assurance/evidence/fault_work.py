@@ -127,12 +127,12 @@ def _may_rest_on(target: Target, cores: Sequence[Core], broken: Sequence[ClauseI
     In a composition, lemmas and contracts are proved by its machines, from clauses that are not in the core.
     """
     gone = {(one.machine, one.name) for one in broken}
-    owed = {part.name for part in target.system.parts if part.owed is not TRUE}
+    contracts = {part.name for part in target.system.parts if part.contract is not TRUE}
     found = set[str]()
     for one in cores:
         clauses = {(element.machine, element.name) for element in one.rests_on if element.kind == "clause"}
         by_others = target.system.parts and (
-            one.kept_by in owed if one.kept_by else any(element.kind != "clause" for element in one.rests_on)
+            one.kept_by in contracts if one.kept_by else any(element.kind != "clause" for element in one.rests_on)
         )
         if one.why_none or by_others or not gone.isdisjoint(clauses):
             found.add(one.claim)

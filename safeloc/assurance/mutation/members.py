@@ -72,12 +72,16 @@ def joined(whole: Composed, machine: Machine, wires: Mapping[Var, Expr] | None =
     told = _rewired(whole.plan.wires if wires is None else wires, was, machine)
     machines = [machine if one is was else one for one in whole.plan.machines]
     made = compose(
-        whole.plan.name, machines, told, shared=whole.plan.shared, discharge=_owed(whole.plan.discharge, was, machine)
+        whole.plan.name,
+        machines,
+        told,
+        shared=whole.plan.shared,
+        discharge=_discharged(whole.plan.discharge, was, machine),
     )
     return _renamed(made.system, whole.target.system)
 
 
-def _owed(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> list[Machine | Clause]:
+def _discharged(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> list[Machine | Clause]:
     found: list[Machine | Clause] = []
     for one in discharge:
         if isinstance(one, Clause):
@@ -129,4 +133,6 @@ def _flag(var: Var) -> BoolVar:
 
 
 def _part(part: Part, like: Part, change: Substitution) -> Part:
-    return replace(part, into=like.into, heard=change.bool(part.heard), owed=change.bool(part.owed))
+    return replace(
+        part, into=like.into, inputs_in_range=change.bool(part.inputs_in_range), contract=change.bool(part.contract)
+    )

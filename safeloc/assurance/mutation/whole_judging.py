@@ -102,7 +102,10 @@ def _judged(on: WholeBench, made: TransitionSystem, claims: Sequence[Property]) 
 def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
     """Return the system, with its contracts, with terms replaced by the shared nodes."""
     share = canon.share
-    parts = [replace(part, heard=share.bool(part.heard), owed=share.bool(part.owed)) for part in system.parts]
+    parts = [
+        replace(part, inputs_in_range=share.bool(part.inputs_in_range), contract=share.bool(part.contract))
+        for part in system.parts
+    ]
     return replace(
         system,
         init=share.bool(system.init),
@@ -124,16 +127,16 @@ def _questions(system: TransitionSystem, claims: Sequence[Property], canon: Cano
     known, lawful = list[Bool](), environment(system)
     for part, own in zip(system.parts, facts, strict=True):
         for words, term in (
-            (inputs_text(part.name), part.heard),
-            (contract_text(part.name), part.owed),
+            (inputs_text(part.name), part.inputs_in_range),
+            (contract_text(part.name), part.contract),
         ):
             if term is not TRUE:
                 given = relevant.select([lawful, *before, *known], [term])
                 yield _Question(words, tuple(given), canon.share.bool(term))
         known += [after.bool(term) for term in own]
-    owed = [part.owed for part in system.parts]
+    contracts = [part.contract for part in system.parts]
     for prop in claims:
-        yield _of_claim(system, prop, [*before, *known, *owed], relevant, canon)
+        yield _of_claim(system, prop, [*before, *known, *contracts], relevant, canon)
 
 
 def _of_claim(

@@ -43,12 +43,12 @@ def range_of(var: NumVar) -> Fact:
     return Fact("range", var.name)
 
 
-def heard_by(part: Part) -> Fact:
+def inputs_of(part: Part) -> Fact:
     """Return the key of the fact that the wired inputs of a machine stay in their ranges."""
     return Fact("wires", part.name)
 
 
-def owed_to(part: Part) -> Fact:
+def contract_of(part: Part) -> Fact:
     """Return the key of the fact that earlier machines guarantee the discharged assumption of a machine."""
     return Fact("contract", part.name)
 

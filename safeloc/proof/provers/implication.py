@@ -123,7 +123,7 @@ class _Asked:
         if answer == z3.sat:
             return self._taken_out(solver.model())
         if answer == z3.unsat:
-            used = {switch.get_id() for switch in solver.unsat_core()}
+            used = {switch.get_id() for switch in solver.unsat_core()}  # pyright: ignore[reportAttributeAccessIssue, reportOptionalMemberAccess] # a term
             _CORES[self._query] = [number for number, switch in enumerate(switches) if switch.get_id() in used]
             self.left = {}
         return {}

@@ -21,7 +21,7 @@ from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before, was
 from safeloc.language.spec import Property, always
 from safeloc.language.system import Part, TransitionSystem, environment
 from safeloc.language.terms import Substitution, conjuncts
-from safeloc.proof.provers.facts import Fact, about, heard_by, owed_to, range_of
+from safeloc.proof.provers.facts import Fact, about, contract_of, inputs_of, range_of
 from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.limits import deadline
 from safeloc.proof.provers.recheck import UNCONFIRMED, certify
@@ -43,8 +43,8 @@ class Alone:
 class Inherited:
     """Facts that a composition inherits from its machines.
 
-    kept   the proved contracts (discharged assumptions), over the state before a step and its inputs
-    heard  the machines whose wired inputs are proved to be in range
+    kept      the proved contracts (discharged assumptions), over the state before a step and its inputs
+    in_range  the machines whose wired inputs are proved to be in range
     """
 
     always: dict[Fact, Bool] = field(default_factory=dict)
@@ -52,12 +52,12 @@ class Inherited:
     kept: dict[Fact, Bool] = field(default_factory=dict)
     certificates: dict[str, str] = field(default_factory=dict)
     refuted: dict[Fact, Failure] = field(default_factory=dict)
-    heard: list[str] = field(default_factory=list)
+    in_range: list[str] = field(default_factory=list)
 
 
 def contracts(system: TransitionSystem) -> dict[Fact, Bool]:
     """Return the discharged assumptions of a composition, over the state before a step and its inputs."""
-    return {owed_to(part): part.owed for part in system.parts if part.owed is not TRUE}
+    return {contract_of(part): part.contract for part in system.parts if part.contract is not TRUE}
 
 
 def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]:
@@ -76,14 +76,14 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
         found.certificates |= own.certificates
-        in_range = proof.confirm(heard_by(part), part.heard, found, always=True)
+        in_range = proof.confirm(inputs_of(part), part.inputs_in_range, found, always=True)
         if in_range:
-            found.heard.append(part.name)
+            found.in_range.append(part.name)
             found.always |= _renamed(part, own.always)
-        contract = in_range and proof.confirm(owed_to(part), part.owed, found, always=False)
+        contract = in_range and proof.confirm(contract_of(part), part.contract, found, always=False)
         if contract:
             found.facts |= _renamed(part, own.facts)
-            found.kept |= {} if part.owed is TRUE else {owed_to(part): part.owed}
+            found.kept |= {} if part.contract is TRUE else {contract_of(part): part.contract}
     return found
 
 

@@ -22,7 +22,7 @@ from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
-from safeloc.proof.provers.facts import Fact, about, owed_to
+from safeloc.proof.provers.facts import Fact, about, contract_of
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.implication import Undecided
 from safeloc.proof.provers.inherited import contract_properties, contracts
@@ -176,8 +176,8 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     part, own = of_machine
     known = base(goal.original, seconds=limits.seconds)
     free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
-    discharged = free or part.owed is TRUE or owed_to(part) in known.kept
-    if not discharged or part.name not in known.heard:
+    discharged = free or part.contract is TRUE or contract_of(part) in known.kept
+    if not discharged or part.name not in known.in_range:
         return prove_one(goal, limits)
     first, half = _at_first(goal, known, limits), replace(limits, seconds=limits.seconds / 2)
     verdict = prove_one(observe(part.alone, own), half) if not first.failed else None

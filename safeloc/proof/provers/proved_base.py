@@ -2,10 +2,10 @@
 
 Both are PROVED, once per system, and then serve every property as hypotheses:
 
-    always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
-    facts   the other lemmas, and ranges of ghosts, under the assumption
-    kept    of a composition: the contracts (discharged assumptions), in every step (safeloc.proof.provers.inherited)
-    heard   of a composition: the machines whose wired inputs stay in range
+    always    ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
+    facts     the other lemmas, and ranges of ghosts, under the assumption
+    kept      of a composition: the contracts (discharged assumptions), in every step (safeloc.proof.provers.inherited)
+    in_range  of a composition: the machines whose wired inputs stay in range
 
 A composition inherits the facts of its machines without a new proof. A fact that is not inductive together with the others,
 or that the second solver does not confirm, is dropped and named in `refuted`; it is never assumed.
@@ -41,7 +41,7 @@ class Base:
     certificates: Mapping[str, str]
     seconds: float
     kept: Mapping[Fact, Bool] = field(default_factory=dict)
-    heard: Sequence[str] = ()
+    in_range: Sequence[str] = ()
 
     @property
     def everything(self) -> list[Bool]:
@@ -121,7 +121,7 @@ def _prove(system: TransitionSystem, seconds: float) -> Base:
     facts, more_texts, refuted = _inductive(world, rest, ends)
     refuted |= {key: why for key, why in failed.items() if key in own} | had.refuted
     certificates = {**had.certificates, **texts, **more_texts}
-    return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept, had.heard)
+    return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept, had.in_range)
 
 
 def _alone(part: Part, seconds: float) -> Alone:

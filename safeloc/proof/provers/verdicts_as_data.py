@@ -148,7 +148,7 @@ def pack_base(known: Base) -> Packed:
         dict(known.certificates),
         known.seconds,
         tuple(known.kept),
-        tuple(known.heard),
+        tuple(known.in_range),
     )
 
 

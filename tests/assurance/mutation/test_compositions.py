@@ -56,7 +56,9 @@ def test_the_same_machine_makes_the_same_whole() -> None:
         assert {name: now.outputs[name] is term for name, term in was.outputs.items()} == dict.fromkeys(
             was.outputs, True
         )
-        assert [(part.heard, part.owed) for part in now.parts] == [(part.heard, part.owed) for part in was.parts]
+        assert [(part.inputs_in_range, part.contract) for part in now.parts] == [
+            (part.inputs_in_range, part.contract) for part in was.parts
+        ]
 
 
 def test_its_own_claim_comes_first() -> None:
