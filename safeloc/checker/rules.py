@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from safeloc.checker.dag import Dag, Rewriting
+from safeloc.checker.former import without_rule
 from safeloc.checker.terms import Translation
 from safeloc.checker.text import Certificate
 from safeloc.language.nodes import Var
@@ -191,7 +192,7 @@ class Theory:
 
     def take(self, certificates: Sequence[Certificate]) -> dict[str, str]:
         """Establish all conclusions of the certificates; return the files without a conclusion, each with the reason."""
-        useless = {one.file: "no rule of this name, or the other half is missing" for one in certificates}
+        useless = {one.file: without_rule(one.header.get("rule", "")) for one in certificates}
         attempts = list(_attempts(certificates))
         pending = [one for one in attempts if one[0] in _FACTS_FIRST]
         while pending:

@@ -120,6 +120,20 @@ def test_of_another_layer(proofs: dict[str, Evidence]) -> None:
     assert refused(found)
 
 
+@pytest.mark.parametrize(("former", "now"), [("heard", "wires"), ("owed", "contract")])
+def test_a_rule_of_an_old_certificate(proofs: dict[str, Evidence], former: str, now: str) -> None:
+    """The answer gives the name that the rule has now."""
+    evidence = proofs["whole"]
+    changed = {
+        file: text.replace(f"; rule: {now}", f"; rule: {former}")
+        for file, text in evidence.texts.items()
+        if f"; rule: {now}" in text
+    }
+    found = evidence.judged({**changed})
+    assert changed
+    assert {f"rule {former!r} is now {now!r}"} == {found.wrong[file] for file in changed}
+
+
 def test_contracts_have_an_order(proofs: dict[str, Evidence]) -> None:
     """A contract that was shown from what the machine keeps only because of the contract establishes nothing."""
     evidence = proofs["whole"]
