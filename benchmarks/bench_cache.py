@@ -44,12 +44,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _seconds(checkout: Checkout, machine: str, cache: Path) -> float:
     """Processor seconds of one run."""
-    before = _processor_s()
+    before = processor_s()
     checkout.verified(machine, cache)
-    return _processor_s() - before
+    return processor_s() - before
 
 
-def _processor_s() -> float:
+def processor_s() -> float:
+    """Return the processor time of all ended processes that this one has started, user and system."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 PARTS = ("safeloc", "models", "properties")
 QUICKLY = ("--depth", "8", "--seconds", "20", "--examples", "5", "--steps", "20", "--jobs", "2")
 MOST_SECONDS = 900
+MOST_SECONDS_OF_ALL = 3600
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,13 @@ class Checkout:
         """One machine, with what is kept there."""
         with tempfile.TemporaryDirectory() as report:
             asked = ("verify", machine, *QUICKLY, "--json", "--out", report, "--cache", str(cache))
-            return self._run(*asked)
+            return self._run(*asked, seconds=MOST_SECONDS)
+
+    def all_verified(self, cache: Path) -> Ran:
+        """All machines, within the limits that a user has."""
+        with tempfile.TemporaryDirectory() as report:
+            asked = ("verify", "--jobs", "2", "--json", "--out", report, "--cache", str(cache))
+            return self._run(*asked, seconds=MOST_SECONDS_OF_ALL)
 
     def loads(self, machine: str) -> bool:
         """Whether the machine can be made at all."""
@@ -68,9 +75,9 @@ class Checkout:
         told = self._started("-c", code, seconds=60).stdout.split()
         return sorted({Path(name).resolve() for name in told if Path(name).resolve().is_relative_to(self.folder)})
 
-    def _run(self, *arguments: str) -> Ran:
+    def _run(self, *arguments: str, seconds: float) -> Ran:
         try:
-            ran = self._started("-m", "safeloc", *arguments, seconds=MOST_SECONDS)
+            ran = self._started("-m", "safeloc", *arguments, seconds=seconds)
         except subprocess.TimeoutExpired:
             return Ran(-1, {}, frozenset(), "ended by the clock")
         try:

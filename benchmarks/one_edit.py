@@ -1,0 +1,96 @@
+"""How long `safeloc verify` of all machines takes after one edit of one machine.
+
+`python -m benchmarks.one_edit --out FILE`: once with nothing kept, then after each of 50 random edits, spread over all machines,
+with what the unedited run left. A line of FILE a run; started again with the same FILE it goes on where it was. At the end:
+medians of the clock and of processor time, as shares of the run with nothing kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import shutil
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from benchmarks.bench_cache import processor_s
+from safeloc.catalogue import ENTRIES
+from tests.edits.checkout import Checkout, edited
+from tests.edits.judge import Case, edit_of
+from tests.kept_lines import keep, kept_lines
+
+COLD = -1
+"""Number of the run with nothing kept."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print one line a run, and the medians."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.one_edit", description=__doc__)
+    parser.add_argument("--edits", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, required=True)
+    asked = parser.parse_args(arguments)
+    done = {line["number"] for line in kept_lines(asked.out)}
+    with tempfile.TemporaryDirectory() as place:
+        checkout, cache = Checkout(Path(place, "checkout")), Path(place, "cache")
+        if not set(range(COLD, asked.edits)) <= done:
+            first = {"number": COLD, **_timed(checkout, cache)}
+            if COLD not in done:
+                _keep(asked.out, first)
+        for number in (one for one in range(asked.edits) if one not in done):
+            _keep(asked.out, {"number": number, **_after_edit(checkout, cache, number, asked.seed)})
+    print(*_medians([line for line in kept_lines(asked.out) if line["number"] < asked.edits]), sep="\n")
+
+
+def _after_edit(checkout: Checkout, cache: Path, number: int, seed: int) -> dict[str, Any]:
+    """Time one edit; what its run keeps is no help to the next one."""
+    name = list(ENTRIES)[number % len(ENTRIES)]
+    path, edit = edit_of(checkout, Case(number, "machine", name), random.Random(f"{seed} {number}"))
+    change = f"{path.name}:{edit.line} {edit.before.strip()} -> {edit.after.strip()}"
+    own = cache.with_name("own")
+    shutil.copytree(cache, own, copy_function=_linked)
+    try:
+        with edited(path, edit.made(path.read_text(encoding="utf-8"))):
+            return {"machine": name, "change": change, **_timed(checkout, own)}
+    finally:
+        shutil.rmtree(own)
+
+
+def _linked(source: str, target: str) -> None:
+    """Link in place of a copy: files of the cache are never changed, only replaced."""
+    Path(target).hardlink_to(source)
+
+
+def _timed(checkout: Checkout, cache: Path) -> dict[str, Any]:
+    clock, used = time.monotonic(), processor_s()
+    ran = checkout.all_verified(cache)
+    seconds = {"clock_s": round(time.monotonic() - clock, 1), "processor_s": round(processor_s() - used, 1)}
+    anew = sorted({name.partition("/")[0] for name in ran.verdicts} - ran.kept)
+    return {**seconds, "code": ran.code, "verdicts": Counter(ran.verdicts.values()), "anew": anew, "error": ran.error}
+
+
+def _keep(out: Path, line: Mapping[str, Any]) -> None:
+    keep(out, dict(line))
+    of = f"{line['machine']}, {line['change']}" if "machine" in line else "nothing kept"
+    print(f"{of}: {line['clock_s']} s, {line['processor_s']} s of processor, {dict(line['verdicts'])}", flush=True)
+
+
+def _medians(lines: Sequence[Mapping[str, Any]]) -> list[str]:
+    [cold] = [line for line in lines if line["number"] == COLD]
+    edits = [line for line in lines if line["number"] != COLD]
+    made = []
+    for what in ("clock_s", "processor_s"):
+        of_all = median(line[what] for line in edits)
+        made.append(
+            f"{what}: {cold[what]} cold, {of_all:.1f} after an edit (median of {len(edits)}), {of_all / cold[what]:.2f}"
+        )
+    return made
+
+
+if __name__ == "__main__":
+    main()
