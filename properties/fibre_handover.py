@@ -104,7 +104,7 @@ def _lost(model: FibreHandover) -> Iterator[Property]:
         statement="a record that did not arrive in time makes the train untrusted in the taking area in the same cycle",
     )
     yield for_all_inputs(
-        "and stays so",
+        "a train stays untrusted after a lost handover",
         on_the_way.eq(lost).implies(mode.eq(untrusted)),
         statement="after a lost handover the taking area does not trust the train before it is gone",
     )
@@ -169,7 +169,7 @@ def _other_trains(model: FibreHandover) -> Iterator[Property]:
     before, *_ = border.modes
     gone = of(border).bool(model.border.own.gone)
     yield for_all_inputs(
-        "gone is gone",
+        "no data of a train are kept after it is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
         statement="after a train is gone, none of its data are kept for the next one",
     )
@@ -207,8 +207,15 @@ def _reached(model: FibreHandover) -> Iterator[Property]:
     mode = model.composition.of(voice).num(voice.mode)
     way = model.composition.of(border).num(border.mode)
     _, _, taking, both = voice.modes
-    yield reachable("taken over", mode.eq(taking), statement="a train can be taken over", requirements=BORDER)
     yield reachable(
-        "both", mode.eq(both), statement="both areas can report the same train's position", requirements=BORDER
+        "a train is taken over", mode.eq(taking), statement="a train can be taken over", requirements=BORDER
     )
-    yield reachable("lost", way.eq(border.modes[3]), statement="a handover can be lost", requirements=BORDER)
+    yield reachable(
+        "both areas report a train",
+        mode.eq(both),
+        statement="both areas can report the same train's position",
+        requirements=BORDER,
+    )
+    yield reachable(
+        "a handover is lost", way.eq(border.modes[3]), statement="a handover can be lost", requirements=BORDER
+    )

@@ -184,7 +184,7 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     empty = together(become(own, _nothing()), {own.agreed: none, own.judged: cycle.verdict})
     yield Transition("fixes dropped", recovering, lost, unusable, empty, REQUIREMENTS, 9)
     waiting = together(_carried(own, cycle.coasted.box), {own.judged: cycle.verdict})
-    yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
+    yield Transition("agreeing fixes carried", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
     yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.fair}, requirements=REQUIREMENTS, rank=10)
 
 

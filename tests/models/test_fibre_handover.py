@@ -152,7 +152,7 @@ def spoilt(part: str, row: str, **fields: object) -> FibreHandover:
     ("part", "row", "fields", "broken"),
     [
         ("border", "record lost on the way", {"set": {}}, "a lost handover is untrusted"),
-        ("border", "trust lost on the way", {"set": {}}, "and stays so"),
+        ("border", "trust lost on the way", {"set": {}}, "a train stays untrusted after a lost handover"),
         ("border", "record arrives", {"when": TRUE}, "only a trusted train goes over"),
         ("border", "record is sent", {"when": TRUE}, "a record goes over from the shared stretch on"),
         ("border", "record is sent", {"when": FALSE}, "a record goes over from the shared stretch on"),
