@@ -21,18 +21,19 @@ from safeloc.language.expr import TRUE
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.verdict import Unknown
-from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.absence import absence
 from safeloc.proof.provers.arithmetic import division, overflow, ranges
 from safeloc.proof.provers.assumption import assumption_kept
+from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.overlap import overlap
-from safeloc.proof.provers.portfolio import GRACE_SECONDS, OnFinding, proved_base
+from safeloc.proof.provers.portfolio import GRACE_SECONDS, OnFinding, with_base
+from safeloc.proof.provers.proved_base import Base
 from safeloc.proof.provers.reachability import reached
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
 from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
-from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
 
 Check = Callable[[TransitionSystem, Limits], Iterator[Obligation]]
@@ -45,6 +46,7 @@ CHECKS: dict[str, Check] = {
     "reachable": reached,
     "assumption": assumption_kept,
 }
+CASES = "cases"
 SEARCHES = 4  # searches of one check, each with the full time limit; and one more for each machine
 
 
@@ -63,32 +65,58 @@ def obligations(
     Events that `recordings` or
     `witnesses` show need no search. The cases of `properties` have to occur.
     """
-    proved_base(system, limits)
-    most = CLOCK * (SEARCHES + len(system.parts)) * limits.seconds + GRACE_SECONDS
-    tasks = [
-        Task(f"{system.name}: {name}", partial(_packed, check, system, limits), most)
-        for name, check in _checks(recordings, witnesses).items()
-    ]
-    search = antecedents.search_task(system, properties, limits, recordings, witnesses)
-    found: dict[int, list[Finding]] = {}
-    if search is None:
-        found[len(tasks)] = _occurring(system, properties, 0.0)
-    tell = on_finding or (lambda _: None)
-    for finding in (one for known in found.values() for one in known):
-        tell(finding)
-    for number, packed, seconds in in_processes([*tasks, *([] if search is None else [search])], jobs):
-        if number == len(tasks):
-            antecedents.remember(system, properties, limits, len(recordings), packed)
-            found[number] = _occurring(system, properties, seconds)
-        else:
-            found[number] = _findings(system, list(CHECKS)[number], packed, seconds)
-        for finding in found[number]:
-            tell(finding)
-    return [finding for number in sorted(found) for finding in found[number]]
+    queue, cases = Queue(jobs), CaseSearch(system, properties, limits, recordings, witnesses)
+    obliging = Obliging(system, limits, cases, on_finding, recordings, witnesses)
+
+    def begin(_known: Base, _seconds: float) -> None:
+        obliging.begin(queue)
+        cases.begin(queue)
+
+    with_base(queue, system, limits, begin)
+    queue.run()
+    return obliging.findings
 
 
-def _occurring(system: TransitionSystem, properties: Sequence[Property], seconds: float) -> list[Finding]:
-    return [_finding(system, one, seconds) for one in antecedents.found(system, properties).obligation()]
+class Obliging:
+    """The checks of a system's free obligations, as tasks of a queue."""
+
+    def __init__(
+        self,
+        system: TransitionSystem,
+        limits: Limits,
+        cases: CaseSearch,
+        on_finding: OnFinding | None = None,
+        recordings: Sequence[Recording] = (),
+        witnesses: Witnesses = NO_WITNESSES,
+    ) -> None:
+        self._system, self._limits, self._cases = system, limits, cases
+        self._tell = on_finding or (lambda _: None)
+        self._checks = _checks(recordings, witnesses)
+        self._found: dict[str, list[Finding]] = {}
+        cases.when_known(self._occurring)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """The findings so far, check by check, and then those about the cases of properties."""
+        return [finding for name in (*CHECKS, CASES) for finding in self._found.get(name, ())]
+
+    def begin(self, queue: Queue, checks: Sequence[str] = tuple(CHECKS)) -> None:
+        """Add these checks, by name."""
+        most = CLOCK * (SEARCHES + len(self._system.parts)) * self._limits.seconds + GRACE_SECONDS
+        for name in checks:
+            work = partial(_packed, self._checks[name], self._system, self._limits)
+            queue.add(Task(f"{self._system.name}: {name}", work, most), partial(self._receive, name))
+
+    def _receive(self, name: str, packed: list[Packed] | Lost, seconds: float) -> None:
+        self._keep(name, _findings(self._system, name, packed, seconds))
+
+    def _occurring(self, seconds: float) -> None:
+        self._keep(CASES, [_finding(self._system, one, seconds) for one in self._cases.obligations()])
+
+    def _keep(self, name: str, findings: list[Finding]) -> None:
+        self._found[name] = findings
+        for finding in findings:
+            self._tell(finding)
 
 
 def _checks(recordings: Sequence[Recording], witnesses: Witnesses) -> dict[str, Check]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Literal, assert_never
+from typing import Any, Literal, assert_never
 
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import PropertyError
@@ -21,6 +21,7 @@ from safeloc.language.terms import alike, variables
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
+from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
 from safeloc.proof.provers.facts import Fact, about, contract_of
 from safeloc.proof.provers.falsify import falsify
@@ -35,7 +36,7 @@ from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import Packed, pack, pack_base, unpack, unpack_base
-from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
 
 GRACE_SECONDS = 5.0
@@ -101,16 +102,66 @@ def prove(
     The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. Events that `recordings`
     or `witnesses` show need no search. PropertyError if two properties share a name.
     """
-    _check_names(properties)
-    known, seconds = proved_base(system, limits)
-    of_lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)] if lemmas else []
-    claims = [*of_lemmas, *(_property_claim(system, prop) for prop in properties)]
-    findings: dict[int, Finding] = {}
-    for index, finding in _findings(claims, _Cases(system, properties, limits, recordings, witnesses), jobs):
-        findings[index] = finding
-        if on_finding is not None:
-            on_finding(finding)
-    return [findings[index] for index in range(len(claims))]
+    queue, cases = Queue(jobs), CaseSearch(system, properties, limits, recordings, witnesses)
+    proving = Proving(system, properties, limits, cases, on_finding, lemmas=lemmas)
+
+    def begin(known: Base, seconds: float) -> None:
+        cases.begin(queue)
+        proving.begin(queue, known, seconds)
+
+    with_base(queue, system, limits, begin)
+    queue.run()
+    return proving.findings
+
+
+class Proving:
+    """The proofs of a system's lemmas and properties, as tasks of a queue. PropertyError if two properties share a name."""
+
+    def __init__(
+        self,
+        system: TransitionSystem,
+        properties: Sequence[Property],
+        limits: Limits,
+        cases: CaseSearch,
+        on_finding: OnFinding | None = None,
+        *,
+        lemmas: bool = True,
+    ) -> None:
+        _check_names(properties)
+        self._system, self._properties, self._limits = system, properties, limits
+        self._cases, self._tell, self._lemmas = cases, on_finding or (lambda _: None), lemmas
+        self._found: dict[int, Finding] = {}
+
+    @property
+    def findings(self) -> list[Finding]:
+        """The findings so far, in order of declaration, lemmas first."""
+        return [self._found[index] for index in sorted(self._found)]
+
+    def begin(self, queue: Queue, known: Base, seconds: float) -> None:
+        """Add the claims that the base does not decide; `seconds` is how long its proof took."""
+        of_lemmas = [*_lemma_claims(self._system, known, seconds), *_contract_claims(self._system, known, seconds)]
+        of_properties = [_property_claim(self._system, prop) for prop in self._properties]
+        for index, claim in enumerate([*(of_lemmas if self._lemmas else ()), *of_properties]):
+            if claim.finding is not None:
+                self._keep(index, claim.finding)
+            else:
+                queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
+
+    def _receive(self, index: int, claim: _Claim, packed: Packed | Lost, seconds: float) -> None:
+        verdict = _received(packed, claim.goal)
+        if isinstance(verdict, Proved) and antecedents.antecedents(claim.goal.prop):
+            self._cases.when_known(lambda _: self._decide(index, claim, verdict, seconds))
+        else:
+            self._decide(index, claim, verdict, seconds)
+
+    def _decide(self, index: int, claim: _Claim, verdict: Verdict, seconds: float) -> None:
+        method = _method(verdict)
+        judged = self._cases.judged(claim.goal.prop, verdict) if claim.kind == "property" else verdict
+        self._keep(index, _finding(claim.goal, claim.kind, judged, method, seconds))
+
+    def _keep(self, index: int, finding: Finding) -> None:
+        self._found[index] = finding
+        self._tell(finding)
 
 
 def _check_names(properties: Sequence[Property]) -> None:
@@ -129,19 +180,33 @@ def _check_names(properties: Sequence[Property]) -> None:
 
 def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
     """Return the system's base and the seconds it took; a process with a time limit proves it."""
+    queue, made = Queue(1), list[tuple[Base, float]]()
+    with_base(queue, system, limits, lambda known, seconds: made.append((known, seconds)))
+    queue.run()
+    return made[0]
+
+
+def with_base(queue: Queue, system: TransitionSystem, limits: Limits, then: Callable[[Base, float], None]) -> None:
+    """Call `then` with the system's base and the seconds it took: now, if it is known, or when a task of the queue has proved it."""
     known = known_base(system, limits.seconds)
     if known is not None:
-        return known, 0.0
+        then(known, 0.0)
+        return
     work = partial(base, system, seconds=limits.seconds)
     task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits) * (1 + len(system.parts)))
-    [(_, packed, seconds)] = in_processes([task], 1)
+    queue.add(task, partial(_remember_base, system, limits, then))
+
+
+def _remember_base(
+    system: TransitionSystem, limits: Limits, then: Callable[[Base, float], None], packed: Any | Lost, seconds: float
+) -> None:
     terms = {**ranges_and_lemmas(system), **contracts(system)}
     if isinstance(packed, Lost):
         known = Base({}, {}, {name: Undecided(packed.reason) for name in terms}, {}, limits.seconds)
     else:
         known = unpack_base(packed, terms)
     remember(system, known)
-    return known, seconds
+    then(known, seconds)
 
 
 def _end(limits: Limits) -> float:
@@ -244,62 +309,6 @@ def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:
         return Unknown(f"{why}; {found.reason}", found.depth) if isinstance(found, Unknown) else found
 
     return prover
-
-
-@dataclass(frozen=True, eq=False)
-class _Cases:
-    """The inputs of the search for cases of properties."""
-
-    system: TransitionSystem
-    properties: Sequence[Property]
-    limits: Limits
-    recordings: Sequence[Recording]
-    witnesses: Witnesses
-
-    def task(self) -> Task | None:
-        """Return the search as a task; None if all cases are known."""
-        return antecedents.search_task(self.system, self.properties, self.limits, self.recordings, self.witnesses)
-
-    def remember(self, packed: Sequence[antecedents.Outcome] | Lost) -> None:
-        """Store the results of the search."""
-        antecedents.remember(self.system, self.properties, self.limits, len(self.recordings), packed)
-
-    def judged(self, prop: Property, verdict: Verdict) -> Verdict:
-        """Return the verdict: Vacuous instead of Proved if a case never occurs."""
-        return antecedents.found(self.system, [prop]).judged(prop, verdict)
-
-
-def _findings(claims: Sequence[_Claim], cases: _Cases, jobs: int) -> Iterator[tuple[int, Finding]]:
-    """Yield findings as they come, with the index of their claim."""
-    yield from ((index, claim.finding) for index, claim in enumerate(claims) if claim.finding is not None)
-    open_ = [index for index, claim in enumerate(claims) if claim.finding is None]
-    search, tasks = cases.task(), [_task(claims[index], cases.limits) for index in open_]
-    first = [] if search is None else [search]
-    kept = list[tuple[int, Verdict, float]]()
-    searching = bool(first)
-    for number, packed, seconds in in_processes([*first, *tasks], jobs):
-        if first and number == 0:
-            cases.remember(packed)
-            searching = False
-            yield from ((index, _decided(claims[index], cases, verdict, took)) for index, verdict, took in kept)
-            continue
-        index = open_[number - len(first)]
-        verdict = _received(packed, claims[index].goal)
-        if searching and _waits(claims[index], verdict):
-            kept.append((index, verdict, seconds))
-        else:
-            yield index, _decided(claims[index], cases, verdict, seconds)
-
-
-def _waits(claim: _Claim, verdict: Verdict) -> bool:
-    """Return whether the verdict depends on the occurrence of a case."""
-    return isinstance(verdict, Proved) and bool(antecedents.antecedents(claim.goal.prop))
-
-
-def _decided(claim: _Claim, cases: _Cases, verdict: Verdict, seconds: float) -> Finding:
-    method = _method(verdict)
-    judged = cases.judged(claim.goal.prop, verdict) if claim.kind == "property" else verdict
-    return _finding(claim.goal, claim.kind, judged, method, seconds)
 
 
 def _task(claim: _Claim, limits: Limits) -> Task:

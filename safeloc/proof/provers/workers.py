@@ -50,38 +50,73 @@ class _Worker:
     started: float
 
 
+Then = Callable[[Any | Lost, float], None]
+"""What follows on the end of a task; it gets the task's data, or Lost, and its seconds."""
+
+
+class Queue:
+    """Tasks that wait, and those that run in processes of their own, at most `jobs` at a time; the first added begins first.
+
+    If slots are shared (safeloc.proof.provers.slots), each task needs one, and this process gives its own back while it waits.
+    """
+
+    def __init__(self, jobs: int) -> None:
+        self._jobs, self._tasks = max(1, jobs), list[Task]()
+        self._waiting, self._running, self._then = list[int](), list[_Worker](), dict[int, Then]()
+
+    def add(self, task: Task, then: Then | None = None) -> None:
+        """Add a task; also from the `then` of another one."""
+        number = len(self._tasks)
+        self._tasks.append(task)
+        self._waiting.append(number)
+        if then is not None:
+            self._then[number] = then
+
+    def run(self) -> None:
+        """Run all tasks, and those that are added meanwhile. EngineError if one raised an exception; the others are then ended."""
+        for number, data, seconds in self.ended():
+            self._then.pop(number)(data, seconds)
+
+    def ended(self) -> Iterator[tuple[int, Any | Lost, float]]:
+        """Run all tasks; yield (number of the task, its data or Lost, its seconds) as they end. EngineError as `run` raises it."""
+        context, slots = _forking(), shared()
+        if slots is not None:
+            slots.give()
+        try:
+            while self._waiting or self._running:
+                while self._may_start() and (slots is None or slots.try_take()):
+                    number = self._waiting.pop(0)
+                    self._running.append(_start(context, number, self._tasks[number]))
+                free = [slots.free] if slots is not None and self._may_start() else []
+                wait([*free, *(worker.pipe for worker in self._running)], timeout=_patience(self._running, self._tasks))
+                for worker in list(self._running):
+                    answer = _answer(worker, self._tasks[worker.index])
+                    if answer is not None:
+                        self._running.remove(worker)
+                        if slots is not None:
+                            slots.give()
+                        yield worker.index, answer[0], time.monotonic() - worker.started
+        finally:
+            for worker in self._running:
+                _end(worker)
+                if slots is not None:
+                    slots.give()
+            if slots is not None:
+                slots.take()
+
+    def _may_start(self) -> bool:
+        return bool(self._waiting) and len(self._running) < self._jobs
+
+
 def in_processes(tasks: Sequence[Task], jobs: int) -> Iterator[tuple[int, Any | Lost, float]]:
     """Run tasks, at most `jobs` at a time; yield (number of the task, its data or Lost, its seconds) as they end.
 
-    If slots are shared (safeloc.proof.provers.slots), each task needs one, and this process gives its own back while it waits.
     EngineError if a task raised an exception; the others are then ended.
     """
-    context = _forking()
-    waiting, running = list(range(len(tasks))), list[_Worker]()
-    slots = shared()
-    if slots is not None:
-        slots.give()
-    try:
-        while waiting or running:
-            while waiting and len(running) < max(1, jobs) and (slots is None or slots.try_take()):
-                running.append(_start(context, waiting[0], tasks[waiting.pop(0)]))
-            asked = slots is not None and waiting and len(running) < max(1, jobs)
-            free = [slots.free] if slots is not None and asked else []
-            wait([*free, *(worker.pipe for worker in running)], timeout=_patience(running, tasks))
-            for worker in list(running):
-                answer = _answer(worker, tasks[worker.index])
-                if answer is not None:
-                    running.remove(worker)
-                    if slots is not None:
-                        slots.give()
-                    yield worker.index, answer[0], time.monotonic() - worker.started
-    finally:
-        for worker in running:
-            _end(worker)
-            if slots is not None:
-                slots.give()
-        if slots is not None:
-            slots.take()
+    queue = Queue(jobs)
+    for task in tasks:
+        queue.add(task)
+    yield from queue.ended()
 
 
 def _forking() -> ForkContext:

@@ -59,9 +59,10 @@ def prove_target(
     if found is None:
         with kept_in(store, fresh=fresh):
             work = Work(target, jobs, on_phase, on_finding)
-            found = [*nothing_asked(target), *work.proved(properties, limits)]
             if only is None:
-                found += work.obliged(limits)
+                found = [finding for part in work.proved_and_obliged(limits) for finding in part]
+            else:
+                found = [*nothing_asked(target), *work.proved(properties, limits)]
         if question is not None:
             keep(store, question, found)
     return found

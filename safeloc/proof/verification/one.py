@@ -9,10 +9,13 @@ from functools import cached_property
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers.antecedents import found
+from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.obligations import CHECKS, obligations
-from safeloc.proof.provers.portfolio import OnFinding, prove
+from safeloc.proof.provers.obligations import CHECKS, Obliging, obligations
+from safeloc.proof.provers.portfolio import OnFinding, Proving, prove, with_base
+from safeloc.proof.provers.proved_base import Base
 from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
+from safeloc.proof.provers.workers import Queue
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 from safeloc.proof.verification.replay import replay_stream, whole_run
@@ -21,6 +24,8 @@ from safeloc.proof.verification.witness_files import read_witnesses
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
+LONGEST = ("reachable",)
+"""The check of an obligation that takes the longest: it begins before the properties."""
 OnPhase = Callable[[str, int], None]
 """Callback for the start of a phase: its description, and the expected number of findings."""
 
@@ -55,13 +60,34 @@ class Work:
 
         StreamError for a recording that the target cannot take, EngineError where solvers contradict each other.
         """
-        findings = self._announced(nothing_asked(self.target)) + self.proved(self.target.properties, plan.limits)
-        obliged = self.obliged(plan.limits)
-        findings += [*obliged, *self.tested(plan, obliged)]
+        proved, obliged = self.proved_and_obliged(plan.limits)
+        findings = [*proved, *obliged, *self.tested(plan, obliged)]
         for stream in self.target.streams:
             self.on_phase(f"replaying {stream.name}", len(self.target.properties))
             findings += self._announced(replay_stream(self.target, stream)[1])
         return findings
+
+    def proved_and_obliged(self, limits: Limits) -> tuple[list[Finding], list[Finding]]:
+        """Prove lemmas, contracts, all properties and the obligations, side by side; return those, and the obligations."""
+        self.on_phase(
+            f"proving {self.target.name}", claims(self.target, self.target.properties) + obligation_count(self.target)
+        )
+        asked = self._announced(nothing_asked(self.target))
+        system, properties, queue = self.target.system, self.target.properties, Queue(self.jobs)
+        recordings = self._recordings()
+        cases = CaseSearch(system, properties, limits, recordings, self._witnesses)
+        proving = Proving(system, properties, limits, cases, self.on_finding)
+        obliging = Obliging(system, limits, cases, self.on_finding, recordings, self._witnesses)
+
+        def begin(known: Base, seconds: float) -> None:
+            cases.begin(queue)
+            obliging.begin(queue, LONGEST)
+            proving.begin(queue, known, seconds)
+            obliging.begin(queue, [name for name in CHECKS if name not in LONGEST])
+
+        with_base(queue, system, limits, begin)
+        queue.run()
+        return [*asked, *proving.findings], obliging.findings
 
     def proved(self, properties: Sequence[Property], limits: Limits) -> list[Finding]:
         """Prove lemmas, contracts and these properties."""

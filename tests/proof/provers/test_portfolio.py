@@ -174,7 +174,7 @@ def test_the_base_of_another_process_is_kept(monkeypatch: pytest.MonkeyPatch) ->
     """The base is proved once, in a process, and serves the next call without another one."""
     lowered: TransitionSystem = system(counter())
     first, _ = module.proved_base(lowered, LIMITS)
-    monkeypatch.setattr(module, "in_processes", lambda *_: pytest.fail("proved twice"))
+    monkeypatch.setattr(module.Queue, "add", lambda *_: pytest.fail("proved twice"))
     assert module.proved_base(lowered, LIMITS) == (first, 0.0)
     assert told(first.always) == {"range of mode", "range of level"}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import time
 from functools import partial
@@ -9,7 +10,7 @@ from functools import partial
 import pytest
 
 from safeloc.errors import EngineError
-from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Queue, Task, in_processes
 
 
 def _fail() -> None:
@@ -45,3 +46,29 @@ def test_an_exception_is_raised_and_the_rest_is_ended() -> None:
     with pytest.raises(EngineError, match=r"^fails: ValueError: no such solver$"):
         list(in_processes(tasks, 2))
     assert time.monotonic() - started < 10.0
+
+
+def test_what_follows_a_task_may_add_others() -> None:
+    """Each squares what the one before found; what follows runs in this process."""
+    queue, found = Queue(2), list[int]()
+
+    def follow(number: int, _seconds: float) -> None:
+        found.append(number)
+        if number < 200:
+            queue.add(Task("square", partial(pow, number, 2), 30.0), follow)
+
+    queue.add(Task("two", lambda: 2, 30.0), follow)
+    queue.run()
+    assert [2, 4, 16, 256] == found
+
+
+def test_an_error_of_what_follows_ends_the_others() -> None:
+    """It is raised as it is, and no process is left."""
+    queue = Queue(2)
+    queue.add(Task("works", lambda: 1, 30.0), lambda *_: _fail())
+    queue.add(Task("sleeps", lambda: time.sleep(600), 600.0), lambda *_: None)
+    started = time.monotonic()
+    with pytest.raises(ValueError, match="no such solver"):
+        queue.run()
+    assert time.monotonic() - started < 10.0
+    assert [] == multiprocessing.active_children()

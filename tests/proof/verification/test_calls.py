@@ -12,6 +12,8 @@ from safeloc.errors import InputError
 from safeloc.language.verdict import word
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.calls import (
     chosen_properties,
@@ -46,6 +48,16 @@ def test_all_properties_and_obligations_are_proved(emitter: Target) -> None:
     assert {"property", "obligation"} <= {one.kind for one in findings}
     assert sorted(ids(findings)) == sorted(ids(seen))
     assert len(emitter.properties) < expected_of_proof(emitter, None) <= len(findings)
+
+
+def test_side_by_side_as_one_after_the_other(emitter: Target) -> None:
+    """Properties and obligations in one queue have the results, in the order, that they have in two."""
+    apart = [
+        *prove(emitter.system, emitter.properties, PLAN.limits),
+        *obligations(emitter.system, PLAN.limits, properties=emitter.properties),
+    ]
+    together = prove_target(replace(emitter, witnesses=None), limits=PLAN.limits, jobs=2)
+    assert [(one.id, word(one.result)) for one in apart] == [(one.id, word(one.result)) for one in together]
 
 
 def test_only_the_named_property_is_proved(emitter: Target) -> None:

@@ -1,0 +1,65 @@
+"""The search for the cases of a system's properties, made once for all that wait for its outcome."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Verdict
+from safeloc.proof.provers import antecedents
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
+from safeloc.proof.provers.workers import Lost, Queue
+
+
+class CaseSearch:
+    """The search, in a process of its own. Properties of which a case never occurs are vacuous; until it ends, nobody knows."""
+
+    def __init__(
+        self,
+        system: TransitionSystem,
+        properties: Sequence[Property],
+        limits: Limits,
+        recordings: Sequence[Recording],
+        witnesses: Witnesses,
+    ) -> None:
+        self._system, self._properties, self._limits = system, properties, limits
+        self._recordings, self._witnesses = recordings, witnesses
+        self._seconds: float | None = None
+        self._waiting = list[Callable[[float], None]]()
+
+    def begin(self, queue: Queue) -> None:
+        """Add the search to a queue, unless all cases are known from an earlier one."""
+        task = antecedents.search_task(self._system, self._properties, self._limits, self._recordings, self._witnesses)
+        if task is None:
+            self._end(0.0)
+        else:
+            queue.add(task, self._remember)
+
+    def when_known(self, then: Callable[[float], None]) -> None:
+        """Call `then` with the seconds of the search as soon as it has ended: now, if it has."""
+        if self._seconds is None:
+            self._waiting.append(then)
+        else:
+            then(self._seconds)
+
+    def judged(self, prop: Property, verdict: Verdict) -> Verdict:
+        """Return the verdict: Vacuous instead of Proved if a case never occurs."""
+        return antecedents.found(self._system, [prop]).judged(prop, verdict)
+
+    def obligations(self) -> list[Obligation]:
+        """Return the obligation that all cases occur, and one for each run that a search found."""
+        return list(antecedents.found(self._system, self._properties).obligation())
+
+    def _remember(self, outcomes: Any | Lost, seconds: float) -> None:
+        antecedents.remember(self._system, self._properties, self._limits, len(self._recordings), outcomes)
+        self._end(seconds)
+
+    def _end(self, seconds: float) -> None:
+        self._seconds = seconds
+        for then in self._waiting:
+            then(seconds)
+        self._waiting.clear()
