@@ -25,9 +25,10 @@ class LineFaultKind:
     """A kind of fault.
 
     where     group, reflector: at one of them; stretch: between two places; stop: at every stop; run: all the way
-    lawful    the machines' assumption still holds
+    lawful    the machines' assumption still holds, but for that of the machines in `breaks`
     outcomes  machine -> the reaction that it has to show, in words
     kinds     name of the fault in the simulation of "group", "reader", "distance" or "radar", if that simulates it
+    breaks    machines whose assumption it breaks although it is lawful for the others
     """
 
     name: str
@@ -36,6 +37,11 @@ class LineFaultKind:
     lawful: bool
     outcomes: Mapping[str, str]
     kinds: Mapping[str, str] = field(default_factory=dict)
+    breaks: tuple[str, ...] = ()
+
+    def lawful_for(self, machine: str) -> bool:
+        """Return whether the assumption of this machine still holds."""
+        return self.lawful and machine not in self.breaks
 
 
 @dataclass(frozen=True)
@@ -96,6 +102,7 @@ FAULTS: Mapping[str, LineFaultKind] = {
             "group-repeated", "the reader delivers the reading twice", "group", True,
             {"odometry": "the second reading is rejected as a repetition", "balise": _rejected("REPEATED")},
             {"group": "duplicate", "reader": "repeated"},
+            breaks=("odometry",),  # the vehicle has run on, and the repeated reading does not say so
         ),
         LineFaultKind(
             "group-foreign", "the group sends an identity that is not on this line", "group", True,
@@ -111,7 +118,7 @@ FAULTS: Mapping[str, LineFaultKind] = {
             "turn_off": UNWATCHED,
         },
                   {"distance": "drop-out"}),
-        LineFaultKind("distance-jump", "the odometer counts 50 m in one cycle", "stretch", False, {
+        LineFaultKind("distance-jump", "the odometer counts 50 m in one cycle", "stretch", True, {
             "odometry": "refused as impossible; the margin grows by the top speed instead",
             "balise": "refused as impossible; the margin grows by the top speed instead",
             "reflector": "refused as impossible; the margin grows by the top speed instead",
@@ -154,7 +161,7 @@ FAULTS: Mapping[str, LineFaultKind] = {
             "reflector": "rejected as OUT_OF_WINDOW: the position runs on by odometry",
         },
                   {"radar": "shift"}),
-        LineFaultKind("decoy", "a strong echo of a model other than the searched one, 30 m ahead", "reflector", True, {
+        LineFaultKind("decoy", "a strong echo of a model other than the searched one, 30 m ahead", "reflector", False, {
             "reflector": "rejected as OTHER_MODEL",
         },
                   {"radar": "decoy"}),
@@ -209,7 +216,8 @@ def told() -> str:
             "reflector": ", at reflector NAME:ID",
             "stretch": ", NAME:FROM-TO in mm along the route",
         }
-        law = "" if fault.lawful else " (breaks the assumption)"
+        of = f" of {', '.join(fault.breaks)}" if fault.breaks else ""
+        law = f" (breaks the assumption{of})" if of or not fault.lawful else ""
         lines.append(f"  {fault.name}: {fault.what}{places.get(fault.where, '')}{law}")
         lines += [f"      {machine}: {outcome}" for machine, outcome in fault.outcomes.items()]
     return "\n".join(lines)

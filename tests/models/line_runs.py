@@ -8,10 +8,11 @@ from functools import cache
 
 from safeloc.catalogue import ENTRIES, Target
 from safeloc.codegen.compiled import Compiled, compile_system
-from safeloc.language.expr import Expr, Num
+from safeloc.language.expr import TRUE, Expr, Num
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check_all
 from safeloc.language.nodes import Value
+from safeloc.language.spec import always
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
@@ -169,3 +170,10 @@ def broken(stream: Stream) -> list[str]:
     return [
         prop.name for prop, found in zip(asked, check_all(trace, asked), strict=True) if not isinstance(found, Held)
     ]
+
+
+def kept_all_the_way(stream: Stream) -> bool:
+    """Return whether every step of a stream obeys the assumption."""
+    _, trace = followed(stream)
+    [found] = check_all(trace, [always("anything", TRUE)])
+    return isinstance(found, Held)

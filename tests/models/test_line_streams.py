@@ -28,7 +28,18 @@ from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.map.walk import Walk
 from safeloc.simulation.speed_profile import Limit
 from safeloc.simulation.vehicles import load_vehicle
-from tests.models.line_runs import EXACT, Said, between, broken, driven, first, routes_of, said, walk_of
+from tests.models.line_runs import (
+    EXACT,
+    Said,
+    between,
+    broken,
+    driven,
+    first,
+    kept_all_the_way,
+    routes_of,
+    said,
+    walk_of,
+)
 from tests.railway.map.made import group, reflector, straight
 
 # ------------------------------------------------------------------ what is told of a route
@@ -407,17 +418,28 @@ def test_lawful_faults_keep_every_property() -> None:
         assert [] == broken(stream)
 
 
-LAWFUL = [(name, machine) for name, fault in FAULTS.items() if fault.lawful for machine in fault.outcomes]
+EACH = [(name, machine) for name, fault in FAULTS.items() for machine in fault.outcomes]
+LAWFUL = [(name, machine) for name, machine in EACH if FAULTS[name].lawful_for(machine)]
+UNLAWFUL = [(name, machine) for name, machine in EACH if not FAULTS[name].lawful_for(machine)]
+HOMES = {"reflector": "fig1", "stop_point": "fig2", "route": "fig3", "turn_off": "fig3"}
+"""The line on which a machine has to show its reaction; the others on "few"."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "machine"), LAWFUL, ids=[f"{name}-{machine}" for name, machine in LAWFUL])
 def test_every_lawful_fault_keeps_every_property(name: str, machine: str) -> None:
     """Of every machine that has it: the assumption is kept in every step, and all properties hold."""
-    home = {"reflector": "fig1", "stop_point": "fig2", "route": "fig3", "turn_off": "fig3"}.get(machine, "few")
-    for stream in driven(home, machine, name, vehicle=LineVehicle()):
+    for stream in driven(HOMES.get(machine, "few"), machine, name, vehicle=LineVehicle()):
         assert stream.struck
         assert [] == broken(stream)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "machine"), UNLAWFUL, ids=[f"{name}-{machine}" for name, machine in UNLAWFUL])
+def test_every_unlawful_fault_breaks_the_assumption(name: str, machine: str) -> None:
+    """Of every machine of which the list says so: else properties should hold, and the list would excuse them."""
+    streams = driven(HOMES.get(machine, "few"), machine, name, vehicle=LineVehicle())
+    assert any(not kept_all_the_way(stream) for stream in streams)
 
 
 def test_every_outcome_is_put_to_the_test() -> None:
