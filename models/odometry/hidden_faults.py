@@ -2,6 +2,9 @@
 
 The ghost `unseen` bounds what such a fault may have added since a reading set the device. It follows the machine's own
 resets: a property widens the interval by it; no law of a sensor reads it.
+
+The bound holds where no reading is stray (`trust_first_marker`). A stray reading is a second fault, and the window, which a hidden
+fault has moved, may let it in: it lies three tolerances away from the truth, not from where the hidden fault has put the interval.
 """
 
 from __future__ import annotations

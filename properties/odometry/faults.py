@@ -12,7 +12,7 @@ ONE_FAULT = (
     "at most one unit, the same one all the time, breaks its error law; all other admitted distances obey theirs; "
     "accepted readings are true within accuracy; top speed"
 )
-CHECKED = f"{ONE_FAULT}; a distance of the faulty unit is admitted only in cycles in which the other unit's is"
+CHECKED = f"{ONE_FAULT}; a distance of the faulty unit is admitted only in cycles in which the other unit's is; no reading is stray"
 SOURCES = ("MRK-4", "MRK-D1")
 
 

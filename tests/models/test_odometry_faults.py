@@ -20,6 +20,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.odometry.faults import containment, properties
 
 SAFE = OdometryConfig(single_fault_safe=True)
+NO_STRAYS = OdometryConfig(trust_first_marker=True)
 
 
 def model(config: OdometryConfig) -> odometry.Odometry:
@@ -39,19 +40,20 @@ def test_containment_with_one_faulty_unit_is_proved(devices: int) -> None:
 
 @pytest.mark.slow
 def test_a_hidden_fault_adds_no_more_than_twice_the_law() -> None:
-    """Without `single_fault_safe`, what a fault too small to be seen can add is bounded, and the bound is proved."""
-    made = model(OdometryConfig())
-    findings = prove(lower(made.machine), properties(made), Limits(seconds=200), jobs=2)
+    """Without `single_fault_safe`, what a fault too small to be seen can add is bounded, and the bound is proved.
+
+    No reading is stray here: that would be a second fault.
+    """
+    made = model(NO_STRAYS)
+    findings = prove(lower(made.machine), properties(made), Limits(seconds=60), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 
 @pytest.mark.slow
 def test_a_hidden_fault_can_make_the_plain_interval_wrong() -> None:
     """Without `single_fault_safe` containment with one faulty unit does not hold: a run shows it."""
-    made = model(OdometryConfig())
-    found = [
-        one for one in prove(lower(made.machine), [containment(made)], Limits(seconds=90)) if one.kind == "property"
-    ]
+    made = model(NO_STRAYS)
+    found = prove(lower(made.machine), [containment(made)], Limits(seconds=90), lemmas=False)
     result = found[0].result
     assert isinstance(result, Violated)
     assert result.trace is not None
