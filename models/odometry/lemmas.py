@@ -15,8 +15,12 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
     found: dict[str, Bool] = {}
     lost, candidate, *located = mode
     for index, unit in enumerate(own.units):
-        device, _ = own.partner(unit)
+        device, checker = own.partner(unit)
         sound = _holds(own, unit) & _set_no_earlier(own, index, device)
+        if (
+            own.ghosts.units[own.units.index(checker)].unset is not None
+        ):  # a missing distance is replaced by the checker's
+            sound = sound & _set_no_earlier(own, own.units.index(checker), device)
         found[f"machine and world agree on the last distance of {unit.name}"] = _gated_alike(own, index)
         stray = current.eq(candidate) & (own.ghosts.since_stray <= device.age)
         found[f"{unit.name} holds the truth"] = unit.alive.implies(sound | stray)

@@ -20,11 +20,19 @@ VARIANTS = {
     "optical and eddy current": OdometryConfig(first_unit=OPTICAL, second_unit=EDDY_CURRENT, devices=1),
 }
 
+NEVER_REFUSED = {
+    f"odometry/property/{end} reader over its marker is inside the window": "vacuous" for end in ("front", "rear")
+}
+EXCEPTIONS = {"single fault safe, first marker trusted": NEVER_REFUSED}
+"""No reading is stray where the first marker is trusted, and with the worse law for each unit none is refused as out of its window."""
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", VARIANTS)
 def test_variant_is_proved(name: str) -> None:
     """MRK-1, MRK-4: one or two devices, and units of every kind with their error laws."""
     model = build(parts(VARIANTS[name]))
-    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), jobs=2)
-    assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=30), jobs=2)
+    assert {
+        finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"
+    } == EXCEPTIONS.get(name, {})
