@@ -13,8 +13,11 @@ from safeloc.models.vocabulary.error_law import RADAR, ErrorLaw
 ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
 """An odometer that errs at standstill, and by its rate above a speed only."""
 CHECKED = MotionConfig(odometer=ERRING, check=RADAR)
+CREEPING = MotionConfig(check=RADAR, creep_mm_s=500)
+DOUBTING = MotionConfig(check=RADAR, standing_believed=False)
 DRIFT = "the localizer's odometer is one that balises and reflectors take: it does not drift"
 NEVER = {
+    "models/localizer/__init__.py: only_own": "without the sources that ship only where a source of a user's own is proved (--source)",
     "models/motion/world.py: as_num(0, NM).eq(0) from initially(own.around)": "true, where no unit is checked",
     "models/motion/world.py: between(-farthest, seen.true_step, farthest) from _vehicle_laws(own)": "the choice has this "
     "range; the clause names it for the register of assumptions",
@@ -40,6 +43,16 @@ CONFIGURATIONS = Configurations(
             reflector=ReflectorConfig(odometer=CHECKED.told, told_distance=True),
         ),
         "satellites alone": LocalizerConfig(sources=("satellite",)),
+        "a vehicle that may creep unmeasured": LocalizerConfig(
+            sources=("odometry", "balise"),
+            motion=CREEPING,
+            balise=BaliseConfig(odometer=CREEPING.told, told_distance=True),
+        ),
+        "a standstill that is not believed": LocalizerConfig(
+            sources=("odometry", "balise"),
+            motion=DOUBTING,
+            balise=BaliseConfig(odometer=DOUBTING.told, told_distance=True),
+        ),
     },
     NEVER,
 )

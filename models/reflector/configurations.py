@@ -10,6 +10,7 @@ ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=2
 """An odometer that errs at standstill, and by its rate above a speed only."""
 NEVER = {
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step.value), as_num(0, MS), sel ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
+    "models/reflector/echo.py: ite(now.testing, now.alone(reflector), apart) from judge(one, reflector, searched, now)": "so for the next reflector alone: a self-test measures the reference reflector, never the one behind it",
     "properties/reflector/not_found.py: between(-far, own.run, far) from yield from maker(model)": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
 }
 """Case splits that no configuration makes live, with the reason."""
@@ -20,6 +21,7 @@ CONFIGURATIONS = Configurations(
         "an odometer without a one-off error": ReflectorConfig(
             odometer=ErrorLaw(kind="eddy_current", constant_mm=0, rate_ppm=10_000)
         ),
+        "the self-test's distance is the system's": ReflectorConfig(reference_distance_mm=60_000),
         "the error of distance is told": ReflectorConfig(odometer=ERRING, told_distance=True, radar_offset_mm=2_500),
     },
     NEVER,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from safeloc.models import transmission
 from safeloc.models.transmission import TransmissionConfig
-from safeloc.models.transmission.configurations import CONFIGURATIONS
 from safeloc.properties import transmission as claims
 from safeloc.reported import Reported
 from safeloc.target import Entry, Family, Target, single
@@ -24,7 +23,6 @@ ENTRIES = (
         target,
         Family.LOCALIZER,
         place=20,
-        configurations=CONFIGURATIONS,
         silent=("transmission",),
     ),
 )

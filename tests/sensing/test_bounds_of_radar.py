@@ -185,10 +185,20 @@ def ground_shift(sensor: Sensor, range_mm: Ball) -> Ball:
     return way * sensor.ground_reflection_percent / (100 - sensor.ground_reflection_percent)
 
 
+HIGH_AND_NEAR = Sensor(
+    bandwidth_mhz=250, scale_error_ppm=0, offset_error_mm=1_000, ground_reflection_percent=30, ground_height_mm2=25_000_000,
+    blind_mm=0,
+)  # fmt: skip
+MOST_CHARGES = 14
+"""The bound takes the way over the ground in first order and a quarter more, on both sides. At 1 m, the nearest range, with the highest
+antenna and reflector, the first order is 50 / (sqrt(101) - 1) = 5.52 times the exact way: 2 x 1.25 x 5.52 = 13.8."""
+
+
 @FEWER
 @given(SENSORS, st.floats(1.0, 8_000.0), SHARES, SHARES, SHARES)
 @example(Sensor(scale_error_ppm=10_000, offset_error_mm=0, ground_reflection_percent=0), 1_000.0, -1.0, 0.0, 0.0)
 @example(Sensor(), 1_000.0, -1.0, -1.0, -1.0)
+@example(HIGH_AND_NEAR, 1.5, 0.0, 1.0, 1.0)
 def test_ranges_enclose_what_the_sensor_may_have_measured(
     sensor: Sensor, cells: float, scale: float, offset: float, ground: float
 ) -> None:
@@ -206,7 +216,7 @@ def test_ranges_enclose_what_the_sensor_may_have_measured(
     assert_encloses(bound.low, bound.high, truth * NM)
     charged = float(ends(ground_shift(sensor, truth))[1]) + sensor.offset_error_mm
     scaled = float(ends(truth)[1]) * sensor.scale_error_ppm / MILLION
-    assert (bound.high - bound.low) / NM < 2.1 * scaled + 12 * charged + 1e-5
+    assert (bound.high - bound.low) / NM < 2.1 * scaled + MOST_CHARGES * charged + 1e-5
 
 
 @FEWER
