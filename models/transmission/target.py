@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from safeloc.models import transmission
 from safeloc.models.transmission import TransmissionConfig
+from safeloc.models.transmission.configurations import CONFIGURATIONS
 from safeloc.properties import transmission as claims
 from safeloc.reported import Reported
 from safeloc.target import Entry, Family, Target, single
@@ -23,6 +24,7 @@ ENTRIES = (
         target,
         Family.LOCALIZER,
         place=20,
+        configurations=CONFIGURATIONS,
         silent=("transmission",),
     ),
 )
