@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 _keep(asked.out, first)
         for number in (one for one in range(asked.edits) if one not in done):
             _keep(asked.out, {"number": number, **_after_edit(checkout, cache, number, asked.seed)})
-    print(*_medians([line for line in kept_lines(asked.out) if line["number"] < asked.edits]), sep="\n")
+    print(*medians([line for line in kept_lines(asked.out) if line["number"] < asked.edits]), sep="\n")
 
 
 def _after_edit(checkout: Checkout, cache: Path, number: int, seed: int) -> dict[str, Any]:
@@ -80,9 +80,12 @@ def _keep(out: Path, line: Mapping[str, Any]) -> None:
     print(f"{of}: {line['clock_s']} s, {line['processor_s']} s of processor, {dict(line['verdicts'])}", flush=True)
 
 
-def _medians(lines: Sequence[Mapping[str, Any]]) -> list[str]:
+def medians(lines: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a line for the clock and one for the processor: cold, after an edit (median), and the share; s."""
     [cold] = [line for line in lines if line["number"] == COLD]
     edits = [line for line in lines if line["number"] != COLD]
+    if not edits:
+        return ["no edits"]
     made = []
     for what in ("clock_s", "processor_s"):
         of_all = median(line[what] for line in edits)

@@ -17,10 +17,9 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
     for index, unit in enumerate(own.units):
         device, checker = own.partner(unit)
         sound = _holds(own, unit) & _set_no_earlier(own, index, device)
-        if (
-            own.ghosts.units[own.units.index(checker)].unset is not None
-        ):  # a missing distance is replaced by the checker's
-            sound = sound & _set_no_earlier(own, own.units.index(checker), device)
+        other = own.units.index(checker)
+        if own.ghosts.units[other].unset is not None:  # by the checker's law a missing distance is bridged
+            sound = sound & _set_no_earlier(own, other, device)
         found[f"machine and world agree on the last distance of {unit.name}"] = _gated_alike(own, index)
         stray = current.eq(candidate) & (own.ghosts.since_stray <= device.age)
         found[f"{unit.name} holds the truth"] = unit.alive.implies(sound | stray)
