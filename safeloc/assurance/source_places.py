@@ -49,12 +49,17 @@ def shown(file: str) -> str:
     return file
 
 
-@cache
 def place_of(code: CodeType, offset: int) -> Place:
     """Return the place of the expression to which an instruction belongs."""
+    return _place(code.co_filename, code, offset)
+
+
+@cache
+def _place(file: str, code: CodeType, offset: int) -> Place:
+    """Return a place; the file is named, because Python holds two pieces of code to be equal that differ only in their file."""
     line, end_line, column, end_column = _positions(code)[offset // 2]
     first = line or code.co_firstlineno
-    return Place(code.co_filename, first, end_line or first, column or 0, end_column or 0)
+    return Place(file, first, end_line or first, column or 0, end_column or 0)
 
 
 @cache

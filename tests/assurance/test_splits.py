@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from safeloc.assurance.source_places import place_of
 from safeloc.assurance.splits import deciding as looking
 from safeloc.assurance.splits.covered import (
     SHARED,
@@ -165,3 +166,11 @@ def test_declared_configurations_are_no_defaults() -> None:
     for entry in ENTRIES.values():
         every = [config.model_dump_json() for config in configurations_of(entry).values()]
         assert len(set(every)) == len(every), entry.name
+
+
+def test_equal_code_of_two_files_has_two_places() -> None:
+    """Python compares code without its file, and two machines may have the same expression in the same line."""
+    here = alone.__code__
+    there = here.replace(co_filename="elsewhere.py")
+    assert here == there
+    assert (here.co_filename, "elsewhere.py") == (place_of(here, 0).file, place_of(there, 0).file)

@@ -20,7 +20,8 @@ from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import declares
 
 _Made = TypeVar("_Made")
-_Step = tuple[CodeType, int, int]
+_Step = tuple[str, CodeType, int, int]
+"""File, code, and the places of two instructions in it; code alone is not enough: it is compared without its file."""
 _Deciding = ast.If | ast.IfExp
 
 
@@ -29,7 +30,7 @@ def steps_of(make: Callable[[], _Made]) -> tuple[_Made, set[_Step]]:
     steps: set[_Step] = set()
 
     def enter(frame: FrameType, event: str, _: Any) -> Callable[..., Any] | None:
-        if event != "call" or not _decided_in(frame.f_code):
+        if event != "call" or not _decided_in(frame.f_code.co_filename, frame.f_code):
             return None
         frame.f_trace_opcodes, frame.f_trace_lines = True, False
         last, code = -2, frame.f_code
@@ -37,7 +38,7 @@ def steps_of(make: Callable[[], _Made]) -> tuple[_Made, set[_Step]]:
         def trace(now: FrameType, what: str, _: Any) -> Callable[..., Any]:
             nonlocal last
             if what == "opcode":
-                steps.add((code, last, now.f_lasti))
+                steps.add((code.co_filename, code, last, now.f_lasti))
                 last = now.f_lasti
             return trace
 
@@ -55,14 +56,14 @@ def taken(steps: set[_Step]) -> tuple[set[Split], set[Split]]:
     """Return the branches that were taken, and the other branches of the same decisions."""
     live: set[Split] = set()
     met: set[Split] = set()
-    for code, before, now in steps:
+    for file, code, before, now in steps:
         if before < 0:
             continue
         here, there = place_of(code, before), place_of(code, now)
-        for decision in _decided_in(code):
+        for decision in _decided_in(file, code):
             if not _decides(here, decision) or (_decides(there, decision) and not _returns(code, now)):
                 continue
-            sides = _sides(decision, code.co_filename)
+            sides = _sides(decision, file)
             met.update(sides)
             live.add(sides[0] if any(_within(there, node) for node in _body(decision)) else sides[1])
     kept = {split for split in met if not split.kind.startswith("refusal")}
@@ -107,12 +108,12 @@ def _refuses(side: list[Any]) -> bool:
 
 
 @cache
-def _decided_in(code: CodeType) -> tuple[_Deciding, ...]:
+def _decided_in(file: str, code: CodeType) -> tuple[_Deciding, ...]:
     """Return the decisions of this piece of code, without those of functions in it."""
-    if not declares(code):
+    if not declares(file):
         return ()
     places = {place_of(code, 2 * number) for number in range(len(code.co_code) // 2)}
-    return tuple(one for one in _decisions(code.co_filename) if any(_within(place, one.test) for place in places))
+    return tuple(one for one in _decisions(file) if any(_within(place, one.test) for place in places))
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from types import CodeType, FrameType
+from types import FrameType
 
 from safeloc.assurance.source_places import DECLARING, Place, place_of, shown
 
@@ -22,14 +22,14 @@ def way_to(frame: FrameType | None) -> tuple[Place, ...]:
     """Return the expressions of machine, world and claims that are being evaluated, the innermost first."""
     found = []
     while frame is not None:
-        if declares(frame.f_code):
+        if declares(frame.f_code.co_filename):
             found.append(place_of(frame.f_code, frame.f_lasti))
         frame = frame.f_back
     return tuple(found)
 
 
 @cache
-def declares(code: CodeType) -> bool:
-    """Return whether code belongs to a machine, a world or a claim, not to the engine."""
-    file = Path(shown(code.co_filename))
-    return file.parts[0] in DECLARING and not any(part in _BESIDE for part in file.with_suffix("").parts)
+def declares(file: str) -> bool:
+    """Return whether the code of a file belongs to a machine, a world or a claim, not to the engine."""
+    path = Path(shown(file))
+    return path.parts[0] in DECLARING and not any(part in _BESIDE for part in path.with_suffix("").parts)
