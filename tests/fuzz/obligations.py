@@ -10,6 +10,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.obligations import CHECKS
+from safeloc.proof.provers.reachability import reached
 from tests.fuzz.case import Case
 from tests.fuzz.explore import Edge, Space, anyhow, lawful, search
 from tests.fuzz.replay import NotARunError, again, row_of
@@ -22,7 +23,7 @@ STEPS, FURTHER = 5, 60  # of the runs that show the assumption to be kept
 
 def obligations(case: Case) -> None:
     """All of a machine or composition."""
-    for check in CHECKS.values():
+    for check in (*CHECKS.values(), reached):
         try:
             found = list(check(case.built.system, case.limits))
         except Exception as error:

@@ -20,7 +20,7 @@ from functools import partial
 from safeloc.language.expr import TRUE
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, first_without_the_world
-from safeloc.language.verdict import Unknown
+from safeloc.language.verdict import Proved, Unknown
 from safeloc.proof.provers.absence import absence
 from safeloc.proof.provers.arithmetic import division, overflow, ranges
 from safeloc.proof.provers.assumption import assumption_kept
@@ -30,10 +30,10 @@ from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.overlap import overlap
 from safeloc.proof.provers.portfolio import GRACE_SECONDS, OnFinding, with_base
 from safeloc.proof.provers.proved_base import Base
-from safeloc.proof.provers.reachability import reached
+from safeloc.proof.provers.reachability import beyond_known_runs, in_known_runs
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
 from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
-from safeloc.proof.provers.workers import Lost, Queue, Task
+from safeloc.proof.provers.workers import Lost, Queue, Task, Then
 from safeloc.proof.results import Finding
 
 Check = Callable[[TransitionSystem, Limits], Iterator[Obligation]]
@@ -43,10 +43,11 @@ CHECKS: dict[str, Check] = {
     "division": division,
     "overlap": overlap,
     "absence": absence,
-    "reachable": reached,
     "assumption": assumption_kept,
 }
-CASES = "cases"
+"""The checks that are one task each; modes and transitions take two, and the cases of properties have a search of their own."""
+REACHABLE, CASES = "reachable", "cases"
+ORDER = ("ranges", "overflow", "division", "overlap", "absence", REACHABLE, "assumption", CASES)
 SEARCHES = 4  # searches of one check, each with the full time limit; and one more for each machine
 
 
@@ -69,16 +70,22 @@ def obligations(
     obliging = Obliging(system, limits, cases, on_finding, recordings, witnesses)
 
     def begin(_known: Base, _seconds: float) -> None:
-        obliging.begin(queue)
+        obliging.begin_search(queue)
+        obliging.begin_checks(queue)
         cases.begin(queue)
 
     with_base(queue, system, limits, begin)
+    obliging.begin_known_runs(queue)
     queue.run()
     return obliging.findings
 
 
 class Obliging:
-    """The checks of a system's free obligations, as tasks of a queue."""
+    """The checks of a system's free obligations, as tasks of a queue.
+
+    Modes and transitions are looked for in known runs first (`begin_known_runs`), which may begin before the base is proved; what
+    is left is searched (`begin_search`).
+    """
 
     def __init__(
         self,
@@ -91,24 +98,74 @@ class Obliging:
     ) -> None:
         self._system, self._limits, self._cases = system, limits, cases
         self._tell = on_finding or (lambda _: None)
-        self._checks = _checks(recordings, witnesses)
+        self._recordings, self._witnesses = recordings, witnesses
         self._found: dict[str, list[Finding]] = {}
+        self._known_runs: list[Obligation] | None = None
+        self._search_asked = False
         cases.when_known(self._occurring)
 
     @property
     def findings(self) -> list[Finding]:
         """The findings so far, check by check, and then those about the cases of properties."""
-        return [finding for name in (*CHECKS, CASES) for finding in self._found.get(name, ())]
+        return [finding for name in ORDER for finding in self._found.get(name, ())]
 
-    def begin(self, queue: Queue, checks: Sequence[str] = tuple(CHECKS)) -> None:
-        """Add these checks, by name."""
+    def begin_checks(self, queue: Queue) -> None:
+        """Add every check that is one task."""
+        lasting: Check = partial(assumption_kept, recordings=self._recordings)
+        for name, check in {**CHECKS, "assumption": lasting}.items():
+            self._add(queue, name, partial(check, self._system, self._limits), partial(self._receive, name))
+
+    def begin_known_runs(self, queue: Queue) -> None:
+        """Add the look for modes and transitions in known runs; it needs no proved fact."""
+        looked = partial(in_known_runs, self._system, self._limits, self._recordings, self._witnesses)
+        self._add(queue, "known runs", looked, partial(self._receive_known_runs, queue))
+
+    def begin_search(self, queue: Queue) -> None:
+        """Add the search for the modes and transitions that no known run shows, as soon as these are known."""
+        self._search_asked = True
+        if self._known_runs is not None:
+            self._search(queue, self._known_runs)
+
+    def _add(self, queue: Queue, name: str, work: Callable[[], Iterator[Obligation]], then: Then) -> None:
         most = CLOCK * (SEARCHES + len(self._system.parts)) * self._limits.seconds + GRACE_SECONDS
-        for name in checks:
-            work = partial(_packed, self._checks[name], self._system, self._limits)
-            queue.add(Task(f"{self._system.name}: {name}", work, most), partial(self._receive, name))
+        queue.add(Task(f"{self._system.name}: {name}", partial(_packed, work), most), then)
+
+    def _search(self, queue: Queue, known_runs: Sequence[Obligation]) -> None:
+        if all(map(_is_shown, known_runs)):
+            return
+
+        def others() -> Iterator[Obligation]:
+            every = beyond_known_runs(self._system, self._limits, known_runs, self._witnesses)
+            pairs = zip(every, known_runs, strict=True)
+            return (replace(one, name=known.name) for one, known in pairs if not _is_shown(known))
+
+        self._add(queue, REACHABLE, others, self._receive_others)
+
+    def _receive_known_runs(self, queue: Queue, packed: list[Packed] | Lost, seconds: float) -> None:
+        made = list(_distinct(_unpacked(self._system, REACHABLE, packed)))
+        if isinstance(packed, Lost):
+            self._keep(REACHABLE, [_finding(self._system, one, seconds) for one in made])
+            return
+        self._known_runs = made
+        shown = [one for one in made if _is_shown(one)]
+        self._keep(REACHABLE, [_finding(self._system, one, seconds / len(shown)) for one in shown])
+        if self._search_asked:
+            self._search(queue, made)
+
+    def _receive_others(self, packed: list[Packed] | Lost, seconds: float) -> None:
+        """Keep the findings of the search, each in its place among the modes and transitions."""
+        others = _unpacked(self._system, REACHABLE, packed)
+        found = [_finding(self._system, one, seconds / len(others)) for one in others]
+        place = {_id(self._system, one): number for number, one in enumerate(self._known_runs or ())}
+        shown = self._found[REACHABLE]
+        self._found[REACHABLE] = sorted([*shown, *found], key=lambda one: place.get(one.id, len(place)))
+        for finding in found:
+            self._tell(finding)
 
     def _receive(self, name: str, packed: list[Packed] | Lost, seconds: float) -> None:
-        self._keep(name, _findings(self._system, name, packed, seconds))
+        made = _unpacked(self._system, name, packed)
+        share = seconds / max(1, len(made))
+        self._keep(name, [_finding(self._system, one, share) for one in _distinct(made)])
 
     def _occurring(self, seconds: float) -> None:
         self._keep(CASES, [_finding(self._system, one, seconds) for one in self._cases.obligations()])
@@ -119,28 +176,20 @@ class Obliging:
             self._tell(finding)
 
 
-def _checks(recordings: Sequence[Recording], witnesses: Witnesses) -> dict[str, Check]:
-    searches: dict[str, Check] = {
-        "reachable": partial(reached, recordings=recordings, witnesses=witnesses),
-        "assumption": partial(assumption_kept, recordings=recordings),
-    }
-    return {**CHECKS, **searches}
+def _is_shown(one: Obligation) -> bool:
+    return isinstance(one.verdict, Proved)
 
 
-def _packed(check: Check, system: TransitionSystem, limits: Limits) -> list[Packed]:
-    return [(one.name, one.statement, pack(one.verdict), one.method) for one in check(system, limits)]
+def _packed(check: Callable[[], Iterator[Obligation]]) -> list[Packed]:
+    return [(one.name, one.statement, pack(one.verdict), one.method) for one in check()]
 
 
-def _findings(system: TransitionSystem, check: str, packed: list[Packed] | Lost, seconds: float) -> list[Finding]:
+def _unpacked(system: TransitionSystem, check: str, packed: list[Packed] | Lost) -> list[Obligation]:
     if isinstance(packed, Lost):
-        made = [Obligation(check, f"obligations of kind {check!r}", Unknown(packed.reason), "ended by the clock")]
-    else:
-        ran = replace(
-            system, assume=TRUE, init=first_without_the_world(system)
-        )  # a run may have been found without the assumption
-        made = [Obligation(name, text, unpack(data, ran, ran), method) for name, text, data, method in packed]
-    share = seconds / max(1, len(made))
-    return [_finding(system, one, share) for one in _distinct(made)]
+        return [Obligation(check, f"obligations of kind {check!r}", Unknown(packed.reason), "ended by the clock")]
+    free = replace(system, assume=TRUE, init=first_without_the_world(system))
+    # a run may have been found without the assumption
+    return [Obligation(name, text, unpack(data, free, free), method) for name, text, data, method in packed]
 
 
 def _distinct(made: Sequence[Obligation]) -> Iterator[Obligation]:
@@ -152,5 +201,8 @@ def _distinct(made: Sequence[Obligation]) -> Iterator[Obligation]:
 
 
 def _finding(system: TransitionSystem, one: Obligation, seconds: float) -> Finding:
-    name = f"{system.name}/obligation/{one.name}"
-    return Finding(name, system.name, "obligation", one.statement, one.verdict, one.method, seconds)
+    return Finding(_id(system, one), system.name, "obligation", one.statement, one.verdict, one.method, seconds)
+
+
+def _id(system: TransitionSystem, one: Obligation) -> str:
+    return f"{system.name}/obligation/{one.name}"

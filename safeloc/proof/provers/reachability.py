@@ -74,12 +74,36 @@ def reached(
 
     witnesses  runs that an earlier search found, of the system and of its machines alone
     """
+    known_runs = list(in_known_runs(system, limits, recordings, witnesses))
+    return beyond_known_runs(system, limits, known_runs, witnesses)
+
+
+def in_known_runs(
+    system: TransitionSystem,
+    limits: Limits,
+    recordings: Sequence[Recording] = (),
+    witnesses: Witnesses = NO_WITNESSES,
+) -> Iterator[Obligation]:
+    """Check the same in shipped, recorded and random runs alone; Unknown for modes and transitions that they do not show.
+
+    This needs no proved fact, so it may run beside the proof of the base. `beyond_known_runs` goes on from what it yields.
+    """
+    targets = _targets(system)
+    alone = _shown_alone(system, targets, witnesses)
+    runs = _known_runs([one.goal for one in targets], limits, recordings, witnesses, alone).runs
+    for one in targets:
+        shown_ = _shown(runs[one.goal], "") if one.goal in runs else (Unknown("in no known run"), "known runs")
+        yield Obligation(one.name, one.statement, *shown_)
+
+
+def beyond_known_runs(
+    system: TransitionSystem, limits: Limits, known_runs: Sequence[Obligation], witnesses: Witnesses = NO_WITNESSES
+) -> Iterator[Obligation]:
+    """Check the same from what `in_known_runs` has yielded: search what it leaves open, with the proved facts."""
     targets = _targets(system)
     known = base(system, seconds=limits.seconds)
-    kept = _known_runs(
-        [one.goal for one in targets], limits, recordings, witnesses, _shown_alone(system, targets, witnesses)
-    )
-    kept = _excluded(kept, known.everything, limits)
+    soon = {one: early for one, early in zip(targets, known_runs, strict=True) if isinstance(early.verdict, Proved)}
+    kept = _excluded(_going_on(targets, soon), known.everything, limits)
     kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST) if system.parts else limits)
     unseen = [one for one in targets if one.goal in kept.left]
     alone, depth = _by_itself(system, targets, unseen, limits, witnesses), kept.depth
@@ -93,7 +117,9 @@ def reached(
     )
     for one in targets:
         excluded = one.goal in kept.excluded
-        if one.goal in kept.runs:
+        if one in soon:
+            yield soon[one]
+        elif one.goal in kept.runs:
             yield Obligation(one.name, one.statement, *_shown(kept.runs[one.goal], ""))
         elif one.free in broken.runs:
             yield Obligation(one.name, one.statement, *_shown(broken.runs[one.free], _defence(kept.depth, excluded)))
@@ -104,6 +130,17 @@ def reached(
             yield _only_alone(one, alone[one], depth, excluded)
         else:
             yield Obligation(one.name, one.statement, _dead(one.free, broken.depth, limits), "bounded search")
+
+
+def _going_on(targets: Sequence[_Target], soon: Mapping[_Target, Obligation]) -> _Looked:
+    """Return the goals of all targets, with the runs that are known."""
+    verdicts = {one: early.verdict for one, early in soon.items()}
+    runs = {
+        one.goal: _Run(verdict.witness, verdict.engine, "")
+        for one, verdict in verdicts.items()
+        if isinstance(verdict, Proved) and verdict.witness is not None
+    }
+    return _Looked([one.goal for one in targets], runs)
 
 
 def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:

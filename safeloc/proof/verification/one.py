@@ -24,8 +24,6 @@ from safeloc.proof.verification.witness_files import read_witnesses
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
-LONGEST = ("reachable",)
-"""The check of an obligation that takes the longest: it begins before the properties."""
 OnPhase = Callable[[str, int], None]
 """Callback for the start of a phase: its description, and the expected number of findings."""
 
@@ -81,11 +79,12 @@ class Work:
 
         def begin(known: Base, seconds: float) -> None:
             cases.begin(queue)
-            obliging.begin(queue, LONGEST)
+            obliging.begin_search(queue)
             proving.begin(queue, known, seconds)
-            obliging.begin(queue, [name for name in CHECKS if name not in LONGEST])
+            obliging.begin_checks(queue)
 
         with_base(queue, system, limits, begin)
+        obliging.begin_known_runs(queue)
         queue.run()
         return [*asked, *proving.findings], obliging.findings
 

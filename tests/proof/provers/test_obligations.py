@@ -130,11 +130,9 @@ def test_overlapping_guards_are_shown_with_values() -> None:
     assert len(violated.trace.steps) == 3
 
 
-def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
-    """A transition that no input causes is dead; one that only a broken assumption causes is a defence, with its
-    witness.
-    """
-    machine = Machine(
+def guarded() -> Machine:
+    """Of three transitions one fires, one is a defence and one is dead."""
+    return Machine(
         name="guarded",
         modes=(ONE, TWO),
         inputs=[LEVEL],
@@ -143,10 +141,17 @@ def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
         transitions=[
             Transition("defence", ONE, TWO, LEVEL > 8),
             Transition("dead", TWO, ONE, (LEVEL > 5) & (LEVEL < 3), rank=1),
+            Transition("stay", ONE, ONE, rank=1),
         ],
         world=World(clauses={"assumption": LEVEL <= 8}, reads_machine="the test asks it"),
     )
-    found = _found(machine)
+
+
+def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
+    """A transition that no input causes is dead; one that only a broken assumption causes is a defence, with its
+    witness.
+    """
+    found = _found(guarded())
     defence, dead = found["transition guarded: defence"], found["transition guarded: dead"]
     assert isinstance(defence.result, Proved)
     assert defence.method == "a defence: a drawn run with the assumption broken, proved impossible while it is kept"
@@ -239,19 +244,54 @@ def test_reading_an_absent_input_is_violated() -> None:
     )
 
 
-def test_a_check_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The clock ends one check; the finding says so and the others are there."""
+def hangs(*_: object) -> object:
+    """Never return."""
+    while True:
+        pass
 
-    def hangs(*_: object) -> object:
-        while True:
-            pass
 
-    monkeypatch.setattr(module, "CHECKS", {**CHECKS, "absence": hangs})
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the clock end every check after two seconds."""
     monkeypatch.setattr(module, "SEARCHES", 0)
     monkeypatch.setattr(module, "GRACE_SECONDS", 2.0)
-    findings = {finding.id: finding for finding in obligations(system(counter()), LIMITS)}
-    assert word(findings["counter/obligation/absence"].result) == "unknown"
-    assert word(findings["counter/obligation/ranges"].result) == "proved"
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_check_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock ends one check; the finding says so and the others are there."""
+    monkeypatch.setattr(module, "CHECKS", {**CHECKS, "absence": hangs})
+    found = _found(counter())
+    assert word(found["absence"].result) == "unknown"
+    assert word(found["ranges"].result) == "proved"
+
+
+@pytest.mark.usefixtures("impatient")
+def test_known_runs_that_hang_are_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then modes and transitions are undecided together: nothing is searched, and nothing is told to hold."""
+    monkeypatch.setattr(module, "in_known_runs", hangs)
+    found = _found(counter())
+    assert word(found["reachable"].result) == "unknown"
+    assert word(found["ranges"].result) == "proved"
+    assert not any(name.startswith(("mode ", "transition ")) for name in found)
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_search_that_hangs_leaves_what_known_runs_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the modes and transitions that no known run shows, one finding says that the search was ended."""
+    whole = _found(guarded())
+    monkeypatch.setattr(module, "beyond_known_runs", hangs)
+    found = _found(guarded())
+    assert [name for name in found if word(found[name].result) == "unknown"] == ["reachable"]
+    searched = {"mode guarded TWO", "transition guarded: defence", "transition guarded: dead"}
+    assert searched == {*whole} - {*found}
+
+
+def test_modes_and_transitions_are_told_in_their_order() -> None:
+    """Those that a search finds stand between those that known runs show."""
+    names = [name for name in _found(guarded()) if name.startswith(("mode ", "transition "))]
+    rows = [f"transition guarded: {name}" for name in ("defence", "dead", "stay")]
+    assert ["mode guarded ONE", "mode guarded TWO", *rows] == names
 
 
 def test_findings_are_told_as_they_come() -> None:
