@@ -36,7 +36,7 @@ def _safety(model: Arbitration) -> Iterator[Property]:
     yield always(
         "containment",
         given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
-        statement="the reported interval holds the true position of the front end",
+        statement="the reported interval contains the true position of the front end",
         requirements=REQUIREMENTS,
         assumption=SOURCES_ARE_TRUE,
     )
@@ -49,7 +49,7 @@ def _safety(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "no part of a withheld position is reported",
         given | (silent & _nothing_told(model.machine)),
-        "while a position is withheld no part of it is told",
+        "while a position is withheld the machine reports no part of it",
     )
 
 
@@ -63,14 +63,17 @@ def _common_part(model: Arbitration) -> Iterator[Property]:
     given, low, high = _given(model)
     inside = [source.valid.implies((low >= source.low) & (high <= source.high)) for source in own.sources]
     yield _free(
-        "all that are valid agree", given.implies(all_of(inside)), "it lies within what every valid source states"
+        "all that are valid agree",
+        given.implies(all_of(inside)),
+        "the reported interval lies within the interval of every valid source",
     )
     lowest = any_of(source.valid & source.low.eq(low) for source in own.sources)
     highest = any_of(source.valid & source.high.eq(high) for source in own.sources)
     yield _free(
         "only valid sources narrow",
         given.implies(lowest & highest),
-        "each of its ends is an end that a valid source states: a source that states nothing, or is not valid, narrows nothing",
+        "each end of the reported interval is an end of a valid source's interval: a source without an interval, or "
+        "one that is not valid, narrows nothing",
     )
     yield from _exclusions(model)
 
@@ -111,8 +114,8 @@ def _reference(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "no resurrection",
         (given & ~earlier_bool(given)).implies(referred),
-        "after it was withheld a position is reported only in a step in which a valid source has accepted an absolute "
-        "reference, and all valid sources agree",
+        "after a position was withheld, the machine reports one only in a step in which a valid source has accepted "
+        "an absolute reference, and all valid sources agree",
     )
 
 
@@ -121,10 +124,14 @@ def _stated(model: Arbitration) -> Iterator[Property]:
     given, _, _ = _given(model)
     silent = all_of(~source.valid for source in own.sources)
     yield _free(
-        "silence withholds", silent.implies(~given), "without any valid source nothing is reported in that step"
+        "silence withholds",
+        silent.implies(~given),
+        "without any valid source the machine reports no position in that step",
     )
     yield _free(
-        "reason stated", own.reason.eq(LOCATED).iff(given), "a reason is stated exactly while nothing is reported"
+        "reason stated",
+        own.reason.eq(LOCATED).iff(given),
+        "the machine gives a reason exactly while it reports no position",
     )
     accepted = any_of(source.valid & source.reference for source in own.sources)
     yield _free(
@@ -151,7 +158,7 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
         yield _free(
             "a contradiction is the reason",
             (lost & valid).implies(contradicted.iff(apart)),
-            "a position is withdrawn for a contradiction exactly where two valid sources exclude each other",
+            "the machine withdraws a position for a contradiction exactly if two valid sources exclude each other",
         )
     for source, mode in zip(own.sources, machine.modes[1:], strict=True):
         why = ite(source.reason.eq(LOCATED), NO_REFERENCE, source.reason)
@@ -168,13 +175,15 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "a narrow interval is tolerable",
         (lost & narrow).implies(~too_wide),
-        "a position is not withdrawn for its tolerance where what the sources have in common is no wider than it",
+        "the machine does not withdraw a position for its tolerance if the part that all sources have in common is "
+        "no wider than that",
     )
     lags = own.reason.eq(SENSOR_FAILURE) & valid
     yield _free(
         "withdrawn for a reason",
         (lost & valid).implies(contradicted | too_wide | lags),
-        "while a source states an interval a position is withdrawn for a contradiction, its tolerance, or a lag beyond its limit",
+        "while a source gives an interval, the machine withdraws a position only for a contradiction, its "
+        "tolerance, or a lag beyond its limit",
     )
 
 
@@ -262,7 +271,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "min safe front end begins at the interval's",
         (given & ~earlier_bool(given)).implies(front.eq(low)),
-        "where a position is reported for the first time its min safe front end is the lower end of the interval",
+        "when a position is reported for the first time, its min safe front end is the lower end of the interval",
     )
     measured, estimated = own.distance.value, _estimated_change(model)
     yield _free(

@@ -114,8 +114,8 @@ def _truth(model: AxleSection) -> Iterator[Property]:
         (is_clear & ~before_.one_of(clear, occupied)).implies(
             before(own.sweep).eq(RAN_THROUGH) & before(own.stood).eq(0)
         ),
-        "unknown, disturbed or reset, a section becomes clear only when a sweep really ran from one end to the other, and "
-        "nothing stood in the section when it came in",
+        "after unknown, disturbed or reset, a section becomes clear only if a sweep really ran from one end to the "
+        "other, and no axle stood in the section when it came in",
     )
     yield _lawful(
         "refused while a train is in",
@@ -275,12 +275,13 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
     yield _held(
         "axles of a sweep stay counted at each end",
         goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.count)),
-        "whatever the sweep did since the reset, at each end and in each direction, is counted and not forgotten on the way",
+        "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten "
+        "on the way",
     )
     yield _held(
         "a sweep begins with the reset",
         (mode.eq(sweeping) & accepted).implies(own.count.eq(0) & ~any_of(latch for latch, _ in _ways(own))),
-        "what happened before the reset is no part of the sweep",
+        "axles before the reset are no part of the sweep",
     )
 
 

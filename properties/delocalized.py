@@ -36,7 +36,7 @@ def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]
     yield always(
         "containment",
         mode.eq(localized).implies(between(centre - exact_to(below, NM), truth, centre + exact_to(above, NM))),
-        statement="a position that is passed on holds the truth",
+        statement="a position that is passed on contains the true position",
         requirements=("MRK-D1",),
         assumption=SOURCE_IS_TRUE,
     )
@@ -49,7 +49,7 @@ def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]
     yield for_all_inputs(
         "nothing reported",
         mode.eq(delocalized).implies(nothing),
-        statement="a delocalized vehicle reports no position, and keeps none",
+        statement="a delocalized vehicle neither reports nor stores a position",
         requirements=("MRK-D1", "MRK-D2"),
     )
 
@@ -105,8 +105,8 @@ def _first_reason(machine: Machine) -> Property:
         (enters & valid).implies(reason.eq(TOLERANCE))
         & (enters & ~valid & cause.ne(LOCATED)).implies(reason.eq(cause))
         & (enters & ~valid & cause.eq(LOCATED)).implies(reason.eq(NO_REFERENCE)),
-        statement="a vehicle that is delocalized states that the tolerance is exceeded where the source is valid, else the "
-        "source's own reason, and that a reference is missing where the source states none",
+        statement="a delocalized vehicle gives the tolerance as its reason if the source is valid, else the "
+        "source's own reason, and a missing reference if the source gives none",
         requirements=("MRK-D1", "MRK-D2"),
     )
 
@@ -120,7 +120,7 @@ def _reason(machine: Machine) -> Iterator[Property]:
     yield for_all_inputs(
         "no reason while localized",
         (~is_lost).implies(reason.eq(LOCATED)),
-        statement="while a position is passed on no reason is stated",
+        statement="while a position is passed on the machine gives no reason",
     )
     yield for_all_inputs(
         "reason latched",
@@ -130,5 +130,5 @@ def _reason(machine: Machine) -> Iterator[Property]:
     yield for_all_inputs(
         "reason stated",
         is_lost.implies(reason.ne(LOCATED)),
-        statement="a delocalized vehicle always states a reason",
+        statement="a delocalized vehicle always gives a reason",
     )

@@ -121,7 +121,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         limit,
         earlier_bool(valid) & ~seen.bool(arrives),
         ~valid | seen.bool(arrives),
-        statement="a vehicle that is not heard of any more is known to the trackside for no longer than the age limit",
+        statement="the trackside reports a vehicle that sends nothing any more for no longer than the age limit",
         requirements=REQUIREMENTS,
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(~valid | (seen.num(whole.uplink.own.held.age) >= waited)),

@@ -226,7 +226,8 @@ def _once(model: Selection) -> Iterator[Property]:
             one.standing.eq(USABLE).implies(
                 all_of(~earlier.identity.present | earlier.identity.value.ne(told) for earlier in channels[:number])
             ),
-            statement="a satellite that an earlier channel receives as well is not usable here: it counts once",
+            statement="a satellite that an earlier channel receives as well is not usable in this one: the machine "
+            "uses it once",
         )
 
 
@@ -239,7 +240,8 @@ def _counted(model: Selection) -> Iterator[Property]:
     yield for_all_inputs(
         "the number of usable satellites is reported",
         machine.output("usable").eq(total) & machine.mode.eq(ite(total.eq(0), none, some)),
-        statement="as many satellites are told to be usable as channels are, and whether there are any",
+        statement="the reported number of usable satellites is the number of usable channels, and the machine "
+        "reports whether there is any",
         requirements=("SAT-1",),
     )
     yield for_all_inputs(

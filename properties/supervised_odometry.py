@@ -28,7 +28,7 @@ def properties(whole: Supervised) -> list[Property]:
         always(
             "containment",
             restrictive | between(_nm(position) - _nm(below), truth, _nm(position) + _nm(above)),
-            statement="the position that the host gets holds the true position of end A",
+            statement="the position that the host gets contains the true position of end A",
             requirements=("MRK-1", "MRK-D1"),
             assumption=LAW,
         ),

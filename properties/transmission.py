@@ -28,7 +28,7 @@ def _interval(model: Transmission) -> Iterator[Property]:
     yield always(
         "containment",
         valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
-        statement="the interval that has arrived holds the true position now, however long it was on its way",
+        statement="the interval that has arrived contains the present true position, however long it was on its way",
         requirements=REQUIREMENTS,
         assumption=LAW,
     )
@@ -68,7 +68,7 @@ def _withdrawal(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "revocation",
         machine.fired("report revokes").implies(~valid),
-        statement="a report that revokes takes the position away in the step in which it arrives",
+        statement="a report that revokes removes the position in the step in which it arrives",
     )
 
 
@@ -137,7 +137,8 @@ def _arrived(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a report without a usable position removes the last one",
         (arrives & ~usable).implies(~valid),
-        statement="a report that holds no position, or one that is too wide by now, takes away what arrived before it",
+        statement="a report without a position, or with one that is too wide by now, removes the report that "
+        "arrived before it",
     )
 
 
@@ -148,10 +149,11 @@ def _kept(model: Transmission) -> Iterator[Property]:
     yield for_all_inputs(
         "a position is passed on until the next arrives",
         (waits & known.young & known.narrow).implies(valid & known.is_in(own.held)),
-        statement="while no report arrives, the one that is held is reported as long as it is young and narrow enough",
+        statement="while no report arrives, the machine reports the stored one as long as it is young and narrow "
+        "enough",
     )
     yield for_all_inputs(
         "the age is reported",
         ite(valid, age.eq(with_unit(own.held.age * own.config.period_ms, MS)), age.eq(0)),
-        statement="the age of a given position is reported, and 0 where there is none",
+        statement="the machine reports the age of the given position, and 0 without one",
     )

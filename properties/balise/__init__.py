@@ -62,7 +62,7 @@ def _safety(model: Balise) -> Iterator[Property]:
     yield always(
         "containment",
         valid.implies(between(position - below, own.world.truth, position + above)),
-        statement="the reported interval holds the true position of the front end",
+        statement="the reported interval contains the true position of the front end",
         requirements=("RFL-5", "RFL-D4"),
         assumption=LAW,
     )
@@ -89,18 +89,19 @@ def _invalid(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "no report when invalid",
         (~valid).implies(all_of(nothing)),
-        statement="nothing is reported, and no group expected, without a valid position",
+        statement="without a valid position the machine reports none and expects no group",
         requirements=("RFL-D4", "RFL-9"),
     )
     yield for_all_inputs(
         "reason stated",
         own.memory.reason.eq(LOCATED).iff(valid),
-        statement="a reason is stated exactly while nothing is reported",
+        statement="the machine gives a reason exactly while it reports no position",
     )
     yield for_all_inputs(
         "contradiction delocalizes",
         own.memory.verdict.eq(v.CONTRADICTED).implies(~valid),
-        statement="when a group and the interval cannot both be true, nothing is reported any more in the same step",
+        statement="when a group and the interval cannot both be true, the machine stops reporting a position in the "
+        "same step",
     )
 
 
@@ -121,8 +122,8 @@ def _references(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "only complete and undamaged groups count",
         own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.whole),
-        statement="a group counts only if every balise of it was read, with right check bits, no longer ago than permitted, "
-        "while running forwards",
+        statement="the machine uses a group only if every balise of it was read, with right check bits, no longer "
+        "ago than permitted, while running forwards",
     )
     if not config.free_references:
         yield for_all_inputs(
@@ -139,8 +140,8 @@ def _references(model: Balise) -> Iterator[Property]:
         all_of([earlier_bool(valid), step.well_formed, step.whole, *right]).implies(
             own.memory.verdict.one_of(v.ACCEPTED, v.CONTRADICTED)
         ),
-        statement="the expected group, read whole, in the announced orientation and inside its window, is accepted, unless it "
-        "and the interval exclude each other",
+        statement="the machine accepts the expected group if it was read completely, in the announced orientation "
+        "and inside its window, unless it and the interval exclude each other",
     )
 
 
@@ -169,20 +170,21 @@ def _facing(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "direction by orientation",
         (along & ~was_along).implies(step.counts & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))),
-        statement="the direction of travel is stated only after a group with an orientation of its own, or a second group",
+        statement="the machine reports the direction of travel only after a group of two or more balises, or after "
+        "a second group",
     )
     remembers = own.memory.group.ne(0)
     now = step.counts & (step.oriented | step.surely_ahead)
     yield for_all_inputs(
         "only balise groups set the reported direction",
         along.iff(remembers & (was_along | now)),
-        statement="the direction is told from the group on that was passed as it was to be, or that lies surely beyond the "
-        "one before, as long as a group is remembered; never by anything else",
+        statement="the machine reports the direction from a group on that was passed in the announced orientation, "
+        "or that surely lies beyond the group before, as long as it stores a group; nothing else sets it",
     )
     yield for_all_inputs(
         "the stored direction is reported",
         machine.output("direction").eq(own.memory.direction),
-        statement="the direction told is the one that is remembered",
+        statement="the machine reports the direction that it has stored",
     )
 
 
@@ -207,7 +209,7 @@ def _resets(model: Balise) -> Iterator[Property]:
     yield always(
         "a reset interval contains the true position",
         (accepted & valid).implies(between(interval.low, own.world.truth, interval.high)),
-        statement="what the telegram and the interval have in common holds the true position",
+        statement="the part that telegram and interval have in common contains the true position",
         requirements=("RFL-5", "RFL-D4"),
         assumption=LAW,
     )
@@ -235,7 +237,8 @@ def _told_ahead(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "only an accepted telegram gives a reflector",
         (told | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
-        statement="the distance to the next reflector is taken only from a telegram that counts, from its group's place on",
+        statement="the machine takes the distance to the next reflector only from an accepted telegram, and "
+        "measures it from that group's place",
         requirements=("RFL-9",),
     )
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
@@ -311,7 +314,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
         own.config.gap_limit_cycles,
         ~odometer.step.present,
         odometer.step.present | ~machine.flag("valid"),
-        statement="when the odometer is silent, nothing is reported after the permitted gap at the latest",
+        statement="when the odometer is silent, the machine reports no position after the permitted gap at the latest",
         requirements=("RFL-D4",),
         unconditional=True,
         helper=lambda waited: waited <= odometer.gap,

@@ -36,8 +36,8 @@ def _windows(model: Balise) -> Iterator[Property]:
         yield for_all_inputs(
             f"one window at a time: groups {number} and {number + 1} ahead",
             all_of([valid, farther.held, _apart(model, nearer, farther)]).implies(~both),
-            statement="where the audit found the expectation windows of two announced groups apart, the vehicle is never "
-            "inside both (3.4.4.4.5)",
+            statement="if the audit found the expectation windows of two announced groups apart, the vehicle is "
+            "never inside both (3.4.4.4.5)",
         )
     first, second = slots[:2]
     yield reachable(
@@ -75,8 +75,8 @@ def _reckoning(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "margin as the audit reckons it",
         as_reckoned(own),
-        statement="where the whole run since the last group was measured, the margin is at most the audit's odometry error "
-        "for that distance",
+        statement="if the whole distance since the last group was measured, the margin is at most the audit's "
+        "odometry error for that distance",
     )
     line, limit = own.config.position_limit_mm * NM_PER_MM, (own.config.tolerance_mm - 1) * NM_PER_MM
     on_line = between(-line, step.moved.position, line)
@@ -86,6 +86,6 @@ def _reckoning(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "no loss within the audited stretch",
         lost.implies(reckoned_nm(own.config, run, earlier_num(own.memory.accuracy)) > limit),
-        statement="where the whole run since the last group was measured, the position is lost to the tolerance only at a "
-        "distance at which the audit's odometry error passes it",
+        statement="if the whole distance since the last group was measured, the machine withdraws the position for "
+        "its tolerance only at a distance at which the audit's odometry error exceeds it",
     )

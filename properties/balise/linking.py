@@ -30,8 +30,8 @@ def _kept(model: Balise) -> Iterator[Property]:
         yield for_all_inputs(
             f"announced group {number} stays stored as announced",
             slot.group.eq(0) | any_of([_as_announced(model, slot), *was]),
-            statement="a group that is held is one that was held before, as it was and no nearer than it was, or the one "
-            "announced in this very step: its place, accuracy, orientation and linking reaction",
+            statement="each stored announcement was stored before, unchanged and in the same or a later slot, or "
+            "arrived in this very step: its place, accuracy, orientation and linking reaction",
         )
 
 
@@ -62,13 +62,14 @@ def _windows(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "window closes when the min safe front end has passed",
         (kept & held & ~seen & passed).implies(own.memory.ended.eq(1) & _given_up(model)),
-        statement="a group that was not read is given up in the very step in which the min safe front end passes the last "
-        "place where it can be read, with its linking reaction",
+        statement="the machine gives up a group that was not read in the very step in which the min safe front end "
+        "passes the last place where it can be read, and orders its linking reaction",
     )
     yield for_all_inputs(
         "no window closes early",
         (kept & (own.memory.ended > 0)).implies(seen | (held & passed)),
-        statement="an announced group is given up only when it, or a later one, was read, or its window has closed",
+        statement="the machine gives up an announced group only when it, or a later one, was read, or when its "
+        "window has closed",
     )
     yield for_all_inputs(
         "expected until found or given up",
@@ -109,7 +110,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "missed groups are counted",
         step.kept.implies(memory.missed.eq(_count(step))),
-        statement="groups given up one after the other are counted until one is accepted",
+        statement="the machine counts the groups given up in a row until it accepts one",
     )
     wrong = memory.verdict.eq(v.WRONG_DIRECTION) & located & step.announced
     yield for_all_inputs(
@@ -120,7 +121,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "no reaction without a linking error",
         memory.reaction.ne(NO_REACTION).implies((memory.ended > 0) & located),
-        statement="a group that linking does not speak of, or a damaged telegram, is rejected without any reaction "
+        statement="a group that linking did not announce, or a damaged telegram, is rejected without a reaction "
         "(3.16.2.4.3); only a group given up causes one",
     )
     for name, event in _events(step).items():

@@ -114,8 +114,8 @@ def _read(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "the code word consists of the sections read",
         read.implies(_joined(model, _symbol(model)) & longer),
-        statement="the kind and the length of the section passed join the word; the oldest symbol of a whole word is "
-        "dropped",
+        statement="the kind and the length of the section passed are appended to the word; the oldest symbol of a "
+        "complete word is dropped",
     )
 
 

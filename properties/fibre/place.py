@@ -61,7 +61,7 @@ def _narrower(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "no resurrection",
         (valid & before(machine.mode).ne(machine.modes[2])).implies(_told(model)),
-        statement="a place is known again only from an accepted reference, or from a whole word of the code",
+        statement="a place is known again only from an accepted reference, or from a complete code word",
         requirements=CODE,
     )
 

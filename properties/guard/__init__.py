@@ -50,14 +50,14 @@ def _safety(model: Guard) -> Iterator[Property]:
     yield always(
         "containment",
         valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
-        statement="the reported interval along the way holds the vehicle",
+        statement="the reported interval along the way contains the vehicle",
         requirements=REQUIREMENTS,
         assumption=LAW,
     )
     yield always(
         "window",
         machine.flag("holding").implies(_between_mm(machine.output("window_from_mm"), own.truth, machine.output("window_to_mm"))),
-        statement="the window that fixes are compared with holds the vehicle, also where it is too wide to report",
+        statement="the window with which fixes are compared contains the vehicle, also while it is too wide to report",
         requirements=REQUIREMENTS,
         assumption=LAW,
     )  # fmt: skip
@@ -92,7 +92,7 @@ def _charged(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a fix narrows no further than to its own error",
         (_was_holding(model) & machine.flag("passed")).implies(narrowed),
-        statement="a fix that is passed on narrows what is held no further than to what it may be off itself",
+        statement="a fix that is passed on narrows the stored interval no further than to its own error",
     )
 
 
@@ -121,7 +121,8 @@ def _withheld(model: Guard) -> Iterator[Property]:
         (was_holding & holding & ~passed).implies(
             own.low.eq(step.low) & own.high.eq(step.high) & own.slow.eq(slow) & own.fast.eq(fast)
         ),
-        statement="after a delivery that is not passed on, place and speed are held exactly as if nothing had been delivered",
+        statement="after a delivery that is not passed on, the stored place and speed are exactly as if nothing had "
+        "been delivered",
     )
     grown = (own.low <= before(own.low)) | (before(own.slow) > 0)
     yield for_all_inputs(
@@ -140,13 +141,15 @@ def _gates(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "faults are never passed",
         (own.fault.ne(NO_FAULT) | ~own.fix.present).implies(~passed),
-        statement="what is no fix, or not finite, stale, late, repeated or out of order, is not passed on",
+        statement="the machine does not pass on a delivery that is no fix, not finite, stale, late, repeated or out "
+        "of order",
     )
     off = own.offset > own.config.offset_limit_mm
     yield for_all_inputs(
         "a fix that is passed on agrees with the map",
         (off | own.ambiguous | own.elsewhere).implies(~passed),
-        statement="a fix off the track, on no clear track, or where no way leads in the time, is not passed on",
+        statement="the machine does not pass on a fix off the track, on no clear track, or at a place to which no "
+        "way leads in the time",
     )
     yield for_all_inputs(
         "the place itself is inside",
@@ -156,7 +159,8 @@ def _gates(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "where the vehicle can be",
         (passed & was_holding).implies(between(step.low, own.low, step.high) & between(step.low, own.high, step.high)),
-        statement="what is passed on while an interval is held lies in what the vehicle can have reached",
+        statement="a fix that is passed on while an interval is stored lies in the stretch that the vehicle can "
+        "have reached",
     )
 
 
@@ -172,12 +176,14 @@ def _course(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a course against the permitted direction is refused",
         (only & step.runs_back).implies(~passed),
-        statement="where the way is run in its own direction only, a fix that runs backwards is not passed on",
+        statement="if the way permits its own direction only, the machine does not pass on a fix whose course runs "
+        "against it",
     )
     yield for_all_inputs(
         "a refused course costs the row",
         (step.fair.one_of(ACROSS, AGAINST)).implies(own.agreed.eq(0) & own.fair.eq(0) & own.agreed.ne(most)),
-        statement="after a fix across or against the way, as many in a row are asked for as at the beginning",
+        statement="after a fix across or against the way, the machine requires as many fixes in a row as at the "
+        "beginning",
     )
     along = ~own.course.present | (own.course.value <= own.config.course_limit_mrad)
     yield for_all_inputs(
@@ -198,12 +204,14 @@ def _carried(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a place out of reach is refused",
         step.out_of_reach.implies(~machine.flag("passed")),
-        statement="a fix where the vehicle cannot have come since a row was last full is not passed on, however long nothing was held",
+        statement="the machine does not pass on a fix at a place that the vehicle cannot have reached since a row "
+        "was last full, however long no interval was stored",
     )
     yield for_all_inputs(
         "a place in reach is not refused",
         own.judged.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
-        statement="a fix that the vehicle can have come to by its direction and highest speed is not refused as out of reach",
+        statement="the machine refuses no fix as out of reach at a place that the vehicle can have reached in its "
+        "direction at the highest speed",
     )
     fills = step.fair.eq(PASSED) & step.fair_row.eq(own.config.confirmations)
     yield for_all_inputs(
@@ -217,8 +225,9 @@ def _carried(model: Guard) -> Iterator[Property]:
         own.start_anew
         | own.known_low.eq(ite(fills, maximum(least, step.place - step.charge), least))
         & own.known_high.eq(ite(fills, minimum(most, step.place + step.charge), most)),
-        statement="a fix that fills a row narrows the place last known to its error; without one it widens by a run at the highest speed, "
-        "backwards only where that is permitted, also while nothing is held",
+        statement="a fix that fills a row narrows the place last known to its error; without one the place widens "
+        "by a run at the highest speed, backwards only if that is permitted, also while no interval is "
+        "stored",
     )
 
 
@@ -232,7 +241,8 @@ def _new_start(model: Guard) -> Iterator[Property]:
         own.start_anew.implies(
             machine.mode.eq(lost) & own.agreed.eq(0) & own.fair.eq(0) & nowhere & ~machine.flag("passed")
         ),
-        statement="with a new start nothing is held and nothing known, and the next fix begins a row wherever it lies",
+        statement="at a new start no interval is stored and no place known, and the next fix begins a row wherever "
+        "it lies",
     )
 
 
@@ -244,8 +254,9 @@ def _told(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a delivery agrees or has the first reason against it",
         ite(verdict.eq(PASSED), own.judged.one_of(PASSED, UNCONFIRMED), own.judged.eq(verdict)),
-        statement="faults, then what the map, the vehicle's limits, its course, the place last known, and its place and speed by now "
-        "speak against: the first of these is the reason, and without any of them the fix agrees",
+        statement="the reason for a refusal is the first of these that applies: a fault, the map, the vehicle's "
+        "limits, its course, the place last known, its present place and speed; if none applies, the fix "
+        "agrees",
     )
 
 
@@ -266,15 +277,16 @@ def _trust(model: Guard) -> Iterator[Property]:
             own.agreed.eq(before(own.agreed)) & now.eq(before(now))
         )
         & (before(now).eq(passing) & now.eq(probation)).implies(step.implausible | contradicts),
-        statement="a receiver is trusted no less for a delivery that is missing, faulty, coarse or in doubt, and no more",
+        statement="a delivery that is missing, faulty, coarse or in doubt changes the trust in the receiver neither "
+        "way",
     )
     yield for_all_inputs(
         "a receiver that contradicts itself loses the trust",
         (was_holding & contradicts).implies(
             ~passed & now.ne(passing) & own.agreed.eq(ite(holding & step.agrees, as_num(1, COUNT), 0))
         ),
-        statement="where no vehicle can have run from the last fix near the way to this one, this one is withheld, and begins a row if "
-        "it agrees with what is held",
+        statement="if no vehicle can have run from the last fix near the way to this one, the machine withholds "
+        "this one; it begins a row if it agrees with the stored interval",
     )
 
 
@@ -289,14 +301,14 @@ def _stored(model: Guard) -> Iterator[Property]:
         own.start_anew
         | own.near_low.eq(ite(by_itself, step.place - step.charge, least))
         & own.near_high.eq(ite(by_itself, step.place + step.charge, most)),
-        statement="a fix that keeps map and vehicle is held with its error, also where it is withheld, and widens by a run at the "
-        "highest speed",
+        statement="a fix that agrees with map and vehicle is stored with its error, also if it is withheld, and "
+        "widens by a run at the highest speed",
     )
     yield for_all_inputs(
         "a stored interval that bounds nothing is dropped",
         was_holding.implies(holding.iff((step.can_be_held | step.fills) & ~own.start_anew)),
-        statement="what is held is given up when it is too wide, beyond the line or contradicts itself, and only then, unless a "
-        "fix that is passed on narrows it in the same step; and with a new start",
+        statement="the machine drops the stored interval at a new start, and when it is too wide, beyond the line "
+        "or empty, unless a fix that is passed on narrows it in the same step; and never otherwise",
     )
 
 
@@ -309,7 +321,8 @@ def _recovering(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a row begins with a fix that may be true",
         (was.eq(lost) & goes_on).implies(ite(begins, now.eq(recovering) & own.agreed.eq(1), now.eq(lost))),
-        statement="while nothing is held, a fix that keeps map, vehicle, course and the place last known begins a row of one, and nothing else does",
+        statement="while no interval is stored, a fix that agrees with map, vehicle, course and the place last "
+        "known begins a row of one, and nothing else does",
     )
     anew = now.eq(recovering) & own.agreed.eq(1)
     dropped = now.eq(lost) & own.agreed.eq(0)
@@ -319,8 +332,8 @@ def _recovering(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a row that does not agree begins anew",
         (was.eq(recovering) & goes_on).implies(ite(step.agrees, grows, otherwise)),
-        statement="while the receiver recovers, a fix that agrees lengthens the row, one that does not begins it anew, and what "
-        "contradicts the map or comes too late ends it",
+        statement="while the receiver recovers, a fix that agrees lengthens the row, one that does not begins it "
+        "anew, and one that contradicts the map or comes too late ends it",
     )
 
 
@@ -333,7 +346,8 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "no resurrection",
         (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(back & before(own.agreed).eq(most - 1)),
-        statement="a receiver that was in doubt is believed again only with the fix that completes the row of agreeing ones",
+        statement="a receiver that was in doubt is trusted again only from the fix on that completes the row of "
+        "agreeing ones",
     )
     yield for_all_inputs(
         "only a passed fix reports",
@@ -344,12 +358,12 @@ def _coming_back(model: Guard) -> Iterator[Property]:
         "one fix counts once",
         (own.agreed <= before(own.agreed) + 1)
         & ((own.agreed > before(own.agreed)).implies(own.judged.one_of(PASSED, UNCONFIRMED))),
-        statement="the row grows by one, and only with a fix that keeps every gate",
+        statement="the row grows by one, and only with a fix that passes every check",
     )
     yield for_all_inputs(
         "only a full row passes",
         passed.implies(own.agreed.eq(most)),
-        statement="nothing is passed on before as many fixes in a row agree as are asked for",
+        statement="the machine passes no fix on before the required number of fixes in a row agree",
     )
     yield for_all_inputs(
         "passing is trust",

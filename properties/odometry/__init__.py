@@ -39,7 +39,7 @@ def _safety(model: Odometry) -> Iterator[Property]:
     yield always(
         "containment",
         valid.implies(between(position - below, own.ghosts.truth, position + above)),
-        statement="the reported interval holds the true position of end A",
+        statement="the reported interval contains the true position of end A",
         requirements=("MRK-1", "MRK-4", "MRK-5", "MRK-D6"),
         assumption=LAW,
     )
@@ -55,18 +55,18 @@ def _safety(model: Odometry) -> Iterator[Property]:
     yield for_all_inputs(
         "no report when invalid",
         (~valid).implies(silent & machine.output("values").eq(NO_VALUES)),
-        statement="nothing is reported without a valid position",
+        statement="without a valid position the machine reports none",
         requirements=("MRK-D1", "MRK-D2"),
     )
     yield for_all_inputs(
         "same-step loss",
         all_of(~unit.alive for unit in own.units).implies(~valid),
-        statement="the cycle in which the last usable value is lost is the cycle in which nothing is reported any more",
+        statement="in the cycle in which the last usable value is lost, the machine stops reporting a position",
     )
     yield for_all_inputs(
         "reason stated",
         own.reason.eq(LOCATED).iff(valid),
-        statement="a reason is stated exactly while nothing is reported",
+        statement="the machine gives a reason exactly while it reports no position",
     )
 
 
@@ -93,8 +93,9 @@ def _references(model: Odometry) -> Iterator[Property]:
         yield for_all_inputs(
             f"{('front', 'rear')[end]} reading pairs",
             reader.verdict.eq(ACCEPTED).implies(_entitled(model, end, reader)),
-            statement="a reading counts only for a known marker: a leading one for a new marker ahead, a trailing one for "
-            "a marker that the leading reader has read and the trailing one has not",
+            statement="a reading counts only for a known marker: at the leading reader for a new marker ahead, at "
+            "the trailing reader for a marker that the leading reader has read and the trailing one has "
+            "not",
             requirements=("MRK-1", "MRK-5"),
         )
 
@@ -137,7 +138,8 @@ def _selection(model: Odometry) -> Iterator[Property]:
     yield for_all_inputs(
         "the smallest margin leads",
         valid.implies(all_of(_no_worse(machine, unit) for unit in own.units)),
-        statement="the reported margin is the smallest of all usable ones: no switch is ever to a worse one",
+        statement="the reported margin is the smallest of all usable ones: the machine never changes to a value "
+        "with a greater margin",
         requirements=("MRK-D3", "MRK-D4"),
     )
     candidate, of_front = machine.mode.eq(machine.modes[1]), own.devices[0].units
@@ -154,13 +156,13 @@ def _selection(model: Odometry) -> Iterator[Property]:
     yield for_all_inputs(
         "M1 after the leading reading",
         machine.fired(*leading).implies(machine.output("values").eq(M1)),
-        statement="a leading reading that sets its device makes values M1 count",
+        statement="after a leading reading that sets its device the values M1 are used",
         requirements=("MRK-1", "MRK-5"),
     )
     yield for_all_inputs(
         "M2 after the trailing reading",
         machine.fired(*trailing).implies(machine.output("values").eq(M2)),
-        statement="the trailing reading of the same marker makes values M2 count",
+        statement="after the trailing reading of the same marker the values M2 are used",
         requirements=("MRK-1", "MRK-5"),
     )
 
@@ -220,7 +222,8 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         own.config.gap_limit_cycles,
         ~heard,
         heard | ~machine.flag("valid"),
-        statement="when no unit delivers a distance, nothing is reported after the permitted gap at the latest",
+        statement="when no unit delivers a distance, the machine reports no position after the permitted gap at the "
+        "latest",
         requirements=("MRK-D1",),
         unconditional=True,
         helper=lambda waited: all_of(waited <= unit.gap for unit in own.units),

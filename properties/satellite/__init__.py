@@ -43,8 +43,9 @@ def drift_properties(model: Satellite) -> list[Property]:
     bounded = always(
         "common drift is bounded",
         of.bool(own.anchored).implies(between(position - bound, of.num(own.truth), position + bound)),
-        statement="however false the signals are, the position is no farther from the truth than the told bound: its "
-        "distance from where odometry has carried the last reference, and what odometry may be wrong by",
+        statement="however false the signals are, the position is no farther from the true one than the reported "
+        "bound: its distance from the last reference as odometry has carried it on, and the greatest "
+        "error of odometry",
         requirements=("SAT-1", "SAT-5"),
         assumption=FALSE_SIGNALS,
     )
@@ -64,7 +65,7 @@ def _safety(model: Satellite) -> Iterator[Property]:
     yield always(
         "containment",
         valid.implies(between(position - below, of.num(own.truth), position + above)),
-        statement="the reported interval along the track holds the true position",
+        statement="the reported interval along the track contains the true position",
         requirements=("SAT-1", "SAT-5", "SAT-6"),
         assumption=LAW,
     )
@@ -86,7 +87,7 @@ def _safety(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "reason stated",
         of.num(own.reason).eq(LOCATED).iff(valid),
-        statement="a reason is stated exactly while nothing is reported",
+        statement="the machine gives a reason exactly while it reports no position",
         requirements=("SAT-5",),
     )
 
@@ -104,7 +105,7 @@ def _restart(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "a good reference begins a position",
         (told & good & ~earlier_bool(valid)).implies(valid),
-        statement="while nothing is reported, a reference that is accurate enough to be reported begins a position",
+        statement="without a position, a reference that is accurate enough to be reported begins one",
         requirements=("SAT-1",),
     )
     place = exact_to(of.num(own.reference.value), NM)
@@ -186,8 +187,8 @@ def _anchor(model: Satellite) -> Iterator[Property]:
         of.bool(own.anchored).implies(
             (offset - (now.position - now.low) <= margin) & (offset + (now.high - now.position) >= -margin)
         ),
-        statement="a position is reported no farther from where odometry has carried the last reference than both may be "
-        "wrong by",
+        statement="a reported position is no farther from the last reference, as odometry has carried it on, than "
+        "the greatest errors of both",
     )
     if own.config.drift_check == "required":
         yield for_all_inputs(

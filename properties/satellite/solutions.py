@@ -49,7 +49,7 @@ def solutions(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "an excluded one never counts",
         any_of(flag & standing.eq(EXCLUDED) for flag, (_, standing) in zip(used, channels(model), strict=True)).implies(~accepted),
-        statement="a solution with a satellite that violates the criterion does not change the state",
+        statement="a solution that uses a satellite that violates the criterion does not change the state",
         requirements=("SAT-1", "SAT-5"))  # fmt: skip
 
 
@@ -137,5 +137,5 @@ def judged(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "the reason for a missing solution is reported",
         of.num(own.why_missing).eq(ite(there, MISSING[0], of.num(own.missing))),
-        statement="a cycle without a solution tells why",
+        statement="the machine gives a reason for each cycle without a solution",
     )
