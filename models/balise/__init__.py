@@ -9,7 +9,8 @@ read whole and undamaged, in the announced orientation, and inside its expectati
 safe front end reaches the first place where the group can be read and closes when the min safe front end has passed
 the last one (SUBSET-026 3.4.4.4.3). The new interval is what the old one and the telegram have in common: a reset never
 widens. Where they exclude each other nothing is believed any more. Whatever is not accepted leaves the interval as it
-was, and says why.
+was, and says why. A single group that is read whole, and not where or not as announced, may be a false one; as many in a row
+as configured speak against the position, and end it.
 
 The position is that of the front end, in mm along the route, which grows in the direction of travel.
 """
@@ -119,6 +120,9 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
     yield Transition("sensors failed", located, lost, own.odometer.failed, drop(SENSOR_FAILURE), ("RFL-D4",), 0)
     yield Transition("contradiction", located, lost, judged(v.CONTRADICTED), drop(CONTRADICTION), ("RFL-D4",), 1)
     yield Transition("tolerance exceeded", located, lost, after, drop(TOLERANCE), ("RFL-D4",), 2)
+    yield Transition(
+        "announced groups disagree in a row", located, lost, cycle.refuted, drop(CONTRADICTION), ("RFL-D4",), 3
+    )
     yield stay("expected group resets the position", accepted & expected, reset, ("RFL-5", "RFL-9", "RFL-D4"), 3)
     later = accepted & cycle.announced & ~expected
     yield stay("later group resets the position", later, reset, ("RFL-5", "RFL-9", "RFL-D4"), 3)
@@ -175,13 +179,14 @@ def _linking(own: Parts, cycle: Judged) -> Updates:
     groups = linking.after(cycle.left, cycle.announcement)
     return together(
         *(_stores(slot, group) for slot, group in zip(linking.slots, groups, strict=True)),
-        {memory.given_up: cycle.given_up_after, memory.missed: cycle.missed_after},
+        {memory.given_up: cycle.given_up_after, memory.missed: cycle.missed_after, memory.refused: cycle.refused_after},
     )
 
 
 def _no_linking(own: Parts) -> Updates:
-    """No group is announced, so none can be missed."""
-    nothing: Updates = {own.memory.given_up: as_num(0, COUNT), own.memory.missed: as_num(0, COUNT)}
+    """No group is announced, so none can be missed or refused."""
+    memory, none = own.memory, as_num(0, COUNT)
+    nothing: Updates = {memory.given_up: none, memory.missed: none, memory.refused: none}
     return together(*(_stores(slot, EMPTY) for slot in own.linking.slots), nothing)
 
 
@@ -262,6 +267,7 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
         "telegram accepted": cycle.accepted,
         "expected group missed": cycle.missed,
         "announced groups given up": cycle.ended,
+        "announced group disagrees": cycle.disagrees,
         "linking reaction": cycle.reaction,
         "announcement judged": cycle.announcement,
         "backwards": cycle.backwards,
@@ -300,6 +306,7 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
         "linking": own.linking.judged,
         "reaction": memory.reaction,
         "missed_in_row": memory.missed,
+        "refused_in_row": memory.refused,
         "wants_linking": valid & own.linking.slots[-1].group.eq(0),
         "expected": own.linking.slots[0].group,
         "direction": memory.direction,

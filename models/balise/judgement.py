@@ -224,6 +224,22 @@ class Judged:
         """The telegram passed every check."""
         return self.verdict.eq(v.ACCEPTED)
 
+    @cached_property
+    def disagrees(self) -> Bool:
+        """An announced group was read whole, and not where or not as it was announced: the group or the position is false."""
+        return self.announced & self.verdict.one_of(v.WRONG_DIRECTION, v.MISMATCH, v.TOO_EARLY, v.TOO_LATE)
+
+    @cached_property
+    def refused_after(self) -> Num:
+        """Number of announced groups in a row that disagree, at most the limit; an accepted group resets it."""
+        in_row = minimum(self.own.memory.refused + 1, self.own.config.refusal_limit_groups)
+        return ite(self.accepted, as_num(0, COUNT), ite(self.disagrees, in_row, self.own.memory.refused))
+
+    @cached_property
+    def refuted(self) -> Bool:
+        """As many announced groups in a row disagree as speak against the position."""
+        return self.disagrees & (self.refused_after >= self.own.config.refusal_limit_groups)
+
     # ------------------------------------------------------------------ linking supervision
 
     @cached_property

@@ -105,6 +105,9 @@ class BaliseConfig(Config):
     telegram_age_limit_ms: int = quantity(1_000, "ms", 1, 10_000, "[S] EUG 22E126: no data older than 1 s")
     reflector_reach_mm: int = quantity(10_000_000, "mm", 1, 100_000_000, "[D] a reflector within 10 km of its balise")
     announced_groups: int = quantity(2, "count", 2, 8, "[D] the expected group and the one after it")
+    refusal_limit_groups: int = quantity(
+        3, "count", 1, 100, "[D] two false groups in a row are rare; a third speaks against the position"
+    )
     last_group_identity: int = quantity(16_777_216, "count", 1, 1_000_000_000, "[S] NID_C 10 bits, NID_BG 14 bits")
     trust_first_group: bool = False
     free_references: bool = False
@@ -163,6 +166,7 @@ class Memory:
     given_up         the last announced group whose expectation ended without acceptance; 0: none
     missed           announced groups in a row that were given up, at most 2
     ended            announced groups given up in this cycle
+    refused          announced groups in a row that were read whole, but not where or as announced; 0 after an accepted one
     accuracy         location accuracy of the last group that set the interval
     run              distance measured since that group
     measured         `run` is the whole way: the group came with a latched counter, and no distance was missing since
@@ -175,6 +179,7 @@ class Memory:
     given_up: NumVar
     missed: NumVar
     ended: NumVar
+    refused: NumVar
     accuracy: NumVar
     run: NumVar
     measured: BoolVar
@@ -319,6 +324,7 @@ def _memory(declared: Declared, config: BaliseConfig) -> Memory:
         given_up=declared.state(number("given_up_group", COUNT, 0, identities), first=0),
         missed=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
         ended=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
+        refused=declared.state(number("refused_in_row", COUNT, 0, config.refusal_limit_groups), first=0),
         accuracy=declared.state(number("charged_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         run=declared.state(number("run_mm", MM, 0, FARTHEST_MM), first=0),
         measured=declared.state(boolean("whole_run_measured"), first=False),

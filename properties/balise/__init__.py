@@ -28,6 +28,7 @@ from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.balise.layout import layout_properties
 from safeloc.properties.balise.linking import linking_properties
+from safeloc.properties.balise.refusals import refusal_properties
 from safeloc.properties.balise.step import LAW, Step
 from safeloc.properties.no_interval import no_interval
 
@@ -46,6 +47,7 @@ def properties(model: Balise) -> list[Property]:
         _told_ahead,
         _rejection,
         linking_properties,
+        refusal_properties,
         layout_properties,
         _sensors,
     )

@@ -16,7 +16,7 @@ from safeloc.language.rows import Updates
 from safeloc.language.spec import observe
 from safeloc.language.system import lower
 from safeloc.language.terms import Substitution
-from safeloc.language.units import MM, PPM
+from safeloc.language.units import COUNT, MM, PPM
 from safeloc.language.verdict import Proved, word
 from safeloc.models import balise
 from safeloc.models.balise import Balise, build
@@ -161,6 +161,22 @@ BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
         taking(lambda own: (own.memory.missed, minimum(own.memory.missed, 0))),
         ("two missed brake", "missed groups are counted"),
     ),
+    "refused groups not counted": (
+        taking(lambda own: (own.memory.refused, minimum(own.memory.refused, 0))),
+        ("groups that disagree are counted",),
+    ),
+    "refused groups end nothing": (
+        without("announced groups disagree in a row"),
+        ("groups that disagree in a row end the position",),
+    ),
+    "the count of refused groups goes on": (
+        changed("expected group resets the position", lambda good: {good.own.memory.refused: good.own.memory.refused}),
+        ("groups that disagree are counted",),
+    ),
+    "one refused group ends the position": (
+        taking(lambda own: (own.memory.refused, as_num(own.config.refusal_limit_groups, COUNT))),
+        ("a contradiction is the reason only with groups that contradict",),
+    ),
     "a miss not told": (without("expected group missed"), ("reported: expected group missed",)),
     "detection accuracy taken for none": (
         changed("expected group resets the position", lambda good: sharper(good)),
@@ -265,6 +281,8 @@ def _without_floor(_: object) -> Callable[[ErrorLaw, Num, Num, int], Num]:
 
 
 TOLD = "the telegram's search distance is reported"
+AT_ITS_PLACE = "a group at its place is neither out of its window nor a contradiction"
+IN_A_ROW = "groups that disagree in a row end the position"
 DIRECTION = "only balise groups set the reported direction"
 EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
     "search distance ignored": (balise, "_group_counts", _search_forgotten, TOLD),
@@ -273,6 +291,9 @@ EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
     "and the group is not found in it": (Reader, "window", _wrong_side, "the expected group counts"),
     "nor is it in order to take it": (Reader, "window", _wrong_side, "only announced groups reset"),
     "window without the detection accuracy": (Reader, "window", _without_detection, "no window closes early"),
+    "window without the detection accuracy refuses a right group": (Reader, "window", _without_detection, AT_ITS_PLACE),
+    "antenna on the wrong side refuses a right group": (Reader, "window", _wrong_side, AT_ITS_PLACE),
+    "refusals counted by misses": (Judged, "disagrees", lambda _: property(lambda cycle: cycle.missed), IN_A_ROW),
     "direction told by any group": (Judged, "direction", _beyond_always, DIRECTION),
     "direction never told": (Judged, "direction", _never_told, DIRECTION),
     "direction by any second group": (Judged, "direction", _by_any_second_group, DIRECTION),
