@@ -321,18 +321,24 @@ def _sensors(model: Balise) -> Iterator[Property]:
         unconditional=True,
         helper=lambda waited: waited <= odometer.gap,
     )
-    limits, gap = own.config.limits, earlier_num(odometer.gap)
-    change = odometer.step.value - earlier_num(odometer.last)
-    most = _change_mm(own.config)
-    allowed = with_unit(gap * most, MM) + most
+    limits = own.config.limits
     possible = between(-limits.max_step_mm, odometer.step.value, limits.max_step_mm)
-    gate = possible & ((gap > limits.gap_limit) | between(-allowed, change, allowed))
+    gate = possible if own.config.told_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",
         odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),
-        statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
-        "last one",
+        statement="a distance is admitted only below the top speed, and, unless a second unit has checked it, within "
+        "the greatest change of speed since the last one",
     )
+
+
+def _may_have_changed(model: Balise) -> Bool:
+    """A vehicle can have changed its speed so much since the last distance."""
+    odometer, limits = model.own.odometer, model.own.config.limits
+    gap, change = earlier_num(odometer.gap), odometer.step.value - earlier_num(odometer.last)
+    most = _change_mm(model.own.config)
+    allowed = with_unit(gap * most, MM) + most
+    return (gap > limits.gap_limit) | between(-allowed, change, allowed)
 
 
 def _change_mm(config: v.BaliseConfig) -> int:
