@@ -352,7 +352,7 @@ def _alike(own: Parts) -> dict[str, Bool]:
         "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
         & own.heading.rolled.eq(seen.rolled),
     }
-    if not own.config.told_distance:
+    if not own.config.checked_distance:
         gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.heard)
         found["machine and world agree on the last odometer distance"] = gated
     return found

@@ -20,7 +20,7 @@ CONFIGURATIONS = Configurations(
         "an odometer that errs at standstill": BaliseConfig(odometer=ERRING),
         "the first group is believed": BaliseConfig(trust_first_group=True),
         "references come freely": BaliseConfig(free_references=True),
-        "the error of distance is told": BaliseConfig(odometer=ERRING, told_distance=True),
+        "a second unit has checked the distance": BaliseConfig(odometer=ERRING, checked_distance=True),
     },
     NEVER,
 )

@@ -30,7 +30,7 @@ def as_reckoned(own: Parts) -> Bool:
     The audit has no error that grows with time, so nothing is claimed of an odometer with such an error, nor of one that
     reports an error beyond its law.
     """
-    if own.config.odometer.floor_mm_s or own.config.told_distance:
+    if own.config.odometer.floor_mm_s or own.config.checked_distance:
         return TRUE
     memory = own.memory
     reckoned = reckoned_nm(own.config, memory.run, memory.accuracy)

@@ -219,7 +219,9 @@ class _Run:
                 "odometer_next_wander_nm": self._wander, "truth_mm": truth // NM_PER_MM}  # fmt: skip
 
     def _odometer(self, number: int) -> dict[str, Cell]:
-        told: dict[str, Cell] = {"odometer_more_nm": self._distances.more(number)} if self._config.told_distance else {}
+        told: dict[str, Cell] = (
+            {"odometer_more_nm": self._distances.more(number)} if self._config.checked_distance else {}
+        )
         self._wander = int(self._distances.wander_nm[number])
         if not self._distances.present[number]:
             return told

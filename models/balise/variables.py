@@ -111,7 +111,7 @@ class BaliseConfig(Config):
     last_group_identity: int = quantity(16_777_216, "count", 1, 1_000_000_000, "[S] NID_C 10 bits, NID_BG 14 bits")
     trust_first_group: bool = False
     free_references: bool = False
-    told_distance: bool = False
+    checked_distance: bool = False
 
     @model_validator(mode="after")
     def _can_locate(self) -> BaliseConfig:
@@ -252,7 +252,7 @@ class Ghosts:
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
         self.heard = number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm)
         self.silent = number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1)
-        if not config.told_distance:
+        if not config.checked_distance:
             declared.ghost(self.heard, first=0)
             declared.ghost(self.silent, first=config.gap_limit_cycles + 1)
         since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
@@ -281,7 +281,7 @@ class Parts:
         self.config, limits = config, config.limits
         lines = {"last_identity": config.last_group_identity, "position_limit_mm": config.position_limit_mm}
         self.held = _held(declared, config)
-        self.odometer = odometer(config.odometer, config.limits, told=config.told_distance).declare(declared)
+        self.odometer = odometer(config.odometer, config.limits, told=config.checked_distance).declare(declared)
         self.heading = Heading(
             declared.state(boolean("backwards"), first=False),
             declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0),

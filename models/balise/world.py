@@ -51,7 +51,7 @@ def world(own: Parts) -> World:
         seen.doubted: _doubted(own),
         **_rolling(own),
     }
-    if not own.config.told_distance:
+    if not own.config.checked_distance:
         moves |= measuring(own).moves()
     return World(own.declared.ghosts, own.declared.choices, moves, _laws(own), KEPT)
 
@@ -92,7 +92,7 @@ def measuring(own: Parts) -> Measuring:
 
 def can_be_run(own: Parts) -> Bool:
     """A distance was delivered, and a vehicle can have run it; of one that comes judged, only its size is asked."""
-    if not own.config.told_distance:
+    if not own.config.checked_distance:
         return measuring(own).can_be_run
     most = physics(own.config).farthest_mm
     return own.odometer.step.present & between(-most, own.odometer.step.value, most)
@@ -100,11 +100,11 @@ def can_be_run(own: Parts) -> Bool:
 
 def wander_after(own: Parts) -> Num:
     """Return the one-off error after the cycle. With a checked distance it may change in every cycle: the reported error covers it."""
-    counts = TRUE if own.config.told_distance else can_be_run(own)
+    counts = TRUE if own.config.checked_distance else can_be_run(own)
     return ite(counts, own.world.next_wander, own.world.wander)
 
 
-def _told_more(own: Parts) -> Num:
+def _further_error(own: Parts) -> Num:
     return as_num(0, NM) if own.odometer.more is None else own.odometer.more
 
 
@@ -113,7 +113,7 @@ def _odometer_law(own: Parts) -> Law:
     counted = ite(counts, exact_to(own.odometer.step.value, NM), as_num(0, NM))
     error = seen.true_step - counted - (wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
-    most = ite(counts, _lawful_thousandths(own), blind) + _told_more(own) * THOUSAND
+    most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
     return Law(
         (error * THOUSAND <= most) & (-error * THOUSAND <= most),
         "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, by the change of a one-off "
@@ -254,7 +254,7 @@ def _far_nm(own: Parts, accuracy: Num) -> Num:
     cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
     timed = _in_age(own) + config.measuring_step_mm * NM_PER_MM
     since = ite(own.read.since.present, _counted_wrong(own), timed)
-    return exact_to(accuracy + fixed, NM) + (since + _told_more(own) + cycle) * 2
+    return exact_to(accuracy + fixed, NM) + (since + _further_error(own) + cycle) * 2
 
 
 def _off(own: Parts, place: Num) -> Num:

@@ -21,7 +21,7 @@ class PartingConfig(Config):
         0,
         10_000_000,
         "[D] the detector reports no count whose profile began more than 750 m of run ago "
-        "(safeloc.sensing.fibre, Counting.told_run_mm), plus 50 m of error of its places",
+        "(safeloc.sensing.fibre, Counting.count_valid_run_mm), plus 50 m of error of its places",
     )
     roll_back_mm: int = quantity(
         20_000, "mm", 0, 10_000_000, "[M] the brake pipe parts with the coupling; run back until the part's brakes hold"

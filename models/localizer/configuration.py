@@ -28,15 +28,15 @@ class LocalizerConfig(Config):
     """One vehicle with all its ways of locating; what they share is said once, in `motion`, and must be the same in each.
 
     Where `motion` has a check unit it is odometry's second unit at the front, and balises and reflectors hear of a distance
-    what it is worth (`told_distance`, with the law `motion.told`).
+    what it is worth (`checked_distance`, with the law `motion.reported_law`).
     """
 
     sources: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
     motion: MotionConfig = CHECKED
     odometry: OdometryConfig = OdometryConfig(single_fault_safe=True, tolerance_mm=45_000)
-    balise: BaliseConfig = BaliseConfig(odometer=CHECKED.told, told_distance=True, tolerance_mm=45_000)
-    reflector: ReflectorConfig = ReflectorConfig(odometer=CHECKED.told, told_distance=True)
+    balise: BaliseConfig = BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000)
+    reflector: ReflectorConfig = ReflectorConfig(odometer=CHECKED.reported_law, checked_distance=True)
     satellite: SatelliteConfig = SatelliteConfig(
         period_ms=100, coast_limit_cycles=20, max_acceleration_mm_s2=CHECKED.max_acceleration_mm_s2
     )
@@ -83,8 +83,8 @@ class LocalizerConfig(Config):
             "position_limit_mm": self.motion.position_limit_mm,
             "max_speed_mm_s": self.motion.max_speed_mm_s,
             "max_acceleration_mm_s2": self.motion.max_acceleration_mm_s2,
-            "odometer": self.motion.told,
-            "told_distance": checked,
+            "odometer": self.motion.reported_law,
+            "checked_distance": checked,
             "first_unit": self.motion.odometer,
         }
         if checked:

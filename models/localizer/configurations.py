@@ -39,19 +39,19 @@ CONFIGURATIONS = Configurations(
         "an odometer that errs at standstill": LocalizerConfig(
             motion=CHECKED,
             odometry=OdometryConfig(first_unit=ERRING, single_fault_safe=True, tolerance_mm=45_000),
-            balise=BaliseConfig(odometer=CHECKED.told, told_distance=True, tolerance_mm=45_000),
-            reflector=ReflectorConfig(odometer=CHECKED.told, told_distance=True),
+            balise=BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000),
+            reflector=ReflectorConfig(odometer=CHECKED.reported_law, checked_distance=True),
         ),
         "satellites alone": LocalizerConfig(sources=("satellite",)),
         "a vehicle that may creep unmeasured": LocalizerConfig(
             sources=("odometry", "balise"),
             motion=CREEPING,
-            balise=BaliseConfig(odometer=CREEPING.told, told_distance=True),
+            balise=BaliseConfig(odometer=CREEPING.reported_law, checked_distance=True),
         ),
         "a standstill that is not believed": LocalizerConfig(
             sources=("odometry", "balise"),
             motion=DOUBTING,
-            balise=BaliseConfig(odometer=DOUBTING.told, told_distance=True),
+            balise=BaliseConfig(odometer=DOUBTING.reported_law, checked_distance=True),
         ),
     },
     NEVER,

@@ -54,7 +54,7 @@ def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
     return {step.value: heard.value, step.present: heard.present}
 
 
-def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
+def _distance_of_motion(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
     """Return the wires of an odometer input to the distance that `motion` reports."""
     if moves.own.check is None or more is None:
         return _same_distance(step, moves.own.odometer.step)
@@ -78,7 +78,7 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
         moved = replace(moved, wander=seen.units.told, next_wander=seen.units.next_told)
     own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
-    wires = _told_distance(own.odometer.step, own.odometer.more, moves)
+    wires = _distance_of_motion(own.odometer.step, own.odometer.more, moves)
     discharged = _law_of_motion(Clause(model.machine, balise.ODOMETER), moves)
     return Piece((model.machine,), wires, plainly(model.machine), discharged, (model,))
 
@@ -116,7 +116,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
-    wires = _told_distance(own.odometer.step, own.odometer.more, moves)
+    wires = _distance_of_motion(own.odometer.step, own.odometer.more, moves)
     return Piece((machine,), wires, stated, _law_of_motion(Clause(machine, reflector.ODOMETER), moves), (model,))
 
 

@@ -9,7 +9,7 @@ its own law, and assumes that the odometer keeps it.
 
 With a check unit, which measures the same distance by another principle, only one of the two is assumed to keep its law, and
 it is unknown which (safeloc.models.motion.unit_check). The machine reports a distance where both units measured, and with it
-`more_nm`, the error to add beyond the law `MotionConfig.told`. It is proved that both together cover the error, whatever the
+`more_nm`, the error to add beyond the law `MotionConfig.reported_law`. It is proved that both together cover the error, whatever the
 other unit does.
 """
 
@@ -26,8 +26,8 @@ from safeloc.language.expr import TRUE, Bool, Expr, Lit, Optional, Var, number
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM
-from safeloc.models.motion.told_error import lemmas, with_told_error
-from safeloc.models.motion.unit_check import UnitCheck, told_law, unit_check
+from safeloc.models.motion.reported_error import lemmas, with_reported_error
+from safeloc.models.motion.unit_check import UnitCheck, reported_law, unit_check
 from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, Limits
@@ -76,9 +76,9 @@ class MotionConfig(Config):
         return self
 
     @property
-    def told(self) -> ErrorLaw:
+    def reported_law(self) -> ErrorLaw:
         """The error law of the reported distance, without the error that is reported beyond it."""
-        return self.odometer if self.check is None else told_law(self.odometer, self.check, self.band_mm)
+        return self.odometer if self.check is None else reported_law(self.odometer, self.check, self.band_mm)
 
     @property
     def physics(self) -> Physics:
@@ -122,7 +122,7 @@ class Parts:
             self.check = unit_check(declared, self.odometer, check, config.band_mm, config.creep)
         self.distance = declared.state(number("distance_mm", MM, -farthest, farthest), first=0)
         laws = None if check is None else (config.odometer, check)
-        self.ghosts = ghosts(declared, config.physics, config.position_limit_mm, laws, config.told)
+        self.ghosts = ghosts(declared, config.physics, config.position_limit_mm, laws, config.reported_law)
 
     @property
     def around(self) -> Surroundings:
@@ -181,7 +181,7 @@ def build(own: Parts) -> Motion:
         state=own.declared.states,
         outputs=_outputs(own),
         transitions=list(_rows(own, table)),
-        world=around if own.check is None else with_told_error(around, own.around, own.check),
+        world=around if own.check is None else with_reported_error(around, own.around, own.check),
         initially=initially(own.around),
         lemmas={} if own.check is None else lemmas(own.around, own.check),
         doc=(

@@ -45,11 +45,11 @@ from safeloc.language.expr import (
 )
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.models.vocabulary.error_law import ErrorLaw
-from safeloc.models.vocabulary.odometer import Odometer, most_told_nm
+from safeloc.models.vocabulary.odometer import Odometer, most_further_error_nm
 from safeloc.models.vocabulary.odometer import odometer as measuring_unit
 
 
-def told_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
+def reported_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
     """Return the law of the reported distances, without the error reported beyond it: its constant covers either unit and the band."""
     constant = max(odometer.constant_mm, check.constant_mm + 2 * band_mm)
     return ErrorLaw.model_validate(odometer.model_dump() | {"constant_mm": constant})
@@ -177,6 +177,6 @@ def unit_check(
         creep,
         apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
         told=declared.state(boolean("distance_told"), first=False),
-        more=declared.state(number("told_more_nm", NM, 0, most_told_nm(limits.max_step_mm)), first=0),
+        more=declared.state(number("told_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)), first=0),
         unheard=declared.state(number("unheard_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
     )

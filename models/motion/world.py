@@ -56,7 +56,7 @@ class CheckGhosts:
 
     lawful                     the unit that keeps its law; the other one may deliver anything
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
-    told, next_told            the one-off part of the error of the reported distance (safeloc.models.motion.told_error)
+    told, next_told            the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
     odometer, check            the distances of either unit
     """
 

@@ -22,7 +22,9 @@ CONFIGURATIONS = Configurations(
             odometer=ErrorLaw(kind="eddy_current", constant_mm=0, rate_ppm=10_000)
         ),
         "the self-test's distance is the system's": ReflectorConfig(reference_distance_mm=60_000),
-        "the error of distance is told": ReflectorConfig(odometer=ERRING, told_distance=True, radar_offset_mm=2_500),
+        "a second unit has checked the distance": ReflectorConfig(
+            odometer=ERRING, checked_distance=True, radar_offset_mm=2_500
+        ),
     },
     NEVER,
 )

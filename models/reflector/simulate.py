@@ -205,7 +205,7 @@ class _Run:
         return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}, **wrong}
 
     def _measured(self, cycle: int) -> dict[str, Cell]:
-        told: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.told_distance else {}
+        told: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.checked_distance else {}
         if not self._odometer.present[cycle]:
             return told
         self._wander = int(self._odometer.wander_nm[cycle])

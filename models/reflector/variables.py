@@ -15,7 +15,7 @@ from safeloc.models.reflector.map_data import next_reflector, target
 from safeloc.models.reflector.odometer import ReflectorOdometer
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.odometer import most_told_nm
+from safeloc.models.vocabulary.odometer import most_further_error_nm
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM
 
 SOURCE = members("source", "NONE", "ODOMETRY", "REFLECTOR")
@@ -83,7 +83,7 @@ class ReflectorConfig(Config):
     balise_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m; overridden per balise")
     balise_latency_ms: int = quantity(12, "ms", 0, 1_000, "[S] balise reader 10 +- 2 ms")
     last_balise_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
-    told_distance: bool = False
+    checked_distance: bool = False
 
     @model_validator(mode="after")
     def _can_locate(self) -> ReflectorConfig:
@@ -256,13 +256,13 @@ def _stored(declared: Declared, name: str, limit_mm: int, tolerance_nm: int) -> 
 
 
 def _odometer(declared: Declared, config: ReflectorConfig) -> ReflectorOdometer:
-    reach, most = 2 * config.max_step_mm + 1_000, most_told_nm(config.max_step_mm)
+    reach, most = 2 * config.max_step_mm + 1_000, most_further_error_nm(config.max_step_mm)
     return ReflectorOdometer(
         config.odometer,
         declared.sensor(optional("step_mm", MM, -reach, reach)),
         declared.state(number("odometer_gap_cycles", COUNT, 0, config.gap_limit_cycles + 1), first=0),
         config,
-        more=declared.sensor(number("step_more_nm", NM, 0, most)) if config.told_distance else None,
+        more=declared.sensor(number("step_more_nm", NM, 0, most)) if config.checked_distance else None,
     )
 
 

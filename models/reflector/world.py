@@ -120,11 +120,11 @@ def can_be_run(own: Parts) -> Bool:
 
 def _wander_after(own: Parts) -> Num:
     """Return the next wander. That of a checked distance may move in every cycle, since the reported error includes it."""
-    counts = TRUE if own.config.told_distance else can_be_run(own)
+    counts = TRUE if own.config.checked_distance else can_be_run(own)
     return ite(counts, own.ghosts.next_wander, own.ghosts.wander)
 
 
-def _told_more(own: Parts) -> Num:
+def _further_error(own: Parts) -> Num:
     return as_num(0, NM) if own.odometer.more is None else own.odometer.more
 
 
@@ -138,7 +138,7 @@ def _odometer_law(own: Parts) -> Law:
     counted = ite(can_be_run(own), exact_to(own.odometer.step.value, NM), as_num(0, NM))
     error = seen.true_step - (_wander_after(own) - seen.wander) - counted
     lawful = _allowed(config.odometer, own.odometer.step.value, config.period_ms)
-    most = _told_more(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
+    most = _further_error(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
     return Law(
         (error <= most) & (-error <= most),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
@@ -165,7 +165,7 @@ def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
     blind = as_num(-(-_run_blind_nm(config) * share // PPM_PER_ONE), NM)
 
     def most(measured: Num) -> Num:
-        ran = with_unit(maximum(measured * share, 0), NM) + _told_more(own)
+        ran = with_unit(maximum(measured * share, 0), NM) + _further_error(own)
         return ite(can_be_run(own), ran, blind)
 
     return most(step), most(-step)

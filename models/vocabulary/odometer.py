@@ -101,11 +101,11 @@ def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, told: boo
         limits,
         last=number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
         judged=choice(f"{name}_judged", enumeration(MEASURED)),
-        more=number(f"{name}_more_nm", NM, 0, most_told_nm(limits.max_step_mm)) if told else None,
+        more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)) if told else None,
     )
 
 
-def most_told_nm(max_step_mm: int) -> int:
+def most_further_error_nm(max_step_mm: int) -> int:
     """Return the greatest error beyond the law that is reported with a distance, nm: four times the farthest distance."""
     return 4 * max_step_mm * NM_PER_MM
 

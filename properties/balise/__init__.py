@@ -323,7 +323,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
     )
     limits = own.config.limits
     possible = between(-limits.max_step_mm, odometer.step.value, limits.max_step_mm)
-    gate = possible if own.config.told_distance else possible & _may_have_changed(model)
+    gate = possible if own.config.checked_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",
         odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),

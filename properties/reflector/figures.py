@@ -72,7 +72,7 @@ def ran_mm(own: Parts) -> Num:
     return ite(~counts(own), as_num(0, MM), own.odometer.step.value)
 
 
-def told_more(own: Parts) -> Num:
+def further_error(own: Parts) -> Num:
     """Return the error that a checking unit reports beyond the odometer's law, nm."""
     return as_num(0, NM) if own.odometer.more is None else own.odometer.more
 
@@ -84,7 +84,7 @@ def law_nm(own: Parts) -> Num:
         with_unit(without_sign(own.odometer.step.value) * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
     )
     blind = as_num(config.max_speed_mm_s * config.period_ms * 1_000, NM)
-    return ite(counts(own), measured, blind) + told_more(own)
+    return ite(counts(own), measured, blind) + further_error(own)
 
 
 def ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
@@ -93,8 +93,8 @@ def ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
     ran = with_unit(own.odometer.step.value * share, NM)
     blind = as_num(-(-config.max_speed_mm_s * config.period_ms * share // 1_000), NM)
     return (
-        ite(counts(own), ite(ran > 0, ran, as_num(0, NM)) + told_more(own), blind),
-        ite(counts(own), ite(ran < 0, -ran, as_num(0, NM)) + told_more(own), blind),
+        ite(counts(own), ite(ran > 0, ran, as_num(0, NM)) + further_error(own), blind),
+        ite(counts(own), ite(ran < 0, -ran, as_num(0, NM)) + further_error(own), blind),
     )
 
 

@@ -67,7 +67,7 @@ def _ready(model: ReflectorMachine) -> Iterator[Property]:
     )
 
 
-def _told_distance(own: Parts) -> Num:
+def _prescribed_distance(own: Parts) -> Num:
     """Return the prescribed distance from balise to reflector: by telegram, else by map, else by the system's variable, mm."""
     by_map, telegram = own.ahead.reference, own.balise.reference
     known = ite(~by_map.present, own.config.reference_distance_mm, by_map.value)
@@ -87,7 +87,7 @@ def _most(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
 
 def _prescribed_kept(own: Parts, range_: Num, error: Num) -> Bool:
     """Return whether the distance from balise to reflector is the prescribed one, within its measuring error and the survey's."""
-    prescribed = ite(begun(own), _told_distance(own), before(own.reference))
+    prescribed = ite(begun(own), _prescribed_distance(own), before(own.reference))
     missed = exact_to(range_ + _run_now(own), NM) - exact_to(prescribed + own.config.radar_offset_mm, NM)
     short, long = _most(own, range_, error)
     survey = exact_to(as_num(own.config.map_accuracy_mm, MM), NM)
@@ -152,7 +152,7 @@ def _begins(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "the test begins with the prescribed distance",
         (begun(own) & model.in_mode("REFERENCE")).implies(
-            own.reference.eq(_told_distance(own)) & own.run.eq(run_since(own)) & own.search_from.eq(line)
+            own.reference.eq(_prescribed_distance(own)) & own.run.eq(run_since(own)) & own.search_from.eq(line)
         ),
         statement="the prescribed distance is that of the telegram, else of the map, else of the system; the run counts from the "
         "balise, and the search begins at the telegram's distance",

@@ -99,7 +99,7 @@ def test_who_rolls_away_is_covered_unless_standing_is_believed() -> None:
         uncovered_nm(told(motion, nothing, replace(nothing, name="check")), drive)
         for motion in (CHECKED, CREEPS, NOT_BELIEVED)
     ]
-    constant = CHECKED.told.constant_mm * 1_000_000
+    constant = CHECKED.reported_law.constant_mm * 1_000_000
     assert uncovered[0] > 50_000_000_000 > constant >= max(uncovered[1:])
 
 
@@ -155,7 +155,7 @@ def _unit(name: str, law: ErrorLaw, rng: np.random.Generator, faults: list[Fault
 
 def uncovered_nm(said: Distances, drive: Drive = DRIVE) -> int:
     """The most by which the error of a run, whenever it began, exceeds the charges of its cycles; nm, to either side."""
-    law, worst = CHECKED.told, 0
+    law, worst = CHECKED.reported_law, 0
     error = drive.step_nm - np.where(said.present, said.step_mm, 0) * 1_000_000
     own = np.abs(said.step_mm) * law.rate_ppm
     charge = np.where(said.present, own, CHECKED.limits.blind_nm) + _more(said)
@@ -177,12 +177,12 @@ def test_every_run_is_covered(faulty: str, kind: str | None) -> None:
     """Whichever unit fails, and however: beyond its charges no run errs by more than the one-off constant."""
     for seed in range(5):
         said = told(CHECKED, *measured(seed, faulty, kind))
-        assert uncovered_nm(said) <= CHECKED.told.constant_mm * 1_000_000
+        assert uncovered_nm(said) <= CHECKED.reported_law.constant_mm * 1_000_000
 
 
 def test_unchecked_runs_are_not_covered() -> None:
     """The same wheel, sliding, taken as it measures: a run errs by far more than the constant."""
-    assert uncovered_nm(measured(1, "odometer", "slide")[0]) > 5 * CHECKED.told.constant_mm * 1_000_000
+    assert uncovered_nm(measured(1, "odometer", "slide")[0]) > 5 * CHECKED.reported_law.constant_mm * 1_000_000
 
 
 def test_lawful_units_are_never_refused() -> None:
@@ -250,7 +250,7 @@ def test_a_distance_that_comes_alone_is_not_told() -> None:
 
 def test_the_constant_covers_either_unit_and_the_band() -> None:
     """5 m of the wheel; 6 m of the radar and 0.1 m to either side; 2 m of an eddy current unit."""
-    assert CHECKED.told.constant_mm == 6_200
+    assert CHECKED.reported_law.constant_mm == 6_200
     assert MotionConfig(check=EDDY_CURRENT).told.constant_mm == 5_000
     assert MotionConfig().told == CHECKED.odometer
 
@@ -269,6 +269,6 @@ def with_a_high_floor(law: ErrorLaw) -> ErrorLaw:
 
 def test_a_vehicle_has_one_odometer() -> None:
     """A source that assumes another law than what is told, or does not hear the charge, is refused."""
-    for balise in (BaliseConfig(), BaliseConfig(odometer=CHECKED.told), BaliseConfig(told_distance=True)):
+    for balise in (BaliseConfig(), BaliseConfig(odometer=CHECKED.reported_law), BaliseConfig(checked_distance=True)):
         with pytest.raises(ValidationError, match="balise"):
             LocalizerConfig(balise=balise)

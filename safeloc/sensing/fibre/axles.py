@@ -6,7 +6,7 @@ coupling average out. With a gauge of some metres the bogies of two coupled coac
 visible. So the count is one of clusters.
 
 A count describes the train as it passed the first channels of the profile, with vehicles that it may have lost since. So a
-count is withheld if the train may have run more than `told_run_mm` since its profile began, however long it stood.
+count is withheld if the train may have run more than `count_valid_run_mm` since its profile began, however long it stood.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class Counter:
     @property
     def count(self) -> Count | None:
         """The last count; None before the first, and if the train may have run too far since its profile began."""
-        if not self._counts or self._run_mm - self._counts[-1].began_mm > self._config.counting.told_run_mm:
+        if not self._counts or self._run_mm - self._counts[-1].began_mm > self._config.counting.count_valid_run_mm:
             return None
         clusters = self._counts[-1].clusters
         agreed = len(self._counts) == self._counts.maxlen and len({one.clusters for one in self._counts}) == 1

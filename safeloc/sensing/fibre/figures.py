@@ -170,7 +170,7 @@ class Counting(Config):
 
     bin_mm: int = quantity(1_000, "mm", 100, 10_000, "[D] resolution of the train's profile")
     run_mm: int = quantity(300_000, "mm", 10_000, 10_000_000, "[D] run over which one profile is gathered")
-    told_run_mm: int = quantity(
+    count_valid_run_mm: int = quantity(
         750_000,
         "mm",
         10_000,

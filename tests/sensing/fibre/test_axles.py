@@ -131,4 +131,4 @@ def test_a_count_is_not_told_for_longer_than_its_run(legs: list[tuple[float, flo
     """A coach that was lost is counted for some run, never for more than the figure, whenever it is lost and however it runs."""
     told = told_after_a_loss(legs, lost_m)
     assert told
-    assert CONFIG.counting.told_run_mm / 1_000 >= max(told)
+    assert CONFIG.counting.count_valid_run_mm / 1_000 >= max(told)

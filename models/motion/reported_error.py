@@ -18,7 +18,7 @@ from safeloc.models.motion.world import ODOMETER_LAWFUL, CheckGhosts, Surroundin
 DEFINED = "the one-off error of the reported run"
 
 
-def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
+def with_reported_error(world: World, own: Surroundings, check: UnitCheck) -> World:
     """Return the world with the error of the reported distance."""
     seen = own.ghosts.units
     assert seen is not None
