@@ -28,7 +28,7 @@ from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, come_to, shown
-from safeloc.proof.provers.searches import AT_FIRST, first_runs
+from safeloc.proof.provers.searches import AT_FIRST, first_runs, sparing_runs
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
 from safeloc.proof.provers.workers import Lost, Task
@@ -314,7 +314,10 @@ class _Together:
 
     def _search(self, seconds: float) -> None:
         left = self._left
-        runs = first_runs([self._goals[number] for number in left], self._within(seconds))
+        if not left:
+            return
+        search = sparing_runs if self._system.parts else first_runs
+        runs = search([self._goals[number] for number in left], self._within(seconds))
         for number in left:
             trace = runs.found.get(self._goals[number])
             if trace is not None:
