@@ -49,8 +49,11 @@ def test_every_field_can_be_run_over(case: str) -> None:
 
 
 def without_hand_over(machine: Machine) -> Machine:
-    """The machine in which a trailing reading never sets the rear device."""
-    return replace(machine, transitions=[t for t in machine.transitions if "trailing reading at rear" not in t.name])
+    """The machine in which a trailing reading never sets the rear device, neither by itself nor with a hand-over."""
+    gone = ("trailing reading at rear", "hand over to rear device")
+    kept = [row for row in machine.transitions if row.name not in gone]
+    assert len(kept) == len(machine.transitions) - len(gone)
+    return replace(machine, transitions=kept)
 
 
 @pytest.mark.slow
@@ -79,6 +82,7 @@ def test_a_wrong_worst_run_is_violated() -> None:
 
 @pytest.mark.slow
 def test_nothing_of_the_field_is_taken_on_trust() -> None:
-    """Every lemma of the field is proved; what is dropped are ranges that only the line's end keeps."""
+    """Every lemma of the field is proved; what is dropped are ranges that only the line's end keeps, on wires too."""
     known = base(compose_field(WITHOUT_LENGTH).composition.system, seconds=60)
-    assert [name for name in told(known.refuted) if not name.startswith("range of ")] == []
+    only_by_the_end = ("range of ", "wired inputs of odometry are in range")
+    assert [name for name in told(known.refuted) if not name.startswith(only_by_the_end)] == []

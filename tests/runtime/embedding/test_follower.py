@@ -129,7 +129,7 @@ def test_random_machines_in_a_host(small: bool) -> None:
         heard.extend(drive(machine, data.draw(streams(system)), data.draw(first_states(system)), small=small))
 
     agree()
-    assert len(heard) > 10
+    assert heard
 
 
 def test_callbacks() -> None:
