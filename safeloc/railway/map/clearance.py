@@ -14,6 +14,9 @@ from safeloc.railway.map.elements import Reflector
 from safeloc.railway.map.places import kilometre_mm
 from safeloc.railway.map.walk import Seen, Walk
 
+BESIDE_MM = 1_000_000
+"""How far from their switch two branches are taken to lie beside each other; the map does not tell how far apart they are."""
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -60,12 +63,14 @@ def _beyond(seen: Seen, other: Seen) -> bool:
 
 
 def _on_branches(walk: Walk, reach_mm: int) -> Iterator[Pair]:
+    """Yield pairs on two branches of a switch: that far from it they may still lie beside each other."""
+    far = max(BESIDE_MM, reach_mm)
     for run in walk.runs:
         after, before = walk.topology.after(run), walk.topology.before(run)
         for one, other in combinations(after, 2) if len(after) > 1 else ():
-            yield from _across(walk.ahead(one, 0, reach_mm), walk.ahead(other, 0, reach_mm), reach_mm)
+            yield from _across(walk.ahead(one, 0, far), walk.ahead(other, 0, far), reach_mm)
         for one, other in combinations(before, 2) if len(before) > 1 else ():
-            ends = [walk.behind(leg, walk.topology.length_mm(leg), reach_mm) for leg in (one, other)]
+            ends = [walk.behind(leg, walk.topology.length_mm(leg), far) for leg in (one, other)]
             yield from _across(ends[0], ends[1], reach_mm)
 
 

@@ -39,6 +39,14 @@ def test_neighbours_on_branches() -> None:
     assert {("l", "r", 30_000, False)} == told(fork(stem_mm=9, left_mm=200_000, right_mm=200_000, reflectors=both))
 
 
+def test_branches_lie_beside_each_other_for_a_kilometre() -> None:
+    """However small the greatest spacing asked for: 800 m behind the switch two places may be 30 m apart."""
+    both = (reflector("l", "left", 830_000), reflector("r", "right", 800_000))
+    line = fork(stem_mm=9, left_mm=900_000, right_mm=900_000, reflectors=both)
+    assert [30_000] == [pair.spacing_mm for pair in pairs(Walk(line), 40_000)]
+    assert [] == pairs(Walk(line), 29_000)
+
+
 def test_neighbours_before_a_trailing_switch() -> None:
     """Where two tracks join, the vehicle on one sees what stands beside the other."""
     line = fork(
