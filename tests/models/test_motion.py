@@ -251,7 +251,7 @@ def test_a_distance_that_comes_alone_is_not_told() -> None:
 def test_the_constant_covers_either_unit_and_the_band() -> None:
     """5 m of the wheel; 6 m of the radar and 0.1 m to either side; 2 m of an eddy current unit."""
     assert CHECKED.reported_law.constant_mm == 6_200
-    assert MotionConfig(check=EDDY_CURRENT).told.constant_mm == 5_000
+    assert MotionConfig(check=EDDY_CURRENT).reported_law.constant_mm == 5_000
     assert MotionConfig().told == CHECKED.odometer
 
 
