@@ -252,7 +252,7 @@ def test_the_constant_covers_either_unit_and_the_band() -> None:
     """5 m of the wheel; 6 m of the radar and 0.1 m to either side; 2 m of an eddy current unit."""
     assert CHECKED.reported_law.constant_mm == 6_200
     assert MotionConfig(check=EDDY_CURRENT).reported_law.constant_mm == 5_000
-    assert MotionConfig().told == CHECKED.odometer
+    assert MotionConfig().reported_law == CHECKED.odometer
 
 
 def test_a_unit_that_measures_no_distance_is_refused() -> None:
