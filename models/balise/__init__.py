@@ -9,7 +9,7 @@ read whole and undamaged, in the announced orientation, and inside its expectati
 safe front end reaches the first place where the group can be read and closes when the min safe front end has passed
 the last one (SUBSET-026 3.4.4.4.3). The new interval is what the old one and the telegram have in common: a reset never
 widens. Where they exclude each other nothing is believed any more. Whatever is not accepted leaves the interval as it
-was, and says why. A single group that is read whole, and not where or not as announced, may be a false one; as many in a row
+was, and says why. A single group that is read completely, but not where or as announced, may be a false one; as many in a row
 as configured speak against the position, and end it.
 
 The position is that of the front end, in mm along the route, which grows in the direction of travel.

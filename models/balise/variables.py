@@ -281,7 +281,7 @@ class Parts:
         self.config, limits = config, config.limits
         lines = {"last_identity": config.last_group_identity, "position_limit_mm": config.position_limit_mm}
         self.held = _held(declared, config)
-        self.odometer = odometer(config.odometer, config.limits, told=config.checked_distance).declare(declared)
+        self.odometer = odometer(config.odometer, config.limits, checked=config.checked_distance).declare(declared)
         self.heading = Heading(
             declared.state(boolean("backwards"), first=False),
             declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0),

@@ -91,8 +91,8 @@ class Odometer(MeasuredDistance):
         return {self.last: self.last_after, self.gap: self.gap_after, self.judged: self.verdict}
 
 
-def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, told: bool = False) -> Odometer:
-    """Return an odometer with fresh variables named `odometer_...`; `told`: a second unit has checked its distances."""
+def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, checked: bool = False) -> Odometer:
+    """Return an odometer with fresh variables named `odometer_...`; `checked`: a second unit has checked its distances."""
     reach = 2 * limits.max_step_mm + 1_000
     return Odometer(
         law,
@@ -101,7 +101,7 @@ def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, told: boo
         limits,
         last=number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
         judged=choice(f"{name}_judged", enumeration(MEASURED)),
-        more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)) if told else None,
+        more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)) if checked else None,
     )
 
 

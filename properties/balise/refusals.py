@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, as_num, between, exact_to, ite
+from safeloc.language.expr import FALSE, Bool, all_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import COUNT, NM
 from safeloc.models.balise import Balise
@@ -25,9 +25,23 @@ def refusal_properties(model: Balise) -> Iterator[Property]:
 
 
 def _disagrees(model: Balise) -> Bool:
-    """An announced group was read whole, but in the wrong direction, with another place than announced, or outside its window."""
-    verdict = model.own.memory.verdict
-    return Step(model).announced & verdict.one_of(v.WRONG_DIRECTION, v.MISMATCH, v.TOO_EARLY, v.TOO_LATE)
+    """An announced group was read whole, but in the wrong direction, with another place than announced, or outside its window.
+
+    It is said from the reading and the announcement, not by the machine's verdict; of two equal announcements the nearer counts.
+    """
+    step = Step(model)
+    found: Bool = FALSE
+    for slot in reversed(model.own.linking.slots):
+        announced = earlier_num(slot.group).ne(0) & step.read_of(slot)
+        found = ite(announced, step.against(slot) | _elsewhere(model, slot) | ~step.inside(slot), found)
+    return step.announced & step.whole & found
+
+
+def _elsewhere(model: Balise, slot: Record) -> Bool:
+    """The telegram gives another place than announced, by more than the location accuracy."""
+    place, most = model.own.read.place, Step(model).accuracy_of(slot)
+    apart = place.value - earlier_num(slot.place)
+    return place.present & ~between(-most, apart, most)
 
 
 def _counted(model: Balise) -> Iterator[Property]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, cached_property
 from types import ModuleType
 
 import pytest
@@ -261,6 +261,14 @@ def _without_detection(
     return lambda reader, place, accuracy: right(reader, place, accuracy - reader.detection_mm)
 
 
+def _early_is_incomplete(right: cached_property[Num]) -> property:
+    def verdict(cycle: Judged) -> Num:
+        judged = right.func(cycle)
+        return ite(judged.eq(v.TOO_EARLY), v.INCOMPLETE, judged)
+
+    return property(verdict)
+
+
 def _beyond_always(_: object) -> property:
     return property(lambda cycle: v.ALONG)
 
@@ -282,6 +290,7 @@ def _without_floor(_: object) -> Callable[[ErrorLaw, Num, Num, int], Num]:
 
 TOLD = "the telegram's search distance is reported"
 AT_ITS_PLACE = "a group at its place is neither out of its window nor a contradiction"
+COUNTED = "groups that disagree are counted"
 IN_A_ROW = "groups that disagree in a row end the position"
 DIRECTION = "only balise groups set the reported direction"
 EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
@@ -294,6 +303,7 @@ EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
     "window without the detection accuracy refuses a right group": (Reader, "window", _without_detection, AT_ITS_PLACE),
     "antenna on the wrong side refuses a right group": (Reader, "window", _wrong_side, AT_ITS_PLACE),
     "refusals counted by misses": (Judged, "disagrees", lambda _: property(lambda cycle: cycle.missed), IN_A_ROW),
+    "a group out of its window is taken for incomplete": (Judged, "_of_announced", _early_is_incomplete, COUNTED),
     "direction told by any group": (Judged, "direction", _beyond_always, DIRECTION),
     "direction never told": (Judged, "direction", _never_told, DIRECTION),
     "direction by any second group": (Judged, "direction", _by_any_second_group, DIRECTION),
