@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite, maximum, with_unit
 from safeloc.language.spec import earlier_bool
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
@@ -80,9 +80,9 @@ def further_error(own: Parts) -> Num:
 def law_nm(own: Parts) -> Num:
     """Return the error that the odometer's law allows in this cycle, and the error reported beyond it, nm; mm x ppm = nm."""
     law, config = own.config.odometer, own.config
-    measured = (
-        with_unit(without_sign(own.odometer.step.value) * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
-    )
+    far, knee_mm = without_sign(own.odometer.step.value), law.knee_mm_s * config.period_ms // 1_000
+    above = maximum(far - knee_mm, 0) if knee_mm else far
+    measured = with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
     blind = as_num(config.max_speed_mm_s * config.period_ms * 1_000, NM)
     return ite(counts(own), measured, blind) + further_error(own)
 

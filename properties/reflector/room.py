@@ -16,6 +16,7 @@ from safeloc.properties.reflector.figures import (
     begun,
     foremost,
     found_by,
+    further_error,
     in_test,
     looked_for,
     ran_late,
@@ -41,14 +42,14 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
     clear = ite(begun(own), own.ahead.clear, before(own.target.clear))
     kept = model.machine.flag("valid") & ~model.machine.flag("precise")
     ambiguous = [slot.judged.eq(AMBIGUOUS) for slot in own.slots]
-    fine = LayoutConfig().radar_error_mm
+    fine, exact = LayoutConfig().radar_error_mm, further_error(own).eq(0)
     yield always(
         "the layout leaves room",
-        (kept & ~in_test(model) & separable_by_distance(clear, layout)).implies(
+        (kept & exact & ~in_test(model) & separable_by_distance(clear, layout)).implies(
             all_of((slot.error <= fine).implies(~one) for slot, one in zip(own.slots, ambiguous, strict=True))
         ),
         statement="if the spacing of equal models keeps the layout rule, the machine refuses no measurement within the radar's error "
-        "as ambiguous",
+        "as ambiguous, in a cycle in which a checking unit reports no error beyond the odometer's law",
         requirements=("RFL-8", "RFL-10"),
         unconditional=own.odometer.more is None,
     )
