@@ -221,7 +221,7 @@ def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values,
     )
     malformed, foreign = reader.flaw()
     coarse = ~(fresh[0].alive | fresh[1].alive)
-    outside = ~found.meets(reference)
+    outside = ~found.fits(reference)
     kept = moved.values.alive & (moved.values.margin <= best(fresh[0], fresh[1]).margin)
     trusted = CANDIDATE if not own.config.trust_first_marker else ACCEPTED
     leading = first_of(

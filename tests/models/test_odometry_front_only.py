@@ -11,6 +11,7 @@ from safeloc.language.spec import observe, reachable
 from safeloc.language.verdict import Proved, word
 from safeloc.models.odometry.front_only import compose_comparison
 from safeloc.models.odometry.line_ahead import compose_line
+from safeloc.models.odometry.marker_reading import Fix
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.assumption import assumption_kept
 from safeloc.proof.provers.kinduction import kinduction
@@ -35,6 +36,15 @@ def test_no_true_reading_is_refused(devices: int) -> None:
     whole = compose_line(OdometryConfig(devices=devices))  # type: ignore[arg-type]
     findings = prove(whole.composition.system, line_properties(whole), Limits(seconds=200), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
+
+
+@pytest.mark.slow
+def test_a_window_without_the_one_off_part_of_the_error_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The other device's error has a one-off part of its own, so a window by distances alone refuses true readings."""
+    monkeypatch.setattr(Fix, "fits", lambda fix, reference: fix.meets(reference))
+    whole = compose_line(OdometryConfig(devices=2))
+    [claim] = line_properties(whole)
+    assert not isinstance(kinduction(observe(whole.composition.system, claim), Limits(seconds=60, induction=1)), Proved)
 
 
 @pytest.mark.slow

@@ -82,7 +82,7 @@ def limits_with(**fields: int) -> Edit:
 
 def window_open(patch: Patch) -> None:
     """A reading outside its window is accepted."""
-    patch.setattr(Fix, "meets", lambda fix, values: TRUE)
+    patch.setattr(Fix, "fits", lambda fix, reference: TRUE)
 
 
 def half_blind(patch: Patch) -> None:
