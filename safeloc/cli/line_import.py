@@ -14,6 +14,8 @@ from safeloc.railway.map.imports.notes import Imported, similar
 from safeloc.railway.map.model import sealed
 from safeloc.railway.map.toml_files import to_toml
 
+_REFUSED = 1
+
 
 def import_line(
     file: Annotated[
@@ -30,15 +32,22 @@ def import_line(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="print the notes as JSON only")] = False,
 ) -> None:
-    """Import a map; report everything that was not understood, dropped or assumed."""
+    """Import a map; report everything that was not understood, dropped or assumed. Exit code 1 where elements were refused."""
     imported = importer(file, form)(file, name=name, version=version)
     _write(where, to_toml(sealed(imported.line)))
     if as_json:
         print_json([{"kind": note.kind, "place": note.place, "text": note.text} for note in imported.notes])
-        return
-    for note in imported.notes if every_note else similar(imported.notes):
+    else:
+        _tell(imported, every_note)
+        err.print(f"{_summary(imported)}: {where}", markup=False)
+    raise typer.Exit(_REFUSED if imported.refused else 0)
+
+
+def _tell(imported: Imported, every_note: bool) -> None:
+    """Print the refused elements one by one and first, then all other notes."""
+    others = [note for note in imported.notes if note.kind != "refused"]
+    for note in (*imported.refused, *(others if every_note else similar(others))):
         out.print(str(note), markup=False)
-    err.print(f"{_summary(imported)}: {where}", markup=False)
 
 
 def _write(where: Path, text: str) -> None:
@@ -58,4 +67,5 @@ def _summary(imported: Imported) -> str:
         "axle counters": line.axle_counters,
     }
     listed = ", ".join(f"{kind} {len(elements)}" for kind, elements in counts.items() if elements)
-    return f"{line.name}: {listed}; notes {len(imported.notes)}"
+    refused = f"; elements refused {len(imported.refused)}" if imported.refused else ""
+    return f"{line.name}: {listed}; notes {len(imported.notes)}{refused}"

@@ -36,9 +36,20 @@ class Way:
 
 
 def line_of(name: str) -> Line:
-    """Load a line from TOML, JSON, GeoJSON or railML, by its suffix, or a shipped one by its name."""
+    """Load a line from TOML, JSON, GeoJSON or railML, by its suffix, or a shipped one by its name.
+
+    Raises InputError for a map of which elements are refused: whether it serves without them is for its owner to say.
+    """
     path = Path(name)
-    return importer(path)(path).line if path.suffix.lower() in SUFFIXES else find_line(name)
+    if path.suffix.lower() not in SUFFIXES:
+        return find_line(name)
+    imported = importer(path)(path)
+    if imported.refused:
+        raise InputError(
+            f"{path}: {len(imported.refused)} elements are wrong and left out; the first: {imported.refused[0]}. "
+            f"Convert it with safeloc import, read the notes, and give the line that it writes."
+        )
+    return imported.line
 
 
 def route_of(line: Line, way: Way) -> Route | None:

@@ -19,6 +19,7 @@ from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, s
 LARGEST_TEXT = 50_000_000
 """Bytes of a line as TOML or JSON; enough for a hundred thousand edges."""
 _MOST_DOTS = 2_000
+_FOREIGN = (".railml", ".xml", ".geojson", ".xlsx")
 _SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
 
 
@@ -78,10 +79,18 @@ def shipped_lines() -> dict[str, Path]:
 
 
 def find_line(name: str) -> Line:
-    """Return a shipped line by name, or a line from the file of that name. InputError if there is neither."""
+    """Return a shipped line by name, or a line from the file of that name. InputError if there is neither.
+
+    A map of another format is refused, with the command that converts it.
+    """
     known = shipped_lines()
     if name in known:
         return load_line(known[name])
+    if Path(name).suffix.lower() in _FOREIGN:
+        raise InputError(
+            f"{name}: a map of another format; convert it first, and read the notes: "
+            f"safeloc import {name} --out {Path(name).stem}.toml"
+        )
     if not Path(name).is_file():
         raise InputError(f"{name}: no such file, and no shipped line; shipped are {', '.join(known)}.")
     return load_line(Path(name))

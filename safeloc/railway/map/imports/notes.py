@@ -8,14 +8,15 @@ from typing import Literal, NamedTuple
 
 from safeloc.railway.map.model import Line
 
-Kind = Literal["not understood", "not carried over", "assumed", "rounded", "doubtful"]
+Kind = Literal["refused", "not understood", "not carried over", "assumed", "rounded", "doubtful"]
 
 
 @dataclass(frozen=True)
 class Note:
     """One remark.
 
-    kind   not understood    unknown to the importer
+    kind   refused           an element whose data is wrong: it is left out of the map, and the text says why
+           not understood    unknown to the importer
            not carried over  known, but the map has no place for it, or the file does not contain enough
            assumed           the map contains something that the file does not
            rounded           a length that is not a whole number of mm
@@ -36,6 +37,11 @@ class Imported(NamedTuple):
 
     line: Line
     notes: tuple[Note, ...]
+
+    @property
+    def refused(self) -> tuple[Note, ...]:
+        """The elements that are left out because their data is wrong."""
+        return tuple(note for note in self.notes if note.kind == "refused")
 
 
 @dataclass(frozen=True)

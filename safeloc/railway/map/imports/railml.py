@@ -1,7 +1,8 @@
 """Imports railML 3 (3.1 to 3.3): the micro topology and the objects along it (RFL-4).
 
-Carried over: net elements and relations with switches and crossings, kilometres, tracks, buffer stops and open borders,
-balise groups, signals, axle counters, tunnels, speed limits. Lengths become whole mm by exact decimal arithmetic.
+Carried over: net elements with their courses, and relations with switches and crossings, kilometres, tracks, buffer stops
+and open borders, balise groups, signals, axle counters, tunnels, speed limits. An object along the track whose data is wrong
+is left out, with a note; errors in the topology refuse the document. Lengths become whole mm by exact decimal arithmetic.
 Everything else is in the notes, element by element, known or unknown.
 """
 
@@ -35,8 +36,8 @@ from safeloc.railway.map.model import Line
 _NAMESPACE = re.compile(r"https://www\.railml\.org/schemas/3\.[1-3]")
 _NO_PLACE = frozenset({
     "metadata", "name", "designator", "isValid", "typeDesignator", "external", "elementState", "gmlLocations",
-    "gmlLocation", "networkLocation", "areaLocation", "geometricCoordinate", "geometricPositioningSystems",
-    "screenPositioningSystems", "organizationalUnits", "speedProfiles", "electrificationSystems", "positioning",
+    "gmlLocation", "networkLocation", "areaLocation", "geometricCoordinate", "screenPositioningSystems",
+    "organizationalUnits", "speedProfiles", "electrificationSystems", "positioning",
     "rollingstock", "timetable", "interlocking", "visualizations", "infrastructureVisualizations", "geometry",
     "infrastructureState", "length", "trackBegin", "trackEnd", "locationReference",
     "connectedWithInfrastructureElement", "applicationType", "functionalType", "crossesElement", "tunnelResistance",
@@ -84,7 +85,7 @@ def _imported(root: Element, name: str, version: str, source: str) -> Imported:
     notes: list[Note] = []
     network = read_network(root, infrastructure, notes)
     places = Places(network, linear_units(root), notes)
-    joined = join(list(network.elements), network.relations, switch_naming(functional, network))
+    joined = join(list(network.elements), network.relations, switch_naming(functional, network, places))
     nodes = ended(functional, places, joined.nodes, joined.node_of)
     edges = _edges(network, joined, track_names(functional, places), notes)
     line = made(
@@ -117,6 +118,7 @@ def _edges(network: Network, joined: Joined, tracks: dict[str, str], notes: list
             length_mm=net.length_mm,
             track=tracks.get(name, ""),
             kilometres=kilometres(net, notes),
+            geometry=None if net.course is None else net.course.geometry,
         )
         for name, net in network.elements.items()
     )

@@ -1,8 +1,13 @@
-"""Balise groups of a railML document: identity, place, order of the balises, orientation."""
+"""Balise groups of a railML document: identity, place, order of the balises, orientation.
+
+A group is a `baliseGroup` (railML 3.2 and later), or a `balise` with `isBaliseGroup="true"` (3.1), which is one balise by
+itself, or the parent of those that belong to it. railML 3.1 has no field for NID_C and NID_BG: they come from designators
+whose registers have these names.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
@@ -15,6 +20,10 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_places import Places, Spot
 from safeloc.railway.map.imports.railml_xml import Element
 
+_NO_IDENTITY = (
+    "no identity as a Eurobalise group; give isEurobaliseGroup with countryID and groupID, or, in railML 3.1, designators "
+    "with the registers NID_C and NID_BG"
+)
 _BELONGS = ("belongsToBaliseGroup", "baliseGroupRef", "belongsToParent")
 _NUMBER = ("positionInGroup", "numberInGroup")
 _PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor")
@@ -31,26 +40,32 @@ class Single:
 
 
 def balise_groups(functional: Element, places: Places, edges: Mapping[str, TrackEdge]) -> Iterator[BaliseGroup]:
-    """Yield all Eurobalise groups that have a place. InputError for balises of an unknown group."""
-    groups = {group.need("id"): group for group in functional.all("baliseGroups", "baliseGroup")}
-    singles: dict[str, list[Single]] = {name: [] for name in groups}
-    for balise in functional.all("balises", "balise"):
-        owner = _owner(balise)
-        if owner not in groups:
-            raise InputError(f"{balise.place}: there is no baliseGroup {owner!r}.")
-        singles[owner].append(_single(balise, places))
-    for name, group in groups.items():
-        found = _group(group, singles[name], places, edges)
-        if found is not None:
-            yield found
+    """Yield all Eurobalise groups that have an identity and a place."""
+    every = functional.all("balises", "balise")
+    parents = [balise for balise in every if _flag(balise, "isBaliseGroup", places.notes)]
+    groups = [*functional.all("baliseGroups", "baliseGroup"), *parents]
+    singles: dict[str, list[Single]] = {group.need("id"): [] for group in groups}
+    members = (balise for balise in every if balise not in parents)
+    for owner, single in places.each(members, lambda balise: [(_owner(balise, singles), _single(balise, places))]):
+        singles[owner].append(single)
+    return places.each(groups, lambda group: _group(group, singles[group.need("id")], places, edges))
 
 
-def _owner(balise: Element) -> str | None:
+def _flag(element: Element, name: str, notes: list[Note]) -> bool:
+    stated = element.get(name)
+    if stated not in (None, "true", "false", "1", "0"):
+        notes.append(Note("doubtful", element.place, f"{name} is {stated!r}, neither true nor false; taken as false"))
+    return stated in ("true", "1")
+
+
+def _owner(balise: Element, groups: Container[str]) -> str:
     for name in _BELONGS:
         owner = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
+        if owner is not None and owner not in groups:
+            raise InputError(f"{balise.place}: there is no balise group {owner!r}.")
         if owner is not None:
             return owner
-    raise InputError(f"{balise.place}: belongs to no balise group; give {_BELONGS[0]!r}.")
+    raise InputError(f'{balise.place}: belongs to no balise group; give {_BELONGS[0]!r}, or isBaliseGroup="true".')
 
 
 def _single(balise: Element, places: Places) -> Single:
@@ -69,27 +84,29 @@ def _single(balise: Element, places: Places) -> Single:
 
 def _group(
     group: Element, singles: Sequence[Single], places: Places, edges: Mapping[str, TrackEdge]
-) -> BaliseGroup | None:
+) -> Iterator[BaliseGroup]:
     euro = group.one("isEurobaliseGroup")
+    numbers = _identity(group, euro)
     spot = places.spot(group) if group.all("spotLocation") else _first_place(singles)
-    if euro is None or spot is None:
-        remark = "no Eurobalise group" if euro is None else "no place on the micro level"
+    if numbers is None or spot is None:
+        remark = _NO_IDENTITY if numbers is None else "no place on the micro level"
         places.notes.append(Note("not carried over", group.place, remark))
-        return None
+        return
+    country, identity = numbers
     toward = _direction(group, spot, edges[spot.edge], places.notes)
     balises = _balises(group, singles, spot, toward, places.notes)
     linked = _linked(group, euro, places.notes)
     _count(group, len(balises), places.notes)
     if not linked and len(balises) < 2:
         places.notes.append(Note("not carried over", group.place, "unlinked group of which one balise is known"))
-        return None
+        return
     found = made(
         BaliseGroup,
         group.place,
         id=group.need("id"),
         edge=spot.edge,
-        identity=_whole_number(euro.need("groupID"), group.place),
-        country=_whole_number(euro.need("countryID"), group.place),
+        identity=identity,
+        country=country,
         balises=balises,
         linked=linked,
         nominal_direction=toward if len(balises) == 1 else None,
@@ -98,7 +115,16 @@ def _group(
         places.notes.append(
             Note("doubtful", group.place, "order of its balises against its direction; the order is taken")
         )
-    return found
+    yield found
+
+
+def _identity(group: Element, euro: Element | None) -> tuple[int, int] | None:
+    """Return NID_C and NID_BG, from the Eurobalise group or else from designators; None if the document gives neither."""
+    if euro is not None:
+        return _whole_number(euro.need("countryID"), group.place), _whole_number(euro.need("groupID"), group.place)
+    stated = {(one.get("register") or "").strip("_").upper(): one for one in group.all("designator")}
+    found = [stated[name].need("entry") for name in ("NID_C", "NID_BG") if name in stated]
+    return (_whole_number(found[0], group.place), _whole_number(found[1], group.place)) if len(found) == 2 else None
 
 
 def _first_place(singles: Sequence[Single]) -> Spot | None:
@@ -176,9 +202,9 @@ def _positions(ordered: Sequence[Single], spot: Spot, toward: Direction | None) 
     return positions
 
 
-def _linked(group: Element, euro: Element, notes: list[Note]) -> bool:
-    linked = euro.get("isLinked")
-    if linked is None:
+def _linked(group: Element, euro: Element | None, notes: list[Note]) -> bool:
+    linked = None if euro is None else euro.get("isLinked")
+    if euro is None or linked is None:
         notes.append(Note("assumed", group.place, "linked: the document does not say"))
         return True
     if linked not in ("true", "false", "1", "0"):

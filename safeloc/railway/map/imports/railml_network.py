@@ -12,6 +12,7 @@ from safeloc.railway.map.elements import KilometrePoint
 from safeloc.railway.map.imports.building import made
 from safeloc.railway.map.imports.lengths import decimal, millimetres
 from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.railml_coordinates import Course, coordinate_systems, course
 from safeloc.railway.map.imports.railml_xml import Element
 from safeloc.railway.map.imports.topology import End, Relation
 
@@ -25,11 +26,13 @@ class NetElement:
 
     length_m   length as the document gives it, exact
     measures   linear positioning system -> (intrinsic coordinate, kilometre in metres), in order
+    course     coordinates from its beginning to its end; None if the document gives none
     """
 
     element: Element
     length_m: Decimal
     measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]]
+    course: Course | None
 
     @property
     def id(self) -> str:
@@ -53,7 +56,7 @@ class Network:
 
 def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> Network:
     """Return the micro topology. InputError for missing lengths and ends, and for unknown references."""
-    units = linear_units(root)
+    units, systems = linear_units(root), coordinate_systems(root)
     everything = _by_identity(infrastructure.all("topology", "netElements", "netElement"))
     micro = _micro(infrastructure, everything, notes)
     for identity, element in everything.items():
@@ -62,7 +65,7 @@ def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> N
             notes.append(Note("not carried over", element.place, "net element of a coarser level"))
     tracks = _track_lengths(infrastructure)
     elements = {
-        identity: _net_element(everything[identity], units, tracks, notes)
+        identity: _net_element(everything[identity], units, systems, tracks, notes)
         for identity in everything
         if identity in micro
     }
@@ -129,36 +132,69 @@ def _track_lengths(infrastructure: Element) -> dict[str, Element]:
 
 
 def _net_element(
-    element: Element, units: Mapping[str, Decimal], tracks: Mapping[str, Element], notes: list[Note]
+    element: Element,
+    units: Mapping[str, Decimal],
+    systems: Mapping[str, str],
+    tracks: Mapping[str, Element],
+    notes: list[Note],
 ) -> NetElement:
-    measures = _measures(element, units)
-    length_m = _length(element, measures, tracks.get(element.need("id")), notes)
-    if length_m <= 0:
-        raise InputError(f"{element.place}: its length {length_m} m must be positive.")
+    measures, way = _measures(element, units), course(element, systems, notes)
+    length_m = _length(element, measures, tracks.get(element.need("id")), way, notes)
+    if way is not None and way.contradicts(length_m):
+        remark = f"{length_m} m long, but {way.length_m} m by its coordinates; the former is taken"
+        notes.append(Note("doubtful", element.place, remark))
     whole, exact = millimetres(length_m)
     if not exact:
         notes.append(Note("rounded", element.place, f"length {length_m} m to {whole} mm"))
-    return NetElement(element, length_m, measures)
+    return NetElement(element, length_m, measures, way)
 
 
 def _length(
     element: Element,
     measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]],
     of_track: Element | None,
+    way: Course | None,
     notes: list[Note],
 ) -> Decimal:
-    """Return the attribute, else the kilometres between both ends, else the length of the track that is this net element."""
+    """Return the attribute, else the kilometres between both ends, else the length of the track that is this net element,
+    else the length by coordinates.
+
+    A stated length of 0 counts as none: exports of schematic plans state it for every element.
+    """
     stated = element.get("length")
-    if stated is not None:
-        return decimal(stated, f"{element.place}: length")
+    length_m = None if stated is None else decimal(stated, f"{element.place}: length")
+    if length_m is not None and length_m < 0:
+        raise InputError(f"{element.place}: its length {length_m} m must be positive.")
+    if length_m:
+        return length_m
+    found = _other_length(element, measures, of_track, way, notes)
+    if length_m is not None:
+        notes.append(Note("doubtful", element.place, f"a stated length of 0; taken is {found} m"))
+    return found
+
+
+def _other_length(
+    element: Element,
+    measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]],
+    of_track: Element | None,
+    way: Course | None,
+    notes: list[Note],
+) -> Decimal:
     for points in measures.values():
-        if points[0][0] == 0 and points[-1][0] == 1:
+        if points[0][0] == 0 and points[-1][0] == 1 and points[0][1] != points[-1][1]:
             return abs(points[-1][1] - points[0][1])
     if of_track is not None:
         notes.append(Note("assumed", element.place, f"its length is that of its track, line {of_track.line}"))
         return decimal(of_track.need("value"), f"{of_track.place}: value")
+    if way is not None and way.length_m > 0:
+        points_count = len(way.geometry.points)
+        notes.append(
+            Note("assumed", element.place, f"its length is that of straight pieces between {points_count} coordinates")
+        )
+        return way.length_m
     raise InputError(
-        f"{element.place}: has no length, neither from kilometres at both ends nor from a track; give attribute 'length'."
+        f"{element.place}: has no length: no attribute 'length' above 0, no kilometres or coordinates at both ends, no track. "
+        "A plan without lengths is no map: export it with lengths, or add them from the survey."
     )
 
 

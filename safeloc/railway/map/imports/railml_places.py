@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import pairwise
+from typing import TypeVar
 
 from safeloc.errors import InputError
 from safeloc.railway.map.elements import Direction, Stretch
@@ -15,6 +16,7 @@ from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.imports.railml_network import NetElement, Network, intrinsic, measure
 from safeloc.railway.map.imports.railml_xml import Element
 
+Made = TypeVar("Made")
 _DIRECTIONS: Mapping[str, tuple[Direction, ...]] = {
     "normal": ("increasing",),
     "reverse": ("decreasing",),
@@ -38,6 +40,19 @@ class Places:
     network: Network
     units: Mapping[str, Decimal]
     notes: list[Note]
+
+    def each(self, elements: Iterable[Element], convert: Callable[[Element], Iterable[Made]]) -> Iterator[Made]:
+        """Yield what every element converts to. An element whose data is wrong is left out, with a note: one bad place
+        is no reason to refuse the map."""
+        for element in elements:
+            try:
+                found = list(convert(element))
+            except InputError as error:
+                element.skip()
+                reason = str(error).removeprefix(f"{element.place}: ").rstrip(".")
+                self.notes.append(Note("refused", element.place, reason))
+                continue
+            yield from found
 
     def spot(self, owner: Element) -> Spot | None:
         """Return the only place of the element on the micro level; None, with a note, if it has none or several."""

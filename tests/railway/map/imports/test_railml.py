@@ -269,50 +269,21 @@ REFUSED: Mapping[str, tuple[str, str, str]] = {
         '<elementA ref="b"/><elementB ref="q"/>',
         "netRelation 'bc' line 44: elementB: there is no netElement 'q'.",
     ),
-    "a place on no element": (
-        'id="ac1_l" netElementRef="b"',
-        'id="ac1_l" netElementRef="q"',
-        "trainDetectionElement 'ac1' line 120: spotLocation line 121: there is no netElement 'q'.",
-    ),
-    "a place off its element": (
-        'pos="12.345"',
-        'pos="400.001"',
-        "trainDetectionElement 'ac1' line 120: spotLocation line 121: 400.001 m lies outside net element 'b' of 400 m.",
-    ),
-    "no place at all": (
-        'netElementRef="b" pos="12.345"',
-        'netElementRef="b"',
-        "trainDetectionElement 'ac1' line 120: spotLocation line 121: gives neither pos, nor intrinsicCoord, nor a linearCoordinate.",
-    ),
-    "a switch without its relation": (
-        '<rightBranch netRelationRef="ac"/>',
-        '<rightBranch netRelationRef="zz"/>',
-        "switchIS 'w1' line 105: rightBranch line 108: there is no netRelation 'zz'.",
-    ),
     "a net element that names no relation": (
         '<relation ref="ab"/>',
         '<relation ref="zz"/>',
         "relation line 14: there is no netRelation 'zz'.",
     ),
-    "two balises of one number": (
-        'numberInGroup="2"',
-        'numberInGroup="1"',
-        "baliseGroup 'bg1' line 64: two of its balises have the same number; numbers are [1, 1].",
-    ),
-    "a balise of no group": (
-        'id="bg1_2" belongsToBaliseGroup="bg1"',
-        'id="bg1_2" belongsToBaliseGroup="bg9"',
-        "balise 'bg1_2' line 56: there is no baliseGroup 'bg9'.",
-    ),
     "a missing length": (
         '<netElement id="b" length="400"/>',
         '<netElement id="b"/>',
-        "netElement 'b' line 25: has no length, neither from kilometres at both ends nor from a track; give attribute 'length'.",
+        "netElement 'b' line 25: has no length: no attribute 'length' above 0, no kilometres or coordinates at both ends, no track. "
+        "A plan without lengths is no map: export it with lengths, or add them from the survey.",
     ),
-    "a length of nothing": (
+    "a negative length": (
         '<netElement id="b" length="400"/>',
-        '<netElement id="b" length="0"/>',
-        "netElement 'b' line 25: its length 0 m must be positive.",
+        '<netElement id="b" length="-1"/>',
+        "netElement 'b' line 25: its length -1 m must be positive.",
     ),
     "a length that is no number": (
         '<netElement id="b" length="400"/>',
@@ -329,30 +300,16 @@ REFUSED: Mapping[str, tuple[str, str, str]] = {
         'id="ac" navigability="Both" positionOnA="1" positionOnB="2"',
         "netRelation 'ac' line 41: positionOnB must be 0 or 1, not '2'.",
     ),
-    "an unknown kilometre line": (
-        '<linearCoordinate positioningSystemRef="km" measure="10.95"/>',
-        '<linearCoordinate positioningSystemRef="mi" measure="10.95"/>',
-        "linearCoordinate line 92: there is no linearPositioningSystem 'mi'.",
-    ),
-    "an identity beyond NID_BG": (
-        'groupID="140"',
-        'groupID="20000"',
-        "baliseGroup 'bg2' line 68: field identity: Input should be less than or equal to 16383 (got 20000).",
-    ),
-    "a truth value that is none": (
-        'groupID="140" isLinked="true"',
-        'groupID="140" isLinked="perhaps"',
-        "isEurobaliseGroup line 70: isLinked must be true or false, not 'perhaps'.",
-    ),
     "an unknown unit": (
         'id="km" units="km"',
         'id="km" units="mi"',
         "linearPositioningSystem 'km' line 6: units 'mi' are not known; use m or km.",
     ),
-    "an intrinsic coordinate beyond the end": (
-        'netElementRef="c" intrinsicCoord="0.5"',
-        'netElementRef="c" intrinsicCoord="1.5"',
-        "spotLocation 'bg2_l' line 69: intrinsicCoord 1.5 is outside 0..1.",
+    "a length of nothing": (
+        '<netElement id="b" length="400"/>',
+        '<netElement id="b" length="0"/>',
+        "netElement 'b' line 25: has no length: no attribute 'length' above 0, no kilometres or coordinates at both ends, no track. "
+        "A plan without lengths is no map: export it with lengths, or add them from the survey.",
     ),
 }
 
@@ -364,6 +321,89 @@ def test_wrong_input_is_refused(railml: Read, tmp_path: Path, case: str) -> None
     with pytest.raises(InputError) as refused:
         railml(changed(old, new))
     assert f"{tmp_path / 'station.railml'}: {message}" == str(refused.value)
+
+
+LEFT_OUT: Mapping[str, tuple[str, str, Note]] = {
+    "a place on no element": (
+        'id="ac1_l" netElementRef="b"',
+        'id="ac1_l" netElementRef="q"',
+        Note("refused", "trainDetectionElement 'ac1' line 120", "spotLocation line 121: there is no netElement 'q'"),
+    ),
+    "a place off its element": (
+        'pos="12.345"',
+        'pos="400.001"',
+        Note(
+            "refused",
+            "trainDetectionElement 'ac1' line 120",
+            "spotLocation line 121: 400.001 m lies outside net element 'b' of 400 m",
+        ),
+    ),
+    "no place at all": (
+        'netElementRef="b" pos="12.345"',
+        'netElementRef="b"',
+        Note(
+            "refused",
+            "trainDetectionElement 'ac1' line 120",
+            "spotLocation line 121: gives neither pos, nor intrinsicCoord, nor a linearCoordinate",
+        ),
+    ),
+    "a switch without its relation": (
+        '<rightBranch netRelationRef="ac"/>',
+        '<rightBranch netRelationRef="zz"/>',
+        Note("refused", "switchIS 'w1' line 105", "rightBranch line 108: there is no netRelation 'zz'"),
+    ),
+    "two balises of one number": (
+        'numberInGroup="2"',
+        'numberInGroup="1"',
+        Note("refused", "baliseGroup 'bg1' line 64", "two of its balises have the same number; numbers are [1, 1]"),
+    ),
+    "a balise of no group": (
+        'id="bg1_2" belongsToBaliseGroup="bg1"',
+        'id="bg1_2" belongsToBaliseGroup="bg9"',
+        Note("refused", "balise 'bg1_2' line 56", "there is no balise group 'bg9'"),
+    ),
+    "an unknown kilometre line": (
+        '<linearCoordinate positioningSystemRef="km" measure="10.95"/>',
+        '<linearCoordinate positioningSystemRef="mi" measure="10.95"/>',
+        Note("refused", "signalIS 's1' line 90", "linearCoordinate line 92: there is no linearPositioningSystem 'mi'"),
+    ),
+    "an identity beyond NID_BG": (
+        'groupID="140"',
+        'groupID="20000"',
+        Note(
+            "refused",
+            "baliseGroup 'bg2' line 68",
+            "field identity: Input should be less than or equal to 16383 (got 20000)",
+        ),
+    ),
+    "a truth value that is none": (
+        'groupID="140" isLinked="true"',
+        'groupID="140" isLinked="perhaps"',
+        Note(
+            "refused",
+            "baliseGroup 'bg2' line 68",
+            "isEurobaliseGroup line 70: isLinked must be true or false, not 'perhaps'",
+        ),
+    ),
+    "an intrinsic coordinate beyond the end": (
+        'netElementRef="c" intrinsicCoord="0.5"',
+        'netElementRef="c" intrinsicCoord="1.5"',
+        Note(
+            "refused", "baliseGroup 'bg2' line 68", "spotLocation 'bg2_l' line 69: intrinsicCoord 1.5 is outside 0..1"
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", LEFT_OUT)
+def test_wrong_objects_along_the_track_are_left_out_and_told(railml: Read, case: str) -> None:
+    """One bad place refuses its element and not the map; everything else is as before."""
+    old, new, note = LEFT_OUT[case]
+    line, notes = railml(changed(old, new))
+    assert [note] == [one for one in notes if one.kind == "refused"]
+    whole, kinds = railml(STATION).line, ("balise_groups", "signals", "axle_counters", "switches", "tunnels", "edges")
+    fewer = {kind for kind in kinds if len(getattr(line, kind)) < len(getattr(whole, kind))}
+    assert len(fewer) == (0 if case == "a balise of no group" else 1), fewer
 
 
 def test_a_ring_of_one_edge_is_refused(railml: Read) -> None:
