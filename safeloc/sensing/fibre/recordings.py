@@ -25,6 +25,10 @@ from safeloc.sensing.fibre.hdf5_contents import require_harmless
 
 LARGEST_RECORDING = 4_000_000_000
 """Bytes: an hour of a thousand channels, 1000 times a second as 8-bit numbers. Cut longer recordings into pieces."""
+_RATES = ("", "velocity", "strain_rate")
+"""What dascore calls the measured quantity; "" where the file does not say."""
+_UNEVEN = 0.01
+"""Share of a step by which a frame or channel may lie beside its place: rounding of times and distances, not a gap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +92,9 @@ def _recording(path: Path, data: object, figures: dict[str, float], channels_fir
 def read_das(path: Path) -> Recording:
     """Read an HDF5 file in a form that dascore knows. EngineError without dascore; StreamError if it cannot read the file.
 
+    Frames and channels must be evenly spaced over the whole axes, distances may be in any unit of length (metres if none is
+    stated), and the quantity must be a rate.
+
     Only HDF5 is read: dascore finds the kind of a file by trying, and would also try to unpickle it, which runs code.
     """
     try:
@@ -112,11 +119,40 @@ def _of_patch(path: Path, patch: Any) -> Recording:
     data = np.asarray(patch.data)
     if data.ndim != 2 or data.dtype.kind not in "fiu" or min(data.shape) < 2:
         raise StreamError(f"{path}: needs two axes of real numbers, time and distance, of two or more each.")
-    seconds = np.diff(patch.get_array("time")[:2]) / np.timedelta64(1, "s")
-    metres = np.diff(patch.get_array("distance")[:2])
-    if not seconds[0] > 0:
-        raise StreamError(f"{path}: its first two frames are {seconds[0]:g} s apart; time has to increase.")
-    return Recording(data.astype(np.float32), float(1 / seconds[0]), float(metres[0]) * MM_PER_M)
+    if patch.attrs.data_type not in _RATES:
+        raise StreamError(
+            f"{path}: holds {shown(patch.attrs.data_type)}, not a rate; store its change over time, "
+            'for instance by dascore\'s patch.differentiate("time").'
+        )
+    if patch.get_coord("distance").units is not None:
+        patch = _in_metres(path, patch)
+    time, distance = (patch.get_array(name) for name in ("time", "distance"))
+    frame_s = _step(path, (time - time[0]) / np.timedelta64(1, "s"), "frame", "s")
+    channel_m = _step(path, np.asarray(distance, dtype=np.float64), "channel", "m")
+    return Recording(data.astype(np.float32), 1 / frame_s, channel_m * MM_PER_M)
+
+
+def _in_metres(path: Path, patch: Any) -> Any:
+    try:
+        return patch.convert_units(distance="m")
+    except Exception as error:  # dascore's own errors of units have no common class
+        raise StreamError(f"{path}: its distance is no length ({shortened(error)}).") from error
+
+
+def _step(path: Path, places: NDArray[np.float64], what: str, unit: str) -> float:
+    """Return the mean distance of neighbours on an axis. StreamError unless all are where even spacing puts them."""
+    step = float(places[-1] - places[0]) / (len(places) - 1)
+    if not step > 0:
+        raise StreamError(f"{path}: its {what}s are {step:g} {unit} apart on average; the axis has to increase.")
+    off = np.abs(places - places[0] - step * np.arange(len(places)))
+    if not np.max(off) <= _UNEVEN * step:
+        steps = np.diff(places)
+        worst = int(np.argmax(np.where(np.isfinite(steps), np.abs(steps - np.median(steps)), np.inf)))
+        raise StreamError(
+            f"{path}: its {what}s are not evenly spaced: {what} {worst + 1} lies {steps[worst]:g} {unit} after the one before, "
+            f"{step:g} {unit} on average; cut the recording there, or interpolate it."
+        )
+    return step
 
 
 def blocks(recording: Recording, config: FibreConfig, first_ms: int = 0) -> Iterator[FibreBlock]:

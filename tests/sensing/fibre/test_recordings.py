@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +126,43 @@ def test_dascore_tells_no_rate(tmp_path: Path, frames: int, step_ms: int, why: s
     patch.io.write(tmp_path / "a.h5", "dasdae")
     with pytest.raises(StreamError, match=rf"a\.h5: .*{why}"):
         read_das(tmp_path / "a.h5")
+
+
+def stored(path: Path, *, seconds: Sequence[float], metres: Sequence[float], **attributes: str) -> Path:
+    """A patch with these axes in HDF5."""
+    dascore = pytest.importorskip("dascore")
+    time = np.datetime64("2026-01-01") + (np.array(seconds) * 1e9).astype("timedelta64[ns]")
+    coords = {"distance": np.array(metres), "time": time}
+    data = np.zeros((len(metres), len(seconds)))
+    made = dascore.Patch(data=data, coords=coords, dims=("distance", "time"), attrs=attributes)
+    unit = attributes.get("distance_units")
+    made = made.set_units(distance=unit) if unit else made
+    made.io.write(path, "dasdae")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("axes", "why"),
+    [
+        ({"seconds": [0, 0.01, 0.02, 0.04, 0.05]}, r"frames are not evenly spaced: frame 3 lies 0\.02 s after"),
+        ({"metres": [0, 10, 20, 30, 45]}, r"channels are not evenly spaced: channel 4 lies 15 m after"),
+        ({"metres": [40, 30, 20, 10, 0]}, r"channels are -10 m apart on average; the axis has to increase"),
+        ({"data_type": "strain"}, r"holds '?strain'?, not a rate; store its change over time"),
+        ({"distance_units": "s"}, r"its distance is no length"),
+    ],
+)
+def test_dascore_axes_are_even_lengths_of_a_rate(tmp_path: Path, axes: dict[str, Any], why: str) -> None:
+    """A gap or a splice anywhere is told with its place; the first two frames and channels do not speak for all."""
+    even: dict[str, Any] = {"seconds": [0, 0.01, 0.02, 0.03, 0.04], "metres": [0, 10, 20, 30, 40]}
+    with pytest.raises(StreamError, match=rf"a\.h5: .*{why}"):
+        read_das(stored(tmp_path / "a.h5", **{**even, **axes}))
+
+
+def test_dascore_distances_may_be_in_any_unit_of_length(tmp_path: Path) -> None:
+    """Feet become metres, and a rate of a third of a millisecond, whose times are rounded to ns, is even."""
+    seconds = [frame / 3_000 for frame in range(9)]
+    made = read_das(stored(tmp_path / "a.h5", seconds=seconds, metres=[0, 10, 20], distance_units="ft"))
+    assert (3_000, 3_048) == (pytest.approx(made.frame_hz, rel=1e-5), pytest.approx(made.channel_mm))
 
 
 def test_the_recorded_earthquake_is_read() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -43,11 +44,17 @@ def read_path(path: Path, topology: Topology, *, first: Direction | None = None)
         edges = [_edge(feature, topology, notes) for feature in read_features(path, notes)]
         if not edges:
             raise InputError("names no element.")
+        for edge, times in _repeated(edges):
+            notes.append(Note("assumed", f"element {edge!r}", f"named {times} times in a row; it is run over once"))
         return ImportedPath(route_over(edges, topology, first=first), tuple(notes))
 
 
 def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | None = None) -> Route:
-    """Return the route that runs over these edges in this order; InputError if there is none, or more than one."""
+    """Return the route that runs over these edges in this order; an edge named several times in a row is run over once.
+
+    Raises InputError if there is no such route, or more than one.
+    """
+    edges = [edge for edge, _ in groupby(edges)]
     for edge in edges:
         if edge not in topology.edges:
             raise InputError(f"the network has no element {edge!r}.")
@@ -60,6 +67,14 @@ def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | N
         raise InputError(f"the direction along {edges[0]!r} is unknown; give it as increasing or decreasing.")
     runs = _back(layers)
     return Route(topology, runs, 0, topology.length_mm(runs[-1]))
+
+
+def _repeated(edges: Sequence[str]) -> Iterator[tuple[str, int]]:
+    """Yield each edge that is named several times in a row, with the number: a program may name it for every stretch of a log."""
+    for edge, same in groupby(edges):
+        times = len(list(same))
+        if times > 1:
+            yield edge, times
 
 
 class _Way(NamedTuple):

@@ -59,6 +59,16 @@ def test_a_single_element_needs_its_direction(tmp_path: Path, topology: Topology
     assert (Run("stem", "decreasing"),) == read_path(path, topology, first="decreasing").route.runs
 
 
+def test_an_element_named_again_and_again_is_run_over_once(tmp_path: Path, topology: Topology) -> None:
+    """As programs write it that name the element of every stretch of a log; the note says how often."""
+    route, notes = read_path(path_file(tmp_path, "south", "south", "stem", "stem", "stem"), topology)
+    assert (Run("south", "increasing"), Run("stem", "decreasing")) == route.runs
+    assert [("element 'south'", 2), ("element 'stem'", 3)] == [
+        (note.place, int(note.text.split()[1])) for note in notes if note.kind == "assumed"
+    ]
+    assert route.runs == route_over(["south", "south", "stem"], topology).runs
+
+
 @pytest.mark.parametrize(
     ("elements", "message"),
     [
