@@ -33,6 +33,7 @@ from safeloc.runtime.streams.records import RECORD
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.sensing.fibre.recordings import read_array
 from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.corrected import read_corrected
 from safeloc.sensing.satellite.navigation import read_navigation
 from safeloc.sensing.satellite.observations import read_observations
 from tests.railway.map.imports.documents import STATION
@@ -208,6 +209,11 @@ NAVIGATION = (
     "                                                            END OF HEADER\n"
     "G05 2022 03 15 10 00 00" + " 1.000000000000D-04" * 3 + "\n" + ("    " + " 1.000000000000D+00" * 4 + "\n") * 7
 )
+CORRECTED = (
+    "time_s,satellite,pseudorange_m,rate_m_per_s,x_m,y_m,z_m,vx_m_per_s,vy_m_per_s,vz_m_per_s\n"
+    "1300000000.5,G05,21000000.125,-300.5,26560000,0,0,0,2700,1500\n"
+    "1300000001.5,G05,21000000.125,,26560000,0,0,0,2700,1500\n"
+)
 ANDROID = (
     "# Raw,TimeNanos,FullBiasNanos,BiasNanos,Svid,TimeOffsetNanos,State,ReceivedSvTimeNanos,"
     "PseudorangeRateMetersPerSecond,CarrierFrequencyHz,ConstellationType\n"
@@ -236,6 +242,7 @@ FUZZED = (
     Fuzzed("RINEX observations", _file(".obs", read_observations), lambda: [OBSERVATIONS.encode()]),
     Fuzzed("RINEX navigation", _file(".nav", read_navigation), lambda: [NAVIGATION.encode()]),
     Fuzzed("Android", _file(".txt", read_android), lambda: [ANDROID.encode()]),
+    Fuzzed("corrected ranges", _file(".csv", read_corrected), lambda: [CORRECTED.encode()]),
     Fuzzed("fixes", _file(".csv", read_fixes), lambda: [b"timestamp,longitude,latitude,position_type\n2022-03-15T09:27:26Z,4.5,50.9,FIX\n2022-03-15T09:27:27Z,4.6,50.9,FIX\n"]),
     Fuzzed("positions as CSV", _positions("csv"), lambda: [_csv(POSITIONS)]),
     Fuzzed("positions as JSONL", _positions("jsonl"), lambda: [_jsonl(POSITIONS)]),

@@ -6,6 +6,7 @@ Range rate is positive if the distance grows, Doppler if it shrinks: rate = -wav
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
@@ -39,17 +40,51 @@ def predicted(
     A clock error of 1 us left in the time costs less than 1 mm. InputError for an expired ephemeris, and for a velocity that
     is not finite. Below the horizon the delay of the atmosphere is omitted: mask low satellites.
     """
+    _require_finite(velocity_m_per_s)
+    satellite, range_m = _seen(ephemeris, received_s, place.earth_fixed_m())
+
+    def air_m(elevation: float, azimuth: float) -> float:
+        return _air_m(place, elevation, azimuth, received_s, ionosphere) if elevation > 0 else 0.0
+
+    return _signal(satellite, range_m, place, velocity_m_per_s, air_m)
+
+
+def predicted_of_state(sent: SatelliteState, place: Place, velocity_m_per_s: Vector) -> Predicted:
+    """Predict a signal that is corrected for the atmosphere, from the satellite's state at transmission.
+
+    The state is Earth-fixed at the time of transmission; the turn of the Earth during the travel is applied here. InputError
+    for a velocity that is not finite.
+    """
+    _require_finite(velocity_m_per_s)
+    at = place.earth_fixed_m()
+    travel_s = 0.0
+    for _ in range(3):
+        travel_s = math.dist(_turned(sent.position_m, travel_s), at) / LIGHT_M_PER_S
+    satellite = _received(sent, travel_s)
+    return _signal(satellite, math.dist(satellite.position_m, at), place, velocity_m_per_s, lambda *_: 0.0)
+
+
+def _require_finite(velocity_m_per_s: Vector) -> None:
     if not all(map(math.isfinite, velocity_m_per_s)):
         raise InputError("the estimated velocity is not finite; declare no prediction instead.")
+
+
+def _signal(
+    satellite: SatelliteState,
+    range_m: float,
+    place: Place,
+    velocity_m_per_s: Vector,
+    air_m: Callable[[float, float], float],
+) -> Predicted:
+    """Return the signal of a satellite in the frame of reception. air_m: the delay by elevation and azimuth."""
     at = place.earth_fixed_m()
-    satellite, range_m = _seen(ephemeris, received_s, at)
     direction = tuple((s - p) / range_m for s, p in zip(satellite.position_m, at, strict=True))
     unit: Vector = (direction[0], direction[1], direction[2])
     elevation, azimuth = place.elevation_azimuth_rad(unit)
-    delay = _air_m(place, elevation, azimuth, received_s, ionosphere) if elevation > 0 else 0.0
     closing = _dot(unit, satellite.velocity_m_per_s) * (1 - _dot(unit, satellite.velocity_m_per_s) / LIGHT_M_PER_S)
     rate = closing - _dot(unit, velocity_m_per_s) - LIGHT_M_PER_S * satellite.clock_drift
-    return Predicted(range_m + delay - LIGHT_M_PER_S * satellite.clock_s, rate, unit, elevation)
+    pseudorange = range_m + air_m(elevation, azimuth) - LIGHT_M_PER_S * satellite.clock_s
+    return Predicted(pseudorange, rate, unit, elevation)
 
 
 def _air_m(
@@ -65,10 +100,14 @@ def _seen(ephemeris: Ephemeris, received_s: float, at: Vector) -> tuple[Satellit
     for _ in range(2):
         travel_s = math.dist(_turned(_sent(ephemeris, received_s - travel_s), travel_s), at) / LIGHT_M_PER_S
     sent = satellite_state(ephemeris, received_s - travel_s)
-    position = _turned(sent.position_m, travel_s)
-    range_m = math.dist(position, at)
-    velocity = _turned(sent.velocity_m_per_s, range_m / LIGHT_M_PER_S)
-    return SatelliteState(position, velocity, sent.clock_s, sent.clock_drift), range_m
+    satellite = _received(sent, travel_s)
+    return satellite, math.dist(satellite.position_m, at)
+
+
+def _received(sent: SatelliteState, travel_s: float) -> SatelliteState:
+    """Return the state at transmission in the Earth-fixed frame of reception."""
+    position, velocity = _turned(sent.position_m, travel_s), _turned(sent.velocity_m_per_s, travel_s)
+    return SatelliteState(position, velocity, sent.clock_s, sent.clock_drift)
 
 
 def _sent(ephemeris: Ephemeris, sent_s: float) -> Vector:

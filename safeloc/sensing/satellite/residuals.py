@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from safeloc.sensing.satellite.clock import common_part, constellations, of_constellation, without_clock
-from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
 from safeloc.sensing.satellite.navigation import Navigation
@@ -35,6 +35,10 @@ class Residuals:
     clock_s: float
 
 
+Predict: TypeAlias = Callable[[str, float, Place], Predicted]
+"""From satellite, time of reception (GPS seconds) and place of the antenna to its signal."""
+
+
 def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation) -> Residuals:
     """Return residuals from the estimated state E*(t) at the receiver's time (SAT-1).
 
@@ -42,7 +46,16 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
     """
     found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
     valid = {name: one for name, one in found.items() if one is not None}
-    satellites = _Satellites(epoch, valid, place, velocity_m_per_s, navigation)
+
+    def predict(name: str, time_s: float, at: Place) -> Predicted:
+        return predicted(valid[name], time_s, at, velocity_m_per_s, navigation.ionosphere)
+
+    return compared(epoch, place, velocity_m_per_s, valid.keys(), predict)
+
+
+def compared(epoch: Epoch, place: Place, velocity_m_per_s: Vector, known: Set[str], predict: Predict) -> Residuals:
+    """Return residuals of the satellites that are known, each predicted by this function."""
+    satellites = _Satellites(epoch, known, place, velocity_m_per_s, predict)
     every, clock_s = satellites.expected(0.0), 0.0
     codes = satellites.codes(_above_mask(every), clock_s)
     if codes:
@@ -53,7 +66,7 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
         else:
             codes = satellites.codes(_above_mask(every), clock_s)
     seen = _above_mask(every)
-    expired, low = frozenset(epoch.satellites) - valid.keys(), every.keys() - seen.keys()
+    expired, low = frozenset(epoch.satellites) - known, every.keys() - seen.keys()
     rates = without_clock(satellites.rates(seen))
     return Residuals(without_clock(codes), rates, seen, expired, frozenset(low), clock_s)
 
@@ -64,19 +77,19 @@ def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
 
 @dataclass(frozen=True, slots=True)
 class _Satellites:
-    """One epoch's satellites with valid ephemerides, and the state for which they are predicted."""
+    """One epoch's satellites whose signals can be predicted, and the state for which they are."""
 
     epoch: Epoch
-    valid: Mapping[str, Ephemeris]
+    known: Set[str]
     place: Place
     velocity_m_per_s: Vector
-    navigation: Navigation
+    predict: Predict
 
     def expected(self, clock_s: float) -> dict[str, Predicted]:
         """Return the predictions for the receiver's time minus this clock error, with the vehicle moved accordingly."""
         place = self.place if clock_s == 0 else self._moved(-clock_s)
-        at, air = self.epoch.time_s - clock_s, self.navigation.ionosphere
-        return {name: predicted(one, at, place, self.velocity_m_per_s, air) for name, one in self.valid.items()}
+        at = self.epoch.time_s - clock_s
+        return {name: self.predict(name, at, place) for name in self.epoch.satellites if name in self.known}
 
     def _moved(self, seconds: float) -> Place:
         x, y, z = self.place.earth_fixed_m()
