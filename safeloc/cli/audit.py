@@ -13,6 +13,8 @@ from safeloc.railway.audit.vehicle import find_layout
 from safeloc.railway.map.toml_files import find_line
 
 _VIOLATED = 1
+_SHOWN = 5
+"""Findings of a rule; a real network may have thousands."""
 
 
 def audit_line(
@@ -26,6 +28,9 @@ def audit_line(
             help="file with \\[localization], or a shipped vehicle (repeatable); by default, default figures",
         ),
     ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help=f"print every finding; by default, the {_SHOWN} heaviest of each rule")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only: a list of safeloc-audit/1")] = False,
 ) -> None:
     """Check that the layout of a line satisfies the assumptions of the proofs. Exit code 1 where a rule is violated."""
@@ -34,19 +39,19 @@ def audit_line(
     if as_json:
         print_json([report.as_data() for report in reports])
     else:
-        for text in (text for report in reports for text in _lines(report)):
+        for text in (text for report in reports for text in _lines(report, every)):
             out.print(text, markup=False)
     raise typer.Exit(_VIOLATED if any(report.violated for report in reports) else 0)
 
 
-def _lines(report: AuditReport) -> list[str]:
+def _lines(report: AuditReport, every: bool) -> list[str]:
     elements = ", ".join(f"{kind.replace('_', ' ')} {count}" for kind, count in report.elements.items())
     routes = "too many routes to compare each pair" if report.routes is None else f"{report.routes} routes"
     advice = len(report.findings) - len(report.violated)
     return [
         f"{report.line} version {report.version} for {report.vehicle}, {report.checksum}",
         f"{elements}; {routes}",
-        *(finding.as_text() for finding in report.findings),
+        *(text for kind in report.kinds for text in kind.as_text(len(kind.findings) if every else _SHOWN)),
         *(
             ["", "routes, and missed or misread reflectors that make one look like another:"]
             if report.route_pairs

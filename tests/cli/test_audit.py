@@ -9,6 +9,7 @@ import pytest
 
 from safeloc.railway.map.toml_files import find_line, to_toml
 from tests.cli.calling import Call
+from tests.railway.map.made import group, straight
 
 
 @pytest.mark.parametrize("name", ["fig1", "fig2", "fig3"])
@@ -42,6 +43,23 @@ def test_a_broken_rule_ends_in_1(call: Call, tmp_path: Path) -> None:
     assert {"what": "distance", "actual": 543_000, "relation": "<=", "required": 465_250, "unit": "mm"} == finding[
         "figures"
     ]
+
+
+def test_findings_are_folded_by_rule_and_ordered_by_weight(call: Call, tmp_path: Path) -> None:
+    """The stretches that are farthest from what is required come first, five of them; `--all` prints the others too."""
+    path = tmp_path / "long.toml"
+    lengths = [600_000, 900_000, 700_000, 1_200_000, 800_000, 650_000, 1_000_000]
+    groups = tuple(group(number, f"e{number}", 0) for number in range(1, len(lengths)))
+    path.write_text(to_toml(straight(*lengths, balise_groups=groups)), encoding="utf-8")
+    lines = call("audit", str(path)).out.splitlines()
+    stretches = [line for line in lines if "odometry stretch [" in line]
+    figures = [float(line.split("distance ")[1].split()[0]) for line in stretches]
+    assert 5 == len(figures) and sorted(figures, reverse=True) == figures and 1_200 == figures[0]
+    assert f"{'':9} odometry stretch: {len(lengths) - 5} more, none of them farther from what is required" in lines
+    every = [line for line in call("audit", str(path), "--all").out.splitlines() if "odometry stretch [" in line]
+    assert len(lengths) == len(every) and stretches == every[:5]
+    (told,) = json.loads(call("audit", str(path), "--json").out)
+    assert [1_200_000, 1_000_000] == [one["figures"]["actual"] for one in told["findings"]][:2]
 
 
 def test_the_vehicle_counts(call: Call, tmp_path: Path) -> None:

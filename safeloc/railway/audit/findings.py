@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -25,6 +27,13 @@ class Finding:
     kilometre: str
     figures: Figures | None
 
+    @property
+    def shortfall(self) -> float:
+        """How far the figure is from what is required, as a share of that; without figures or without bound, infinite."""
+        if self.figures is None or abs(self.figures.actual) >= UNBOUNDED // 2:
+            return math.inf
+        return abs(self.figures.actual - self.figures.required) / max(1, abs(self.figures.required))
+
     def as_text(self) -> str:
         """Return one line for people."""
         kilometre = f", km {self.kilometre}" if self.kilometre else ""
@@ -43,6 +52,38 @@ def _amount(value: int, unit: str) -> str:
     if abs(value) >= UNBOUNDED // 2:
         return "without bound"
     return f"{value / 1000:.3f} m" if unit == "mm" else f"{value}"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """The findings of one rule, by weight: the one that is farthest from what is required first."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def worst(self) -> Finding:
+        """The finding that is farthest from what is required."""
+        return self.findings[0]
+
+    def as_text(self, most: int) -> list[str]:
+        """Return lines for people: all findings, or `most` of them and the number of the others."""
+        shown = [finding.as_text() for finding in self.findings[:most]]
+        more = len(self.findings) - len(shown)
+        left = [f"{'':9} {self.worst.rule}: {more} more, none of them farther from what is required"] if more else []
+        return [*shown, *left]
+
+
+def by_weight(findings: Iterable[Finding]) -> tuple[Kind, ...]:
+    """Return the findings by rule: violated rules before advice, rules by their worst finding, findings by shortfall."""
+    found: dict[tuple[bool, str], list[Finding]] = {}
+    for finding in findings:
+        found.setdefault((finding.severity == "advice", finding.rule), []).append(finding)
+    kinds = [
+        Kind(tuple(sorted(those, key=lambda one: (-one.shortfall, one.place, one.subject)))) for those in found.values()
+    ]
+    return tuple(
+        sorted(kinds, key=lambda kind: (kind.worst.severity == "advice", -kind.worst.shortfall, kind.worst.rule))
+    )
 
 
 @dataclass(frozen=True)
@@ -116,7 +157,7 @@ def _suffix(first: str, second: str, common: int) -> str:
 
 @dataclass(frozen=True)
 class AuditReport:
-    """The result of an audit for one vehicle's figures. `cases` is the number of checks of every rule."""
+    """The result of an audit for one vehicle's figures. `cases` is the number of checks of every rule; findings by weight."""
 
     vehicle: str
     line: str
@@ -133,6 +174,11 @@ class AuditReport:
     def violated(self) -> tuple[Finding, ...]:
         """The broken rules, without advice."""
         return tuple(finding for finding in self.findings if finding.severity == "violated")
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The findings by rule, by weight."""
+        return by_weight(self.findings)
 
     def as_data(self) -> dict[str, Any]:
         """Return data for JSON (schema safeloc-audit/1)."""

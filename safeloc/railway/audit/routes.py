@@ -1,7 +1,8 @@
 """Checks that routes differ in the reflectors and balises seen on them (RFL-D6).
 
 On a line with few routes every pair is compared from end to end. On a line with many, the ways behind every facing switch
-are compared until they meet again or leave the horizon; so the work grows in proportion to the line.
+are compared until they meet again or leave the horizon, so that the work grows in proportion to the line; and the ways from
+every two entries of the map up to the horizon, which have no start in common and may run in opposite directions.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ _WAYS_ON = 32
 _HORIZON_STRETCHES = 3
 _LONGEST_COMPARED_MM = 10_000_000
 _KEPT_PAIRS = 100
+_ENTRY_PAIRS = 2_000
+"""Greatest number of pairs of entries that are compared; the audit tells how many are left."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, 
     """Check the routes; return their number (None if too many to compare one by one) and the pairs that were compared."""
     count = route_count(walk.topology)
     few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
-    pairs = [*(_end_to_end(walk, rules) if few else _behind_choices(walk, rules, ledger))]
+    pairs = [*(_end_to_end(walk, rules) if few else _within_horizon(walk, rules, ledger))]
     for pair in pairs:
         subject = f"{pair.first} and {pair.second}"
         ledger.check(rules.routes, pair.place, subject, faults_to_confuse=_faults(pair))
@@ -137,8 +140,38 @@ def _likeness(first: Sequence[Sighting], second: Sequence[Sighting], gate_mm: in
 # ------------------------------------------------------------------ many routes
 
 
-def _behind_choices(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RoutePair]:
+def _within_horizon(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RoutePair]:
     horizon = _HORIZON_STRETCHES * min(longest(0, rules.layout), _LONGEST_COMPARED_MM)
+    yield from _behind_choices(walk, rules, ledger, horizon)
+    yield from _from_entries(walk, rules, ledger, horizon)
+
+
+def _from_entries(walk: Walk, rules: Rules, ledger: Ledger, horizon_mm: int) -> Iterator[RoutePair]:
+    """Compare the ways from every two entries up to where they meet, whatever their directions; only where both see reflectors."""
+    found = {run: _ways_on(walk, run, horizon_mm)[:_WAYS_ON] for run in walk.topology.entries()}
+    ways = {run: those for run, those in found.items() if any(_named(walk, way).models for way in those)}
+    pairs = list(combinations(ways, 2))
+    if len(pairs) > _ENTRY_PAIRS:
+        place = walk.place(next(iter(ways)), 0)
+        left = len(pairs) - _ENTRY_PAIRS
+        ledger.add(rules.all_ways, place, f"{left} of {len(pairs)} pairs of entries to the map are not compared")
+    for first, second in pairs[:_ENTRY_PAIRS]:
+        apart = (_apart(walk, left, right, horizon_mm) for left, right in product(ways[first], ways[second]))
+        place = walk.place(first, 0)
+        compared = [_pair(*both, rules, False, place) for both in apart if all(way.models for way in both)]
+        if compared:
+            yield min(compared, key=_faults)
+
+
+def _apart(walk: Walk, left: Sequence[Run], right: Sequence[Run], horizon_mm: int) -> tuple[_Way, _Way]:
+    """Return both ways up to the run on which they meet, where vehicles on both are at one place, or up to the horizon."""
+    met = next((run for run in left if run in right), None)
+    parts = (left, right) if met is None else (_before(left, met), _before(right, met))
+    one, other = (_shortened(_named(walk, runs), horizon_mm) for runs in parts)
+    return one, other
+
+
+def _behind_choices(walk: Walk, rules: Rules, ledger: Ledger, horizon: int) -> Iterator[RoutePair]:
     for run in walk.runs:
         place = walk.place(run, walk.topology.length_mm(run))
         ways = [_ways_on(walk, branch, horizon) for branch in _branches(walk, run)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.railway.audit.findings import AuditReport, Ledger
+from safeloc.railway.audit.findings import AuditReport, Ledger, by_weight
 from safeloc.railway.audit.neighbours import check_balises, check_reflectors
 from safeloc.railway.audit.references import References
 from safeloc.railway.audit.routes import check_routes
@@ -33,7 +33,6 @@ def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "defaul
     check_switches(walk, rules, ledger)
     check_stops(walk, rules, ledger)
     routes, pairs = check_routes(walk, rules, ledger)
-    findings = sorted(ledger.findings, key=lambda one: (one.severity == "advice", one.rule, one.place, one.subject))
     return AuditReport(
         vehicle=vehicle,
         line=line.name,
@@ -41,7 +40,7 @@ def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "defaul
         checksum=content_checksum(line),
         layout=layout,
         elements={kind: len(elements) for kind, elements in kinds(line).items() if elements},
-        findings=tuple(findings),
+        findings=tuple(finding for kind in by_weight(ledger.findings) for finding in kind.findings),
         cases=dict(ledger.cases),
         routes=routes,
         route_pairs=pairs,

@@ -31,7 +31,10 @@ def test_a_long_line_keeps_every_rule() -> None:
     assert None is report.routes
     assert 60 * ELEMENTS_PER_BLOCK + 6 == sum(report.elements.values())
     assert 60 * 12 == report.cases["reflector after its balise"]
-    assert 60 * 2 == report.cases["routes told apart"] == report.cases["models on branches"]
+    assert 60 * 2 == report.cases["models on branches"]
+    assert (
+        60 * 2 + 1 == report.cases["routes told apart"]
+    )  # behind each switch, and from the two entries with reflectors
 
 
 def spoilt(line: Line, identity: str, model: str) -> Line:
@@ -159,6 +162,57 @@ def test_many_references_are_compared_behind_choices(monkeypatch: pytest.MonkeyP
     assert (2, [(30, 30)]) == (audit(line).routes, route_faults(line))
     monkeypatch.setattr(routes, "MOST_WORK", 2_000)
     assert (None, [(30, 30)]) == (audit(line).routes, route_faults(line))
+
+
+def two_tracks(models: str, other: str, *, travel: str = "increasing") -> Line:
+    """Two tracks without a switch between them, with reflectors of these models every 50 m."""
+    tracks = (("p", models), ("q", other))
+    return Line(
+        name="two",
+        version="1",
+        nodes=tuple(Node(id=f"{end}{track}") for track, _ in tracks for end in "ab"),
+        edges=tuple(
+            TrackEdge(id=track, from_node=f"a{track}", to_node=f"b{track}", length_mm=400_000, travel=travel)  # type: ignore[arg-type]
+            for track, _ in tracks
+        ),
+        reflectors=tuple(
+            reflector(f"{track}{index}", track, 50_000 + 50_000 * index, model)
+            for track, row in tracks
+            for index, model in enumerate(row)
+        ),
+    )
+
+
+@pytest.mark.parametrize("most_routes", [24, 0])
+@pytest.mark.parametrize(("other", "faults"), [("ABAC", 0), ("ABBC", 1), ("ACCB", 3)])
+def test_tracks_without_a_common_start_are_compared(
+    monkeypatch: pytest.MonkeyPatch, most_routes: int, other: str, faults: int
+) -> None:
+    """With few routes from end to end, with many from the entries on: with the same result."""
+    monkeypatch.setattr(routes, "MOST_ROUTES", most_routes)
+    line = two_tracks("ABAC", other)
+    assert [(faults, faults)] == route_faults(line)
+    found = [finding.rule for finding in audit(line).violated if finding.rule == "routes told apart"]
+    assert ["routes told apart"] * (faults == 0) == found
+
+
+def test_opposite_directions_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Up one track and down the other the same models are seen in the same order."""
+    monkeypatch.setattr(routes, "MOST_ROUTES", 0)
+    line = two_tracks("ABAC", "CABA", travel="both")
+    down = tuple(
+        one.model_copy(update={"direction": "decreasing"}) if one.edge == "q" else one for one in line.reflectors
+    )
+    [pair] = audit(line.model_copy(update={"reflectors": down})).route_pairs
+    assert ("ABAC", "ABAC", 0) == (pair.first_models, pair.second_models, pair.by_all.least)
+
+
+def test_pairs_of_entries_that_are_not_compared_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By their number; nothing is left silently."""
+    monkeypatch.setattr(routes, "MOST_ROUTES", 0)
+    monkeypatch.setattr(routes, "_ENTRY_PAIRS", 0)
+    found = [finding for finding in audit(two_tracks("A", "A")).findings if finding.rule == "ways compared"]
+    assert ["1 of 1 pairs of entries to the map are not compared"] == [finding.subject for finding in found]
 
 
 def ladder(steps: int) -> Line:
