@@ -8,7 +8,7 @@ dead ends         every reachable state has a lawful next step (safeloc.proof.pr
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import z3
@@ -30,7 +30,7 @@ ASSUMPTION_STEPS = 5
 RECORDED_STEPS = 65  # length of the recorded run that shows inputs changing
 ROUND_STEPS = 250
 PATIENCE = 2  # time limits of one search that all groups of inputs get together
-TOGETHER_SHARE = 0.25  # of the time left, for the question in which all inputs and ghosts change
+TOGETHER_SHARE = 0.25  # of the time left, for the questions in which all inputs and ghosts change at once
 FOR_EVER = "the assumption can be satisfied for ever"
 NO_DEAD_END = "every reachable state has a lawful next step"
 
@@ -86,11 +86,14 @@ def _most_moving(
 ) -> tuple[z3.ModelRef, list[str]]:
     """Return a run in which as many inputs and ghosts as possible change, and the names of the others.
 
-    The solver has found a run already. It is first asked for one in which all change; then only about the variables
-    that do not change in the run at hand.
+    The solver has found a run already. Another one is asked for a run in which all change, or all but those that contradict
+    the others; if that takes too long, the first one is asked only about the variables that do not change in the run at hand.
     """
     wanted = {var: z3.Or(*_changes(unrolling, var)) for var in _moving(system)}
-    model, still = _all_moving(solver, wanted.values(), ends) or solver.model(), list[str]()
+    together = _together(solver, wanted, deadline(TOGETHER_SHARE * ends.left))
+    if together is not None:
+        return together
+    model, still = solver.model(), list[str]()
     for var, changes in wanted.items():
         if z3.is_true(model.eval(changes, model_completion=True)):
             solver.add(changes)
@@ -105,12 +108,41 @@ def _most_moving(
     return model, still
 
 
-def _all_moving(solver: z3.Solver, wanted: Iterable[z3.BoolRef | z3.Probe], ends: Deadline) -> z3.ModelRef | None:
-    """Return a run in which all change, if the solver finds one in a share of the time."""
+def _together(
+    solver: z3.Solver, wanted: Mapping[Var, z3.BoolRef | z3.Probe], ends: Deadline
+) -> tuple[z3.ModelRef, list[str]] | None:
+    """Return a run in which all change but those that contradict the others, and their names; None if that takes too long."""
     own = plain_solver()
-    own.add(*solver.assertions(), *wanted)
-    found = ask(own, TOGETHER_SHARE * ends.left)
-    return own.model() if found == z3.sat else None
+    own.add(*solver.assertions(), *wanted.values())
+    answer = ask(own, ends.left)
+    if answer == z3.sat:
+        return own.model(), []
+    return _all_but_contradicting(solver, wanted, ends) if answer == z3.unsat else None
+
+
+def _all_but_contradicting(
+    solver: z3.Solver, wanted: Mapping[Var, z3.BoolRef | z3.Probe], ends: Deadline
+) -> tuple[z3.ModelRef, list[str]] | None:
+    """Leave out the last one of those that the solver's core names, until the others can change together.
+
+    At the end each one left out is asked for again, since a core may name more than are needed.
+    """
+    own, moves = plain_solver(), {var.name: z3.Bool(f"{var.name} moves") for var in wanted}
+    own.add(*solver.assertions(), *(z3.Implies(moves[var.name], changes) for var, changes in wanted.items()))
+    kept, left = dict(moves), dict[str, z3.BoolRef]()
+    while (answer := ask(own, ends.left, *kept.values())) == z3.unsat:
+        core = {str(named) for named in own.unsat_core()}
+        name = [name for name, moving in kept.items() if str(moving) in core][-1]
+        left[name] = kept.pop(name)
+    if answer != z3.sat:
+        return None
+    model, still = own.model(), list[str]()
+    for name, moving in reversed(left.items()):
+        if ask(own, ends.left, *kept.values(), moving) == z3.sat:
+            kept[name], model = moving, own.model()
+        else:
+            still.append(name)
+    return model, [name for name in moves if name in still]
 
 
 def _moved(run: Trace) -> int:
