@@ -54,6 +54,7 @@ HEAVY = {
     "openpyxl": ("safeloc/railway/map/imports/spreadsheet.py",),
     "pyproj": (
         "safeloc/railway/map/imports/geojson.py",
+        "safeloc/railway/map/imports/railml_coordinates.py",
         "safeloc/railway/map/projection.py",
         "safeloc/sensing/satellite/line_track.py",
     ),
@@ -87,12 +88,13 @@ KNOWS = {
     "railway.pictures": ("language", "reported"),
     "railway.map": ("language", "runtime", "railway.pictures", "config"),
     "railway.audit": ("language", "models", "railway.map"),
+    "railway.telegrams": ("language",),
     "railway.guard": ("language", "codegen", "runtime", "models", "railway.map", "railway.audit", "simulation"),
     "sensing": ("language", "runtime", "railway.map", "config"),
     "simulation": ("language", "runtime", "sensing", "config"),
     "models": (
-        "language", "codegen", "runtime", "reported", "proof.runs", "railway.map", "railway.pictures", "sensing",
-        "simulation", "config",
+        "language", "codegen", "runtime", "reported", "proof.runs", "railway.map", "railway.pictures",
+        "railway.telegrams", "sensing", "simulation", "config",
     ),
     "properties": ("language", "models"),
     "target": ("language", "reported", "railway.pictures", "config"),

@@ -1,0 +1,1 @@
+"""Tests of the telegrams and reports of ETCS."""
