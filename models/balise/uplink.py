@@ -6,7 +6,7 @@ A telegram tells distances; places follow from that of the group that sent it. C
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from safeloc.errors import InputError
@@ -14,7 +14,7 @@ from safeloc.language.units import MM_PER_M
 from safeloc.models.balise.groups import GROUPS_OF_A_COUNTRY
 from safeloc.models.balise.linking import LARGEST_ACCURACY_MM
 from safeloc.railway.telegrams.layout import Values
-from safeloc.railway.telegrams.variables import length_mm, scale_mm
+from safeloc.railway.telegrams.variables import UNKNOWN_LENGTH, length_mm, scale_mm
 from safeloc.runtime.streams.steps import Cell
 
 _REVERSE_ONLY, _NOMINAL_ONLY = 0, 1
@@ -97,15 +97,36 @@ def _announced(packet: Values, sender: Sender, accuracy_of: Accuracy) -> Iterato
         }
 
 
-def national_accuracy(packet: Values, nid_c: int) -> dict[str, Cell]:
-    """Return the input with the national location accuracy of packet 3; none if its values are for other countries.
+@dataclass(frozen=True)
+class NationalAccuracy:
+    """The national location accuracy that is stored, and the countries that it is for (SUBSET-026 3.18.2).
 
-    Raises InputError for another packet.
+    default_mm  counts before national values were received, and where those stored are not for the country of the group that
+                was read last: they are withdrawn there (`default_accuracy_mm` of the machine)
     """
-    if packet.get("NID_PACKET") != 3:
-        raise InputError(f"national values are packet 3, not {packet.get('NID_PACKET')}.")
-    countries = {packet["NID_C"], *(one["NID_C"] for one in packet["NID_C(k)"])}
-    return {"national_accuracy_mm": packet["Q_NVLOCACC"] * MM_PER_M} if nid_c in countries else {}
+
+    default_mm: int
+    stored_mm: int | None = None
+    countries: frozenset[int] = frozenset()
+
+    def received(self, packet: Values) -> NationalAccuracy:
+        """Return what packet 3 leaves stored. It replaces all values before, from the place on that `valid_from_mm` tells."""
+        if packet.get("NID_PACKET") != 3:
+            raise InputError(f"national values are packet 3, not {packet.get('NID_PACKET')}.")
+        countries = frozenset({packet["NID_C"], *(one["NID_C"] for one in packet["NID_C(k)"])})
+        return replace(self, stored_mm=packet["Q_NVLOCACC"] * MM_PER_M, countries=countries)
+
+    def inputs(self, nid_c: int) -> dict[str, Cell]:
+        """Return the machine's input in a country: the value stored for it, else the default. Give it with each group read."""
+        if self.stored_mm is None or nid_c not in self.countries:
+            return {"national_accuracy_mm": self.default_mm}
+        return {"national_accuracy_mm": self.stored_mm}
+
+
+def valid_from_mm(packet: Values) -> int:
+    """Return the distance from the group that sent packet 3 to where its values begin to count; 0: at once."""
+    distance: int = packet["D_VALIDNV"]
+    return 0 if distance == UNKNOWN_LENGTH else length_mm(distance, packet["Q_SCALE"])
 
 
 def group_reading(

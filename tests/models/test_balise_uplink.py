@@ -7,12 +7,21 @@ from typing import Any
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.models.balise.uplink import Sender, announcements, concerns, group_reading, identity, national_accuracy
+from safeloc.models.balise.groups import Group, telegram
+from safeloc.models.balise.uplink import (
+    NationalAccuracy,
+    Sender,
+    announcements,
+    concerns,
+    group_reading,
+    identity,
+    valid_from_mm,
+)
 from safeloc.railway.telegrams.balise_telegram import decode_telegram, encode_telegram
 from safeloc.railway.telegrams.layout import BitReader
 from safeloc.railway.telegrams.packets import BODIES, decode_packet, encode_packet
 from safeloc.railway.telegrams.position_report import Front, Lrbg, Train, position_report, reported_interval
-from tests.models.balise_runs import drive
+from tests.models.balise_runs import PLAIN, drive, step
 from tests.railway.telegrams.test_packets import HEADER, PUBLISHED, link
 
 SENDER = Sender(nid_c=426, position_mm=1_000_000, passed="NOMINAL", accuracy_mm=1_000)
@@ -58,12 +67,28 @@ def test_what_cannot_be_announced_is_refused() -> None:
 
 
 def test_the_national_accuracy_is_for_its_countries() -> None:
-    """NID_C and the list of further countries; nothing for others."""
-    packet: dict[str, Any] = {"NID_PACKET": 3, "NID_C": 426, "NID_C(k)": [{"NID_C": 84}], "Q_NVLOCACC": 12}
-    assert [{"national_accuracy_mm": 12_000}] * 2 == [national_accuracy(packet, country) for country in (426, 84)]
-    assert {} == national_accuracy(packet, 85)
+    """NID_C and the list of further countries; elsewhere, and before anything was received, the default counts."""
+    packet = national_values(5) | {"NID_C(k)": [{"NID_C": 84}]}
+    stored = NationalAccuracy(default_mm=12_000).received(packet)
+    assert [5_000, 5_000, 12_000] == [stored.inputs(country)["national_accuracy_mm"] for country in (426, 84, 85)]
+    assert {"national_accuracy_mm": 12_000} == NationalAccuracy(12_000).inputs(426)
+    newer = stored.received(national_values(7))
+    assert [7_000, 12_000] == [newer.inputs(country)["national_accuracy_mm"] for country in (426, 84)]
+    assert [0, 3_000] == [valid_from_mm({**packet, "Q_SCALE": 1, "D_VALIDNV": distance}) for distance in (32_767, 3)]
     with pytest.raises(InputError, match="national values are packet 3, not 5"):
-        national_accuracy({"NID_PACKET": 5}, 426)
+        stored.received({"NID_PACKET": 5})
+
+
+def test_withdrawn_national_values_are_the_machines_default_again() -> None:
+    """A group of another country is judged with the default accuracy: its interval is that of a machine that received none."""
+    abroad = Group(identity(85, 1), 0, accuracy_mm=None)
+    stored = NationalAccuracy(PLAIN.default_accuracy_mm).received(national_values(1))
+    read = step(1_000, telegram(abroad, since_mm=0))
+    margins = [
+        drive([step(1_000, before), read | with_it]).steps[-1].outputs["margin_above_mm"]
+        for before, with_it in (({}, {}), (stored.inputs(426), {}), (stored.inputs(426), stored.inputs(85)))
+    ]
+    assert margins[1] < margins[0] == margins[2]
 
 
 def balise(number: int, **changed: int) -> dict[str, Any]:
@@ -123,7 +148,7 @@ def test_from_telegrams_to_reports() -> None:
                 if packet["NID_PACKET"] == 5:
                     [announced] = announcements(packet, Sender(426, place, "NOMINAL"))
                 else:
-                    record |= national_accuracy(packet, 426)
+                    record |= NationalAccuracy(PLAIN.default_accuracy_mm).received(packet).inputs(426)
         stream.append(record | (announced if cycle == 1 else {}))
     reported, run = 0, drive(stream).steps
     assert run[50].outputs["margin_above_mm"] < run[49].outputs["margin_above_mm"]  # the second group is accepted
