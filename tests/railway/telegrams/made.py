@@ -33,13 +33,13 @@ def layouts(draw: st.DrawFn, parts: Sequence[Part], outer: dict[str, Any] | None
     return values
 
 
-def packets(sender: Sender) -> st.SearchStrategy[dict[str, Any]]:
-    """A packet of this sender, without L_PACKET."""
-    numbers = sorted(number for owner, number in BODIES if owner == sender)
+def packets(sender: Sender, *numbers: int) -> st.SearchStrategy[dict[str, Any]]:
+    """A packet of this sender, without L_PACKET; one of these numbers, if any are given."""
+    known = numbers or sorted(number for owner, number in BODIES if owner == sender)
     direction = {"Q_DIR": st.integers(0, 2)} if sender == "track" else {}
 
     def whole(number: int) -> st.SearchStrategy[dict[str, Any]]:
         head = st.fixed_dictionaries({"NID_PACKET": st.just(number), **direction})
         return st.tuples(head, layouts(BODIES[sender, number])).map(lambda both: both[0] | both[1])
 
-    return st.sampled_from(numbers).flatmap(whole)
+    return st.sampled_from(known).flatmap(whole)
