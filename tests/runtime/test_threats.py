@@ -18,7 +18,7 @@ CLAIMED = {4: "transmission", 5: "fibre_handover", 6: "balise"}
 
 def rows() -> dict[str, list[str]]:
     """The table's cells by threat."""
-    table = TEXT.split("## Transmission, after EN 50159")[1]
+    table = TEXT.split("## Transmission, after EN 50159")[1].split("###")[0]
     cells = [
         [cell.strip() for cell in line.strip("|").split(" | ")] for line in table.splitlines() if line.startswith("| ")
     ]
@@ -43,6 +43,13 @@ def test_every_threat_has_a_cell_for_every_interface() -> None:
     assert THREATS == list(rows())
     assert {7} == {len(row) for row in rows().values()}
     assert all(cell for row in rows().values() for cell in row)
+
+
+def test_the_program_prints_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
+    """As a reader would run it."""
+    [program] = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    exec(program, {})  # the page's own program
+    assert "1000000 150 None" == capsys.readouterr().out.strip() == program.strip().rpartition("# ")[2]
 
 
 @pytest.mark.parametrize("column", CLAIMED)
