@@ -25,7 +25,7 @@ from pydantic import BaseModel, ValidationError
 from safeloc.errors import InputError, ModelError, SafelocError
 from safeloc.language.composition import Composition
 from safeloc.language.machine import Machine
-from safeloc.language.renamed import FIELDS
+from safeloc.language.renamed import FIELDS, hint
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.reported import Reported, usual_names
@@ -193,7 +193,7 @@ def checked_config(kind: type[BaseModel], content: Mapping[str, Any], place: obj
     try:
         return kind.model_validate(_frozen(content))
     except ValidationError as error:
-        wrong = [f"  - {field}" for field in _fields(error)]
+        wrong = [f"  - {field}" for field in _fields(error, kind)]
         fields = "1 field is" if len(wrong) == 1 else f"{len(wrong)} fields are"
         raise InputError("\n".join([f"{place}: {fields} wrong:", *wrong])) from error
 
@@ -205,9 +205,25 @@ def _frozen(content: object) -> object:
     return tuple(_frozen(value) for value in content) if isinstance(content, list) else content
 
 
-def _fields(error: ValidationError) -> list[str]:
-    """Describe each wrong field: its name, the error, and the value."""
-    return [f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}{_now(e)}" for e in error.errors()]
+def _fields(error: ValidationError, kind: type[BaseModel] | None = None) -> list[str]:
+    """Describe each wrong field: its name, the error, the value, and for an unknown one the nearest field of `kind`."""
+    return [
+        f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}{_now(e) or _nearest(e, kind)}"
+        for e in error.errors()
+    ]
+
+
+def _nearest(error: Mapping[str, Any], kind: type[BaseModel] | None) -> str:
+    """Name the field that an unknown one may be meant for."""
+    if error["type"] != "extra_forbidden" or kind is None:
+        return ""
+    *way, name = map(str, error["loc"])
+    for step in way:
+        inner = kind.model_fields[step].annotation if step in kind.model_fields else None
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return ""
+        kind = inner
+    return f".{close}" if (close := hint(name, kind.model_fields)) else ""
 
 
 def _now(error: Mapping[str, Any]) -> str:

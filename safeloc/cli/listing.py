@@ -19,6 +19,7 @@ from safeloc.assurance.splits.folded import folded_cases
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, store_in
+from safeloc.config import figures
 from safeloc.proof.cache.store import Store
 
 _TERM_CHARACTERS = 200
@@ -29,7 +30,7 @@ _Listed = tuple[Any, Sequence[str]]
 
 def list_(
     what: Annotated[
-        str, typer.Argument(help="machines, properties, assumptions, shared, splits, requirements or lines")
+        str, typer.Argument(help="machines, properties, config, assumptions, shared, splits, requirements or lines")
     ] = "machines",
     machines: Annotated[
         list[str] | None,
@@ -47,7 +48,8 @@ def list_(
     """List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.
 
     `assumptions` is the register of all assumptions of the proofs. `shared` lists the sub-terms that claims and clauses
-    have in common with their machine: a wrong edit of such a term changes both. `splits` lists the cases that the default
+    have in common with their machine: a wrong edit of such a term changes both. `config` lists the figures of a machine's
+    configuration with unit, default and source. `splits` lists the cases that the default
     configuration folds away, and the configurations in which they are live.
     """
     asked = machines or ()
@@ -55,6 +57,7 @@ def list_(
     kinds: Mapping[str, Callable[[], _Listed]] = {
         "machines": _machines,
         "properties": lambda: _properties(chosen),
+        "config": lambda: _config(asked),
         "assumptions": lambda: _assumptions(asked),
         "shared": lambda: _shared(asked),
         "splits": lambda: _splits(asked),
@@ -65,8 +68,10 @@ def list_(
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
     if chosen.by_text and what != "properties":
         raise typer.BadParameter(f"--id and --text filter properties, not {what}.")
-    if asked and what not in ("properties", "assumptions", "shared", "splits"):
-        raise typer.BadParameter(f"--machine filters properties, assumptions, shared terms or splits, not {what}.")
+    if asked and what not in ("properties", "config", "assumptions", "shared", "splits"):
+        raise typer.BadParameter(
+            f"--machine filters properties, figures, assumptions, shared terms or splits, not {what}."
+        )
     data, lines = kinds[what]()
     if as_json:
         print_json(data)
@@ -95,6 +100,18 @@ def _properties(chosen: PropertyChoice) -> _Listed:
 
 def _targets(machines: Sequence[str]) -> list[Target]:
     return list(map(load_target, dict.fromkeys(machines or ENTRIES)))
+
+
+def _config(machines: Sequence[str]) -> _Listed:
+    """Return the figures of each machine's configuration at their defaults, as a configuration file names them."""
+    rows = [
+        {"machine": name, **figure}
+        for name in dict.fromkeys(machines or ENTRIES)
+        for config in (load_target(name).config,)
+        for figure in (figures(config) if config is not None else ())
+    ]
+    lines = [f"{row['machine']}  {row['name']} = {row['value']} {row['unit']}  {row['source']}" for row in rows]
+    return rows, lines or ["no figures are declared."]
 
 
 def _assumptions(machines: Sequence[str]) -> _Listed:

@@ -136,13 +136,21 @@ def enumeration(constants: tuple[Lit, ...]) -> Enumeration:
     return unit
 
 
+def _named(var: object) -> str:
+    return var.name if isinstance(var, (NumVar, BoolVar)) else "x"
+
+
 def before(var: NumVar) -> NumVar:
-    """Return, for use in a property, the value of a state variable before the step."""
+    """Return, for use in a property, the value of a state variable before the step. UnitError for a truth value (`was`)."""
+    if not isinstance(var, NumVar):
+        raise UnitError(f"{declared_at()}: before(...) is for numbers; write was({_named(var)}) for a truth value.")
     return NumVar(f"before.{var.name}", var.unit, var.low, var.high, var, declared_at())
 
 
 def was(var: BoolVar) -> BoolVar:
-    """Return, for use in a property, the truth value of a state variable before the step."""
+    """Return, for use in a property, the truth value of a state variable before the step. UnitError for a number (`before`)."""
+    if not isinstance(var, BoolVar):
+        raise UnitError(f"{declared_at()}: was(...) is for truth values; write before({_named(var)}) for a number.")
     return BoolVar(f"before.{var.name}", var, declared_at())
 
 

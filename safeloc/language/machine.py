@@ -85,6 +85,7 @@ class Machine:
         if unknown:
             raise KeyError(
                 f"{declared_at()}: {self.name} has no transition {unknown}; it has {list(table.members[1:])}."
+                f"{hint(unknown[0], table.members[1:])}"
             )
         return self.fired_name.one_of(*(Lit(table.index(name), table) for name in names))
 

@@ -345,8 +345,13 @@ def as_bool(value: Bool | bool) -> Bool:
     if isinstance(value, Bool):
         return value
     if not isinstance(value, bool):
+        bracket = (
+            " & and | bind tighter than comparisons: put the comparison in brackets, a & (b <= c)."
+            if isinstance(value, Num)
+            else ""
+        )
         raise UnitError(
-            f"{declared_at()}: expected a truth value or a Bool term, got {type(value).__name__} {value!r}."
+            f"{declared_at()}: expected a truth value or a Bool term, got {type(value).__name__} {value!r}.{bracket}"
         )
     return TRUE if value else FALSE
 

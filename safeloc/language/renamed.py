@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import wraps
@@ -59,7 +60,8 @@ def hint(name: str, known: Collection[str]) -> str:
 
 
 def refuse_old_keywords(error: type[SafelocError], renamed: Mapping[str, str]) -> Callable[[_Declaring], _Declaring]:
-    """Make a function or class raise `error`, with file and line, if it is called with an old keyword of `renamed`."""
+    """Make a function or class raise `error`, with file and line, if it is called with an old keyword of `renamed`, or with
+    one that it does not take."""
 
     def refusing(declaring: _Declaring) -> _Declaring:
         made: Any = declaring
@@ -81,11 +83,16 @@ def _remedy(old: str, new: str) -> str:
 
 
 def _guarded(call: Any, name: str, error: type[SafelocError], renamed: Mapping[str, str]) -> Any:
+    taken = [key for key in inspect.signature(call).parameters if key not in ("self", "src")]
+
     @wraps(call)
     def guarded(*values: Any, **named: Any) -> Any:
         for old, new in renamed.items():
             if old in named:
                 raise error(f"{declared_at()}: {name}: {_remedy(old, new)}")
+        for strange in named.keys() - {*taken, "src"}:
+            known = f"it takes {', '.join(taken)}"
+            raise error(f"{declared_at()}: {name} takes no {strange!r}; {known}.{hint(strange, taken)}")
         return call(*values, **named)
 
     return guarded

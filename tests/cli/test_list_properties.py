@@ -97,7 +97,7 @@ def test_filters_are_joined(call: Call) -> None:
         ),
         (
             ["lines", "--machine", "odometry"],
-            "--machine filters properties, assumptions, shared terms or splits, not lines",
+            "--machine filters properties, figures, assumptions, shared terms or splits, not lines",
         ),
         (
             ["requirements", "--id", ""],

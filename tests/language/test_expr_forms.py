@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product as pairs
 from typing import get_args
 
 import pytest
 
-from safeloc.errors import PropertyError
+from safeloc.errors import PropertyError, UnitError
 from safeloc.language.expr import (
     FALSE,
     TRUE,
@@ -23,6 +24,7 @@ from safeloc.language.expr import (
     number,
     optional,
     product,
+    was,
 )
 from safeloc.language.interpret import evaluate, holds
 from safeloc.language.machine import Machine, Transition, modes
@@ -118,3 +120,21 @@ def test_a_term_holds_or_not() -> None:
 def test_every_kind_of_node_says_what_it_is_made_of() -> None:
     """The table that terms are taken apart by has the closed set of kinds, and no other."""
     assert {*get_args(NumNode), *get_args(BoolNode)} == set(CHILDREN)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (
+            lambda: boolean("b") & number("n", MM, 0, 9) <= 3,
+            r"bind tighter than comparisons: put the comparison in brackets",
+        ),
+        (lambda: was(number("n", MM, 0, 9)), r"was\(\.\.\.\) is for truth values; write before\(n\) for a number"),
+        (lambda: before(boolean("b")), r"before\(\.\.\.\) is for numbers; write was\(b\) for a truth value"),
+        (lambda: before(3), r"write was\(x\) for a truth value"),
+    ],
+)
+def test_common_mistakes_are_told_with_the_remedy(wrong: Callable[[], object], message: str) -> None:
+    """With file and line of the user's own code."""
+    with pytest.raises(UnitError, match=rf"test_expr_forms\.py:\d+: .*{message}"):
+        wrong()

@@ -234,3 +234,15 @@ def test_inputs_and_first_values_by_old_names_are_refused() -> None:
     first = r"^gate: unknown state variables \['over_mm'\]; 'over_mm' is now 'margin_above_mm'\.$"
     with pytest.raises(InputError, match=first):
         start(lower(GATE), {"over_mm": 3})
+
+
+def test_a_keyword_that_is_not_taken_is_told_with_those_that_are() -> None:
+    """And with the nearest one, if one is near."""
+    (mode,) = modes("A")
+    with pytest.raises(
+        ModelError,
+        match=r"Transition takes no 'updates'; it takes name, source, target, when, set, requirements, rank\.$",
+    ):
+        Transition("go", mode, mode, updates={})  # type: ignore[call-arg]
+    with pytest.raises(ModelError, match=r"Transition takes no 'requirement'; .* Did you mean 'requirements'\?"):
+        Transition("go", mode, mode, requirement=())  # type: ignore[call-arg]

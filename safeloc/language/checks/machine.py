@@ -14,6 +14,7 @@ from safeloc.language.checks.terms import malformed
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.language.first_values import ANY, Initial
 from safeloc.language.nodes import Compare, Past
+from safeloc.language.render import infix
 from safeloc.language.terms import in_order, variables
 from safeloc.language.transition_table import STAY_NAME, Modes, Transition
 
@@ -63,11 +64,17 @@ def _variables_are_variables(machine: Machine) -> Iterator[str]:
     for t in machine.transitions:
         if not isinstance(t, Transition):
             yield f"transition {t!r}: make it with Transition(...)."
-        elif wrong := [mode for mode in (*t.sources, t.target) if not isinstance(mode, Lit)]:
-            yield f"transition {t.name!r} ({t.src}): {wrong[0]!r} is no mode; make modes with modes(...)."
+        elif wrong := [mode for mode in (*_sources(t), t.target) if not isinstance(mode, Lit)]:
+            text = " is a text; give the mode itself, as modes(...) made it." if isinstance(wrong[0], str) else ""
+            yield f"transition {t.name!r} ({t.src}): {wrong[0]!r}{text or ' is no mode; make modes with modes(...).'}"
     for mode in machine.modes:
         if not isinstance(mode, Lit):
             yield f"mode {mode!r}: make modes with modes(...)."
+
+
+def _sources(t: Transition) -> tuple[object, ...]:
+    """Return the source modes; a text is one wrong mode, not its letters."""
+    return (t.source,) if isinstance(t.source, str) else t.sources
 
 
 def _terms_are_terms(machine: Machine) -> Iterator[str]:
@@ -195,7 +202,7 @@ def _updates_fit(machine: Machine) -> Iterator[str]:
     for t in machine.transitions:
         for var, value in t.set.items():
             if var not in machine.state:
-                yield f"transition {t.name!r} ({t.src}) sets {var.name!r}, which is not a state variable."
+                yield f"transition {t.name!r} ({t.src}) sets {var.name!r}, which is not a state variable; declare it in state, with its first value."
             else:
                 yield from _fits(f"transition {t.name!r} ({t.src}) sets {var.name!r}", var, value)
     for var, move in machine.world.moves.items():
@@ -312,7 +319,7 @@ def _guards_can_hold(machine: Machine) -> Iterator[str]:
     for t in machine.transitions:
         nodes = in_order([t.when], fine)
         constant = [node for node in nodes if isinstance(node, Compare) and _is_constant(node)]
-        yield from [f"transition {t.name!r} ({t.src}): a comparison in its guard never changes."] * len(constant)
+        yield from (f"transition {t.name!r} ({t.src}): {_never_changes(node)}" for node in constant)
         if not constant:
             fine.update(nodes)
 
@@ -326,6 +333,13 @@ def _is_constant(node: Compare) -> bool:
         "<=": left[1] <= right[0] or left[0] > right[1],
         "==": left[1] < right[0] or left[0] > right[1],
     }[node.op]
+
+
+def _never_changes(node: Compare) -> str:
+    """Return a sentence on a comparison that is always true, or never, by the ranges of what it compares."""
+    sides = ((term, _range(term)) for term in (node.left, node.right) if isinstance(term, NumVar))
+    ranges = " and ".join(f"{term.name} lies between {reach[0]} and {reach[1]}" for term, reach in sides if reach)
+    return f"the comparison {infix(node)} in its guard never changes: {ranges or 'both sides are constants'}."
 
 
 def _range(term: Num) -> tuple[int, int] | None:

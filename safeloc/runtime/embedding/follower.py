@@ -18,9 +18,11 @@ from transitions.core import EventData
 
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
+from safeloc.language.renamed import hint
 
 _FOLLOW = "follow_machine"
 """The only trigger that the host's object gets; only its follower uses it."""
+_MOMENTS = ("on_enter", "on_exit")
 
 
 class Follower:
@@ -34,6 +36,7 @@ class Follower:
         self._labels = tuple(mode.label for mode in machine.modes)
         self._wanted = self._labels[0]
         _refuse_clash(model, self._labels)
+        _refuse_strange_callbacks(model, self._labels)
         self._model = model
         self._fsm = Fsm(
             model=model,
@@ -66,7 +69,7 @@ def _states(labels: tuple[str, ...], model: object) -> list[dict[str, Any]]:
     states = []
     for label in labels:
         state: dict[str, Any] = {"name": label}
-        for moment in ("on_enter", "on_exit"):
+        for moment in _MOMENTS:
             spellings = dict.fromkeys((f"{moment}_{label.lower()}", f"{moment}_{label}"))
             state[moment] = [name for name in spellings if _is_callback(model, name)]
         states.append(state)
@@ -81,6 +84,19 @@ def _is_callback(model: object, name: str) -> bool:
             "function that starts a task, or let a listener put each report into a queue."
         )
     return callable(callback)
+
+
+def _refuse_strange_callbacks(model: object, labels: tuple[str, ...]) -> None:
+    """Refuse a callback of no mode: it would never be called."""
+    known = {f"{moment}_{name}" for moment in _MOMENTS for label in labels for name in (label, label.lower())}
+    for name in dir(model):
+        if (
+            name.startswith(tuple(f"{moment}_" for moment in _MOMENTS))
+            and name not in known
+            and _is_callback(model, name)
+        ):
+            modes = ", ".join(labels)
+            raise InputError(f"{name} of the host object belongs to no mode; the modes are {modes}.{hint(name, known)}")
 
 
 def _refuse_clash(model: object, labels: tuple[str, ...]) -> None:

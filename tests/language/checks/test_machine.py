@@ -96,7 +96,10 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
         "1 is not a truth value.",
     ),
     "constant equality": ({"transitions": [Transition("go", A, B, X.eq(N + 0) | X.eq(11))]}, "never changes"),
-    "constant order": ({"transitions": [Transition("go", A, B, X < 0)]}, "never changes"),
+    "constant order": (
+        {"transitions": [Transition("go", A, B, X < 0)]},
+        "the comparison x < 0 mm in its guard never changes: x lies between 0 and 10.",
+    ),
     "assumption reads a stranger": (
         {"clauses": {"law": boolean("stranger")}},
         "clause 'law' reads 'stranger'; it may read only declared variables.",
@@ -150,7 +153,15 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     "mode that is no mode": ({"modes": ("A",), "transitions": []}, "mode 'A': make modes with modes(...)."),
     "source that is no mode": (
         {"transitions": [Transition("go", (A, "B"), B, P)]},
-        "'B' is no mode; make modes with modes(...).",
+        "'B' is a text; give the mode itself, as modes(...) made it.",
+    ),  # type: ignore[arg-type]
+    "source that is a text": (
+        {"transitions": [Transition("go", "CLOSED", B, P)]},  # type: ignore[arg-type]
+        "'CLOSED' is a text; give the mode itself",
+    ),
+    "target that is no mode": (
+        {"transitions": [Transition("go", A, 3, P)]},
+        "3 is no mode; make modes with modes(...).",
     ),  # type: ignore[arg-type]
     "row that is no transition": ({"transitions": ["go"]}, "transition 'go': make it with Transition(...)."),
     "divisor by hand": ({"outputs": {"o": FloorDiv(N, 0, MM)}}, "FloorDiv: divisor 0; build terms with the functions"),

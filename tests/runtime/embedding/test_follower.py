@@ -234,3 +234,21 @@ def test_the_example_of_the_readme_runs(tmp_path: Path) -> None:
     changes = [line for number, line in enumerate(told) if told[max(number - 1, 0)] != line or number == 0]
     out_of_it, back = ["located:", "FRONT"], ["restrictive: SENSOR_FAILURE", "DELOCALIZED"]
     assert changes == ["DELOCALIZED", *out_of_it, *back, *out_of_it]
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("on_enter_lokced", "Did you mean 'on_enter_locked'"), ("on_exit_nowhere", "")]
+)
+def test_a_callback_of_no_mode_is_refused(name: str, meant: str) -> None:
+    """It would never be called; the message names the modes, and the nearest callback."""
+    with pytest.raises(
+        InputError, match=rf"^{name} of the host object belongs to no mode; the modes are .*LOCKED.*{meant}"
+    ):
+        followed(SimpleNamespace(**{name: lambda event: None}))
+
+
+def test_what_only_looks_like_a_callback_stays() -> None:
+    """A host may keep a number under such a name."""
+    host = SimpleNamespace(on_enter_count=3)
+    followed(host)
+    assert 3 == host.on_enter_count
