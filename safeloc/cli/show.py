@@ -16,6 +16,8 @@ from safeloc.report.data import report_data
 from safeloc.report.headline import KindAndVerdict, counted, headline
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
+_SHOWN_STEPS = 30
+"""Steps of a run that are printed; the report holds all of them."""
 _COLOURS: Mapping[str, str] = {
     "proved": "green",
     "held": "cyan",
@@ -138,15 +140,13 @@ def _evidence(finding: Finding) -> None:
             out.print(f"\n[bold red]violated[/] {_escape(finding.id)}: {_escape(finding.statement)}")
             out.print(f"found by {engine}. {reason}".rstrip(), markup=False)
             if trace is not None:
-                out.print(trace.table(), markup=False)
-        case Unknown(reason, depth):
-            out.print(
-                f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} (no violation up to step {depth})"
-            )
+                out.print(trace.table(_SHOWN_STEPS), markup=False)
+        case Unknown(reason) as unknown:
+            out.print(f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} ({unknown.searched})")
         case Vacuous(reason, trace):
             out.print(f"\n[magenta]vacuous[/] {_escape(finding.id)}: {_escape(reason)}")
             if trace is not None:
-                out.print(trace.table(), markup=False)
+                out.print(trace.table(_SHOWN_STEPS), markup=False)
         case NotAsked(reason):
             out.print(f"\n[yellow]not asked[/] {_escape(finding.id)}: {_escape(reason)}")
         case Held(notes=notes) if finding.kind == "replay" and notes:

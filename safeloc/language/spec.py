@@ -47,7 +47,8 @@ class Property:
     statement           the requirement in words
     requirements        ids of the requirements that it verifies
     assumption          the assumption of the proof, in words
-    helper              within: a lemma over state and the number of steps waited, proved together with the property
+    helper              within: a lemma over state and the number of steps waited, which holds while a trigger waits for its
+                        response; proved together with the property
     unconditional       required for ALL inputs in range, also if the environment violates the assumption
     kept_by             in a composition: the machine on which it is proved, and the property in that machine's terms
                         (Composition.inherited)
@@ -246,12 +247,13 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     observer, waiting = _Observer(system, prop.name), waiting_for(prop)
     helper = prop.helper(waiting) if waiting is not None and prop.helper is not None else None
     check_reading(Reading(system, prop, waiting, helper))
+    while_waiting = TRUE if waiting is None or helper is None else (waiting > 0).implies(helper)
     good, plain = observer.goal(prop, waiting), _relied_on(system, prop)
     moved = {**plain.next, **observer.moves}
     initial = {**plain.initial, **observer.initial}
     first = all_of([plain.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
     extended = replace(plain, state=(*plain.state, *observer.moves), next=moved, init=first, initial=initial)
-    return Goal(extended, good, prop, tuple(observer.moves), system, plain, TRUE if helper is None else helper)
+    return Goal(extended, good, prop, tuple(observer.moves), system, plain, while_waiting)
 
 
 def waiting_for(prop: Property) -> NumVar | None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from safeloc.language.expr import NumVar, Var
 from safeloc.language.nodes import Value
@@ -34,13 +35,37 @@ class Trace:
         return [present_inputs(self.system, step.inputs) for step in self.steps]
 
     def table(self, limit: int = 60) -> str:
-        """Return the first state and the last `limit` steps as plain text, one line a step."""
+        """Return the run as plain text, one line a step, with what changed since the line before.
+
+        The first state and the last step are shown in full. Of a run longer than `limit`, the first steps, those that fire
+        something else than the step before, and the last ones are shown; a line tells how many are left out between.
+        """
         lines = [f"   0  start  {_row(self.system, self.initial)}"]
-        for number, step in enumerate(self.steps, 1):
-            fired = ", ".join(name for name in step.fired.values())
-            inputs = _row(self.system, present_inputs(self.system, step.inputs))
-            lines.append(f"{number:4}  {fired}  [{inputs}]  {_row(self.system, step.state)}")
-        return "\n".join(lines[:1] + lines[1:][-limit:])
+        inputs, state, before = dict[str, Value](), self.initial, 0
+        for number in self._told(limit):
+            step, full = self.steps[number - 1], number == len(self.steps)
+            if number > before + 1:
+                lines.append(_left_out(self.steps[before : number - 1]))
+            came = present_inputs(self.system, step.inputs)
+            both = ((came, inputs), (step.state, state))
+            told_inputs, told_state = (_row(self.system, new if full else _changed(new, old)) for new, old in both)
+            gone = "".join(f" no {name}" for name in inputs if name not in came and not full)
+            lines.append(f"{number:4}  {_fired(step)}  [{f'{told_inputs}{gone}'.strip()}]  {told_state}".rstrip())
+            inputs, state, before = came, step.state, number
+        return "\n".join(lines)
+
+    def _told(self, limit: int) -> list[int]:
+        """Return the numbers of the steps that a table shows."""
+        count = len(self.steps)
+        if count <= limit:
+            return list(range(1, count + 1))
+        ends = [*range(1, 1 + limit // 10), *range(count + 1 - limit // 5, count + 1)]
+        other = [
+            number
+            for number, (before, step) in enumerate(pairwise(self.steps), 2)
+            if step.fired != before.fired and number not in ends
+        ]
+        return sorted([*ends, *other[-(limit - len(ends)) :]])
 
 
 def present_inputs(system: TransitionSystem, inputs: Mapping[str, Value]) -> dict[str, Value]:
@@ -55,6 +80,20 @@ def shown(var: Var, value: Value) -> str:
     if isinstance(var, NumVar) and isinstance(var.unit, Enumeration):
         return var.unit.members[value] if value < len(var.unit.members) else f"{value}, no member"
     return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _fired(step: Step) -> str:
+    return ", ".join(step.fired.values())
+
+
+def _left_out(steps: Sequence[Step]) -> str:
+    """Return a line for steps that a table does not show: their number, and what they fire if all fire the same."""
+    fired = {_fired(step) for step in steps}
+    return f"      ... {len(steps)} more steps{f': {fired.pop()}' if len(fired) == 1 else ''}"
+
+
+def _changed(values: Mapping[str, Value], before: Mapping[str, Value]) -> dict[str, Value]:
+    return {name: value for name, value in values.items() if name not in before or before[name] != value}
 
 
 def _row(system: TransitionSystem, values: Mapping[str, Value]) -> str:

@@ -63,6 +63,11 @@ class Unknown(_NoTruth):
     reason: str
     depth: int = -1
 
+    @property
+    def searched(self) -> str:
+        """How far runs were searched, in words."""
+        return "no runs searched" if self.depth < 0 else f"all runs of up to {self.depth} steps searched"
+
 
 @dataclass(frozen=True, eq=False)
 class Vacuous(_NoTruth):

@@ -37,8 +37,8 @@ def _case(suite: ElementTree.Element, finding: Finding) -> None:
         case Violated(trace, engine, reason):
             failure = ElementTree.SubElement(case, "failure", message=f"{finding.statement} ({engine}) {reason}")
             failure.text = "" if trace is None else trace.table()
-        case Unknown(reason, depth):
-            ElementTree.SubElement(case, "error", message=f"undecided: {reason} (no violation up to step {depth})")
+        case Unknown(reason) as unknown:
+            ElementTree.SubElement(case, "error", message=f"undecided: {reason} ({unknown.searched})")
         case Vacuous(reason, trace):
             error = ElementTree.SubElement(case, "error", message=f"vacuous: {reason}")
             error.text = "" if trace is None else trace.table()

@@ -29,15 +29,38 @@ def test_a_trace_reads_as_a_table() -> None:
     """Labels instead of numbers; what was absent is not shown."""
     assert run(SYSTEM, STREAM).table() == (
         "   0  start  mode=IDLE last=0\n"
-        "   1  (stay)  [signal=green]  mode=IDLE last=0\n"
+        "   1  (stay)  [signal=green]\n"
         "   2  see  [distance=40 signal=red]  mode=SEEN last=40"
     )
 
 
-def test_a_long_table_keeps_start_and_end() -> None:
-    """The first state and the last steps are what explains a violation."""
-    lines = run(SYSTEM, STREAM * 50).table(limit=2).splitlines()
-    assert [line.split()[0] for line in lines] == ["0", "99", "100"]
+def test_a_table_shows_what_changed_and_the_last_step_in_full() -> None:
+    """An optional input that does not come any more is named."""
+    seen = {"signal": "red", "distance": 40}
+    assert run(SYSTEM, [seen, seen, {"signal": "red"}, {"signal": "red"}, seen]).table().splitlines()[1:] == [
+        "   1  see  [distance=40 signal=red]  mode=SEEN last=40",
+        "   2  see  []",
+        "   3  (stay)  [no distance]",
+        "   4  (stay)  []",
+        "   5  see  [distance=40 signal=red]  mode=SEEN last=40",
+    ]
+
+
+def test_a_long_table_says_what_it_leaves_out() -> None:
+    """The first steps, those that fire something else, and the last ones; between them the number of the others."""
+    still, seen = {"signal": "green"}, {"signal": "red", "distance": 40}
+    lines = run(SYSTEM, [*[still] * 40, seen, *[still] * 59]).table(limit=10).splitlines()
+    assert [line.split("  [")[0].strip() for line in lines] == [
+        "0  start  mode=IDLE last=0", "1  (stay)", "... 39 more steps: (stay)", "41  see", "42  (stay)",
+        "... 56 more steps: (stay)", "99  (stay)", "100  (stay)",
+    ]  # fmt: skip
+
+
+def test_a_long_table_stays_within_its_limit() -> None:
+    """Where every step fires something else than the one before, the latest of them are shown."""
+    lines = run(SYSTEM, STREAM * 50).table(limit=10).splitlines()
+    assert [line.split()[0] for line in lines] == ["0", "1", "...", *map(str, range(92, 101))]
+    assert "... 90 more steps" == lines[2].strip()
 
 
 def test_a_trace_is_a_stream_again() -> None:

@@ -86,7 +86,7 @@ def test_require_proved_hands_the_proof_on() -> None:
             Violated(TRACE, "bmc", "lit by day"),
             "violated (found by bmc) lit by day after 2 steps\n"
             "   0  start  mode=OFF\n"
-            "   1  (stay)  [pushed=false]  mode=OFF\n"
+            "   1  (stay)  [pushed=false]\n"
             "   2  light  [pushed=true]  mode=ON",
         ),
         (Violated(None, "induction", "unreachable"), "violated (found by induction) unreachable"),

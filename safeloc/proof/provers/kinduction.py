@@ -6,7 +6,7 @@ query; the start query of k alone says nothing about shorter runs. The second so
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from safeloc.codegen.smtlib import Query
@@ -17,10 +17,14 @@ from safeloc.language.terms import Substitution, conjuncts
 from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.further_assumption import nothing_begins
-from safeloc.proof.provers.implication import Undecided, unproved
+from safeloc.proof.provers.implication import Failure, Refuted, Undecided, unproved
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recheck import ENGINE, INDUCTION_OF_ONE_GOAL, UNCONFIRMED, certify
+
+_SHOWN = 12
+"""Variables of a counterexample to induction that are named; those that are 0 or false are left out."""
+_NOTHING = ("0", "False", "false")
 
 
 def kinduction(goal: Goal, limits: Limits) -> Verdict:
@@ -37,6 +41,7 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
         if not unproved(implied, ends.left, limits.seed):
             return _proved(goal, known, 1, (implied,), limits.recheck_seconds)
     starts: list[Query[str]] = []
+    failed: dict[str, Failure] = {}
     for k in range(1, limits.induction + 1):
         start, later = queries(goal, known, k)
         starts.append(start)
@@ -49,7 +54,23 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
         undecided = [str(why) for why in failed.values() if isinstance(why, Undecided)]
         if undecided:
             return Unknown(f"k = {k}: {undecided[0]}", k - 1)
-    return Unknown(f"not {limits.induction}-inductive with the proved ranges and lemmas", limits.induction - 1)
+    why = f"not {limits.induction}-inductive with the proved ranges and lemmas{_for_example(goal, failed)}"
+    return Unknown(why, limits.induction - 1)
+
+
+def _for_example(goal: Goal, failed: Mapping[str, Failure]) -> str:
+    """Return words on a counterexample to induction: a state that keeps all that is proved, some good steps before a bad one."""
+    example = next((why.example for why in failed.values() if isinstance(why, Refuted)), None)
+    if example is None:
+        return ""
+    shown = {var.name: example[var.name] for var in goal.original.state if example.get(var.name, "0") not in _NOTHING}
+    most = list(shown.items())[:_SHOWN]
+    more = f" and {len(shown) - len(most)} more" if len(shown) > len(most) else ""
+    values = ", ".join(f"{name} = {value}" for name, value in most) or "all 0 or false"
+    return (
+        f": good steps from a state with {values}{more} lead to a bad one. If no run comes to such a state, a lemma that "
+        "excludes it makes the proof; if one does, a search with more --depth or --seconds finds it"
+    )
 
 
 def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], seconds: float) -> Verdict:

@@ -18,6 +18,7 @@ from safeloc.language.expr import TRUE
 from safeloc.language.spec import Goal, Property, always, observe
 from safeloc.language.system import Part, TransitionSystem, in_range
 from safeloc.language.terms import alike, variables
+from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
@@ -41,6 +42,8 @@ from safeloc.proof.results import Finding
 
 GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
+DEEPEST = 1_000
+"""Steps of the longest runs to an event that are searched while there is time."""
 OnFinding = Callable[[Finding], None]
 
 
@@ -71,17 +74,25 @@ _ENGINES: tuple[tuple[str, Callable[[Goal, Limits], Verdict], float], ...] = (
 
 
 def _reach(goal: Goal, limits: Limits) -> Verdict:
-    """Return a witness, or a proof that there is none."""
-    half = replace(limits, seconds=limits.seconds / 2)
-    found = search(goal, half)
+    """Return a witness, or a proof that there is none. What is left of the time goes into longer runs than the depth limit."""
+    ends = deadline(limits.seconds)
+    found = search(goal, replace(limits, seconds=limits.seconds / 2))
     if not isinstance(found, Exhausted):
-        return Proved(None, "bmc", len(found.steps), ("interpreter",), witness=found)
-    never = kinduction(goal, half)
+        return _witnessed(found)
+    never = kinduction(goal, replace(limits, seconds=limits.seconds / 2))
     if isinstance(never, Proved):
         return Violated(None, never.engine, f"no run reaches it: proved by {never.engine}")
     if isinstance(never, Vacuous):
         return never
-    return Unknown(found.reason, found.depth)
+    if found.depth == limits.depth and ends.left > 0:
+        found = search(goal, replace(limits, depth=max(limits.depth, DEEPEST), seconds=ends.left))
+    if not isinstance(found, Exhausted):
+        return _witnessed(found)
+    return Unknown(f"not reached, and not shown to be unreachable: {found.reason}; try more --seconds", found.depth)
+
+
+def _witnessed(run: Trace) -> Proved:
+    return Proved(None, "bmc", len(run.steps), ("interpreter",), witness=run)
 
 
 def prove(

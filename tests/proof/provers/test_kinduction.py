@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.spec import observe, within
+from safeloc.language.spec import observe, previous, within
 from safeloc.language.verdict import Unknown, require_proved
 from safeloc.proof.provers import kinduction as module
 from safeloc.proof.provers.kinduction import kinduction, queries
@@ -25,7 +26,10 @@ def test_a_declared_lemma_makes_a_property_inductive() -> None:
     """Without its lemma the claim is undecided at every k that is tried; with it, one step is enough."""
     alone = kinduction(goal(pair(), FULL_TOGETHER), Limits())
     assert isinstance(alone, Unknown)
-    assert alone.reason == "not 3-inductive with the proved ranges and lemmas"
+    assert re.match(
+        r"not 3-inductive with the proved ranges and lemmas: good steps from a state with \w+ = \d+.* lead to a bad one",
+        alone.reason,
+    )
     proved = require_proved(kinduction(goal(pair({"in step": SAME}), FULL_TOGETHER), ONE))
     assert proved.engine == "1-induction"
 
@@ -77,12 +81,13 @@ def test_an_unconditional_property_uses_no_assumption() -> None:
 
 
 def test_a_helper_is_proved_with_the_property() -> None:
-    """A lemma over the time waited helps to prove a response time, and is proved too."""
+    """A lemma over the time waited helps to prove a response time, and is proved too; with nothing pending it says nothing."""
     lowered = system(counter())
-    silent = within("soon", 3, LEVEL.eq(10), LEVEL >= 10, helper=lambda waited: waited <= 0)
-    require_proved(kinduction(observe(lowered, silent), ONE))
-    wrong = replace(silent, name="wrong helper", helper=lambda waited: waited > 3)
+    soon = within("soon", 3, LEVEL.eq(10), LEVEL >= 10, helper=lambda waited: waited > 3)
+    require_proved(kinduction(observe(lowered, soon), ONE))  # its trigger never waits
+    wrong = within("one step later", 1, TICK, previous(TICK), helper=lambda waited: waited > 3)
     assert isinstance(kinduction(observe(lowered, wrong), Limits()), Unknown)
+    require_proved(kinduction(observe(lowered, replace(wrong, helper=lambda waited: waited <= 1)), Limits()))
 
 
 def test_no_time_is_unknown() -> None:
