@@ -17,6 +17,7 @@ from safeloc.config import Configurations
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.reported import Reported
@@ -136,6 +137,22 @@ class Entry(Generic[AnyConfig]):
 def recorded(name: str) -> tuple[Path, ...]:
     """Return the recordings that ship for a machine: `models/streams/NAME-what-happens.jsonl.gz`."""
     return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl.gz")))
+
+
+def find_recording(target: Target, name: Path) -> Path:
+    """Return an existing file, or the recording of that name that ships with the target. InputError names those that ship."""
+    if name.exists():
+        return name
+    known = {recording_name(path): path for path in target.streams}
+    if str(name) in known:
+        return known[str(name)]
+    shipped = f"shipped with {target.name} are {', '.join(known)}" if known else f"none ships with {target.name}"
+    raise InputError(f"{name}: no such file, and no recording of that name; {shipped}.{hint(str(name), known)}")
+
+
+def recording_name(path: Path) -> str:
+    """Return the name of a recording: that of its file without suffixes."""
+    return path.name.partition(".")[0]
 
 
 def witnesses_of(name: str) -> Path | None:

@@ -21,6 +21,7 @@ from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, store_in
 from safeloc.config import figures
 from safeloc.proof.cache.store import Store
+from safeloc.target import recording_name
 
 _TERM_CHARACTERS = 200
 _NO_REASON = "no reason is declared"
@@ -30,7 +31,10 @@ _Listed = tuple[Any, Sequence[str]]
 
 def list_(
     what: Annotated[
-        str, typer.Argument(help="machines, properties, config, assumptions, shared, splits, requirements or lines")
+        str,
+        typer.Argument(
+            help="machines, properties, config, recordings, assumptions, shared, splits, requirements or lines"
+        ),
     ] = "machines",
     machines: Annotated[
         list[str] | None,
@@ -49,7 +53,7 @@ def list_(
 
     `assumptions` is the register of all assumptions of the proofs. `shared` lists the sub-terms that claims and clauses
     have in common with their machine: a wrong edit of such a term changes both. `config` lists the figures of a machine's
-    configuration with unit, default and source. `splits` lists the cases that the default
+    configuration with unit, default and source, `recordings` the streams that ship with it, for `safeloc replay`. `splits` lists the cases that the default
     configuration folds away, and the configurations in which they are live.
     """
     asked = machines or ()
@@ -58,6 +62,7 @@ def list_(
         "machines": _machines,
         "properties": lambda: _properties(chosen),
         "config": lambda: _config(asked),
+        "recordings": lambda: _recordings(asked),
         "assumptions": lambda: _assumptions(asked),
         "shared": lambda: _shared(asked),
         "splits": lambda: _splits(asked),
@@ -68,9 +73,9 @@ def list_(
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
     if chosen.by_text and what != "properties":
         raise typer.BadParameter(f"--id and --text filter properties, not {what}.")
-    if asked and what not in ("properties", "config", "assumptions", "shared", "splits"):
+    if asked and what not in ("properties", "config", "recordings", "assumptions", "shared", "splits"):
         raise typer.BadParameter(
-            f"--machine filters properties, figures, assumptions, shared terms or splits, not {what}."
+            f"--machine chooses machines of which something is listed, and {what} are not of a machine."
         )
     data, lines = kinds[what]()
     if as_json:
@@ -112,6 +117,16 @@ def _config(machines: Sequence[str]) -> _Listed:
     ]
     lines = [f"{row['machine']}  {row['name']} = {row['value']} {row['unit']}  {row['source']}" for row in rows]
     return rows, lines or ["no figures are declared."]
+
+
+def _recordings(machines: Sequence[str]) -> _Listed:
+    """Return the recordings that ship, as `safeloc replay MACHINE NAME` takes them."""
+    rows = [
+        {"machine": target.name, "name": recording_name(path)}
+        for target in _targets(machines)
+        for path in target.streams
+    ]
+    return rows, _lines(rows) or ["no recordings ship with it."]
 
 
 def _assumptions(machines: Sequence[str]) -> _Listed:

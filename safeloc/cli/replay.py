@@ -17,11 +17,17 @@ from safeloc.proof.verification.replay import as_table, replay_stream
 from safeloc.report.assumptions import as_data, as_lines, numbers_of
 from safeloc.report.data import report_data
 from safeloc.report.folder import usable, write_folder
+from safeloc.target import find_recording
 
 
 def replay(
     target: TargetArgument,
-    stream: Annotated[Path, typer.Argument(help="JSONL, CSV or Parquet with the inputs of every step")],
+    stream: Annotated[
+        Path,
+        typer.Argument(
+            help="JSONL, CSV or Parquet with the inputs of every step; or a recording that ships (safeloc list recordings)"
+        ),
+    ],
     config: ConfigOption = None,
     period: Annotated[
         int | None,
@@ -47,6 +53,7 @@ def replay(
     if run is not None and period is not None:
         raise typer.BadParameter("--period-ms groups single records; the run of --run consists of steps.")
     loaded = load_target(target, config)
+    stream = find_recording(loaded, stream)
     if assumptions:
         if folder is not None or form != "table":
             raise typer.BadParameter("--assumptions excludes --out and --format; give --json for data.")

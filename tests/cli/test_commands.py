@@ -103,8 +103,13 @@ def test_list_properties(call: Call) -> None:
         (["prove", DOOR.replace(":machine", ":door")], "machines in it: ['machine']"),
         (["prove", DOOR, "--property", "none"], "has no property 'none'"),
         (["prove", "odometry", "--config", "no_such.toml"], "no_such.toml: no such file."),
-        (["list", "trains"], "choose one of machines, properties, assumptions, shared"),
-        (["replay", "odometry", "no_such.jsonl"], "no_such.jsonl: no such file."),
+        (["list", "trains"], "choose one of machines, properties, config, recordings, assumptions, shared"),
+        (
+            ["replay", "odometry", "no_such.jsonl"],
+            "no_such.jsonl: no such file, and no recording of that name; shipped with",
+        ),
+        (["replay", "odometry", "odometry-servise"], "Did you mean 'odometry-service'?"),
+        (["replay", DOOR, "none.jsonl"], "no recording of that name; none ships with door"),
         (["replay", DOOR, "x.jsonl", "--format", "xml"], "choose table or jsonl"),
         (["export", DOOR, "--to", "pdf"], "choose one of python, mermaid"),
         (["export", DOOR, "--to", "svg", "--out", "no/such/folder/x.svg"], "no/such/folder/x.svg: cannot be written"),
@@ -173,6 +178,15 @@ def test_a_stream_that_cannot_be_replayed(call: Call, tmp_path: Path, line: str,
     called = call("replay", DOOR, str(path))
     assert (called.code, called.out) == (2, "")
     assert message in called.err
+
+
+def test_a_recording_that_ships_is_replayed_by_its_name(call: Call) -> None:
+    """As `safeloc list recordings` names it; wherever the package is installed."""
+    listed = call("list", "recordings", "--machine", "axle_head").out.split()
+    assert "axle_head" == listed[0]
+    called = call("replay", "axle_head", listed[1], "--json")
+    assert 0 == called.code
+    assert "replay" in {finding["kind"] for finding in json.loads(called.out)["findings"]}
 
 
 def test_replay_as_a_table(call: Call, tmp_path: Path) -> None:

@@ -97,7 +97,7 @@ def test_filters_are_joined(call: Call) -> None:
         ),
         (
             ["lines", "--machine", "odometry"],
-            "--machine filters properties, figures, assumptions, shared terms or splits, not lines",
+            "--machine chooses machines of which something is listed, and lines are not of a machine",
         ),
         (
             ["requirements", "--id", ""],
