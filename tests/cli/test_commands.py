@@ -186,7 +186,7 @@ def test_a_recording_that_ships_is_replayed_by_its_name(call: Call) -> None:
     assert "axle_head" == listed[0]
     called = call("replay", "axle_head", listed[1], "--json")
     assert 0 == called.code
-    assert "replay" in {finding["kind"] for finding in json.loads(called.out)["findings"]}
+    assert "replay" in {found["kind"] for found in json.loads(called.out)["results"]}
 
 
 def test_replay_as_a_table(call: Call, tmp_path: Path) -> None:
