@@ -33,7 +33,7 @@ COMMANDS: Mapping[str, Known] = {
     "import": Known(
         "line_import",
         "import_line",
-        "Import a map; report everything that was not understood, dropped or assumed.",
+        "Import a map; report everything that was not understood, dropped or assumed. Exit code 1 where elements were refused.",
     ),
     "audit": Known(
         "audit",

@@ -59,7 +59,7 @@ def test_refused_at_birth() -> None:
     """A comparison that never changes is refused when the machine is declared."""
     one = outcome("bound off by one unit", "<= becomes <")
     assert "refused at birth" == one.everywhere.fate
-    assert "a comparison in its guard never changes." in one.everywhere.how
+    assert "in its guard never changes: brakings lies between 0 and 3." in one.everywhere.how
 
 
 def test_a_variable_that_is_never_read() -> None:
