@@ -39,6 +39,14 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
     return Checkout(tmp_path_factory.mktemp("checkout"))
 
 
+def test_a_new_copy_keeps_what_it_finds(tmp_path: Path) -> None:
+    """Otherwise warm and cold runs would be the same, and their comparison would show nothing."""
+    copy, cache = Checkout(tmp_path / "copy"), tmp_path / "cache"
+    assert [frozenset(), frozenset({"travel_direction"})] == [
+        copy.verified("travel_direction", cache).kept for _ in range(2)
+    ]
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     "case", [Case(0, "machine", "emitter"), pytest.param(Case(1, "engine", "emitter"), marks=pytest.mark.slow)]
