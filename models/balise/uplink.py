@@ -135,8 +135,9 @@ def group_reading(
     """Return the inputs of a group reading from the telegrams of its balises, in the order in which they were read.
 
     age_ms, since_mm  time and measured distance since the antenna stood over balise 1
-    A balise that was not read counts as read where its duplicate was (M_DUP), but for a group of which a single balise was
-    read: that shows no direction of running, and counts as incomplete. Raises InputError where there is no telegram, or
+    A balise that was not read counts as read where its duplicate was (M_DUP). This does not hold for balise 1, since time and
+    distance count from it, and not for a group of which a single balise was read, since that shows no direction of running:
+    such a reading counts as incomplete. Raises InputError where there is no telegram, or
     two of them are not of one group, or one balise comes twice.
     """
     if not telegrams:
@@ -166,7 +167,7 @@ def _read(telegrams: Sequence[Mapping[str, Any]], last_number: int) -> set[int]:
     """Return the numbers of the balises whose telegram is known, from themselves or from a duplicate."""
     found = {one["N_PIG"] for one in telegrams}
     for one in telegrams if len(telegrams) > 1 else ():
-        beside = {_BEFORE_NEXT: 1, _AFTER_PREVIOUS: -1}.get(one["M_DUP"], 0)
-        if 0 <= one["N_PIG"] + beside <= last_number:
-            found.add(one["N_PIG"] + beside)
+        beside = one["N_PIG"] + {_BEFORE_NEXT: 1, _AFTER_PREVIOUS: -1}.get(one["M_DUP"], 0)
+        if 1 <= beside <= last_number:
+            found.add(beside)
     return found

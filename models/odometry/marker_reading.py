@@ -129,10 +129,10 @@ def reader(declared: Declared, name: str, *, offset: Num, offset_tolerance_mm: i
 class Fix(Interval):
     """The place of end A (in mm) at the end of the cycle by one reading.
 
-    unseen  how much farther the vehicle may have run since the reading than the device at that end measured, nm
+    unseen_nm  how much farther the vehicle may have run since the reading than the device at that end measured
     """
 
-    unseen: Num
+    unseen_nm: Num
 
     def fits(self, reference: Interval) -> Bool:
         """Return whether the reading may be true while the reference holds the truth.
@@ -140,7 +140,7 @@ class Fix(Interval):
         The one-off part of a unit's error may change by the whole constant within a cycle. The constant that is added to
         the values which the reading sets covers that; the reference may be of a device whose error has a part of its own.
         """
-        return self.widened(self.unseen).meets(reference)
+        return self.widened(self.unseen_nm).meets(reference)
 
     def values(self, wander_nm: int, tolerance_nm: int, limit_mm: int) -> Values:
         """Return the values of a unit that the reading sets: its one-off constant counts from the start."""
@@ -161,8 +161,8 @@ def fix(reader: Reader, moved: Cycle) -> Fix:
     own = accuracy + abs_(since) * Lit(reader.since_ppm, PPM) + reader.offset_tolerance_mm * NM_PER_MM
     constant_nm = 2 * min(unit.start_wander_nm(moved.device) for unit in moved.device.units)
     in_latency_nm = -(-constant_nm * reader.latency_ppm // PPM_PER_ONE)
-    unseen = ite(reader.since.present, as_num(in_latency_nm, NM), as_num(constant_nm, NM))
-    return Fix(reader.place.value + since + reader.offset, own + forth, own + back, unseen)
+    unseen_nm = ite(reader.since.present, as_num(in_latency_nm, NM), as_num(constant_nm, NM))
+    return Fix(reader.place.value + since + reader.offset, own + forth, own + back, unseen_nm)
 
 
 # ------------------------------------------------------------------ identities that wait for the trailing reader

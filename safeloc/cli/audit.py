@@ -8,7 +8,7 @@ import typer
 
 from safeloc.cli.console import out, print_json
 from safeloc.railway.audit import audit
-from safeloc.railway.audit.findings import AuditReport
+from safeloc.railway.audit.findings import AuditReport, as_folded_text
 from safeloc.railway.audit.vehicle import find_layout
 from safeloc.railway.map.toml_files import find_line
 
@@ -51,7 +51,7 @@ def _lines(report: AuditReport, every: bool) -> list[str]:
     return [
         f"{report.line} version {report.version} for {report.vehicle}, {report.checksum}",
         f"{elements}; {routes}",
-        *(text for kind in report.kinds for text in kind.as_text(len(kind.findings) if every else _SHOWN)),
+        *as_folded_text(report.findings, len(report.findings) if every else _SHOWN),
         *(
             ["", "routes, and missed or misread reflectors that make one look like another:"]
             if report.route_pairs

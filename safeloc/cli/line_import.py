@@ -38,12 +38,12 @@ def import_line(
     if as_json:
         print_json([{"kind": note.kind, "place": note.place, "text": note.text} for note in imported.notes])
     else:
-        _tell(imported, every_note)
+        _print_notes(imported, every_note)
         err.print(f"{_summary(imported)}: {where}", markup=False)
     raise typer.Exit(_REFUSED if imported.refused else 0)
 
 
-def _tell(imported: Imported, every_note: bool) -> None:
+def _print_notes(imported: Imported, every_note: bool) -> None:
     """Print the refused elements one by one and first, then all other notes."""
     others = [note for note in imported.notes if note.kind != "refused"]
     for note in (*imported.refused, *(others if every_note else similar(others))):

@@ -53,8 +53,8 @@ def list_(
 
     `assumptions` is the register of all assumptions of the proofs. `shared` lists the sub-terms that claims and clauses
     have in common with their machine: a wrong edit of such a term changes both. `config` lists the figures of a machine's
-    configuration with unit, default and source, `recordings` the streams that ship with it, for `safeloc replay`. `splits` lists the cases that the default
-    configuration folds away, and the configurations in which they are live.
+    configuration with unit, default and source, `recordings` the streams that ship with it, for `safeloc replay`. `splits`
+    lists the cases that the default configuration folds away, and the configurations in which they are live.
     """
     asked = machines or ()
     chosen = PropertyChoice(asked, requirement, text)
@@ -110,10 +110,10 @@ def _targets(machines: Sequence[str]) -> list[Target]:
 def _config(machines: Sequence[str]) -> _Listed:
     """Return the figures of each machine's configuration at their defaults, as a configuration file names them."""
     rows = [
-        {"machine": name, **figure}
-        for name in dict.fromkeys(machines or ENTRIES)
-        for config in (load_target(name).config,)
-        for figure in (figures(config) if config is not None else ())
+        {"machine": target.name, **figure}
+        for target in _targets(machines)
+        if target.config is not None
+        for figure in figures(target.config)
     ]
     lines = [f"{row['machine']}  {row['name']} = {row['value']} {row['unit']}  {row['source']}" for row in rows]
     return rows, lines or ["no figures are declared."]

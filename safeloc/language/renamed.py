@@ -90,9 +90,10 @@ def _guarded(call: Any, name: str, error: type[SafelocError], renamed: Mapping[s
         for old, new in renamed.items():
             if old in named:
                 raise error(f"{declared_at()}: {name}: {_remedy(old, new)}")
-        for strange in named.keys() - {*taken, "src"}:
-            known = f"it takes {', '.join(taken)}"
-            raise error(f"{declared_at()}: {name} takes no {strange!r}; {known}.{hint(strange, taken)}")
+        strange = next((key for key in named if key not in (*taken, "src")), None)
+        if strange is not None:
+            known = ", ".join(taken)
+            raise error(f"{declared_at()}: {name} takes no {strange!r}; it takes {known}.{hint(strange, taken)}")
         return call(*values, **named)
 
     return guarded

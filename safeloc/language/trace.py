@@ -42,30 +42,32 @@ class Trace:
         """
         lines = [f"   0  start  {_row(self.system, self.initial)}"]
         inputs, state, before = dict[str, Value](), self.initial, 0
-        for number in self._told(limit):
+        for number in self._shown_steps(limit):
             step, full = self.steps[number - 1], number == len(self.steps)
             if number > before + 1:
                 lines.append(_left_out(self.steps[before : number - 1]))
             came = present_inputs(self.system, step.inputs)
             both = ((came, inputs), (step.state, state))
-            told_inputs, told_state = (_row(self.system, new if full else _changed(new, old)) for new, old in both)
+            new_inputs, new_state = (_row(self.system, new if full else _changed(new, old)) for new, old in both)
             gone = "".join(f" no {name}" for name in inputs if name not in came and not full)
-            lines.append(f"{number:4}  {_fired(step)}  [{f'{told_inputs}{gone}'.strip()}]  {told_state}".rstrip())
+            lines.append(f"{number:4}  {_fired(step)}  [{f'{new_inputs}{gone}'.strip()}]  {new_state}".rstrip())
             inputs, state, before = came, step.state, number
         return "\n".join(lines)
 
-    def _told(self, limit: int) -> list[int]:
+    def _shown_steps(self, limit: int) -> list[int]:
         """Return the numbers of the steps that a table shows."""
         count = len(self.steps)
         if count <= limit:
             return list(range(1, count + 1))
-        ends = [*range(1, 1 + limit // 10), *range(count + 1 - limit // 5, count + 1)]
+        first, last = max(1, limit // 10), max(1, limit // 5)
+        ends = [*range(1, 1 + first), *range(count + 1 - last, count + 1)]
         other = [
             number
             for number, (before, step) in enumerate(pairwise(self.steps), 2)
             if step.fired != before.fired and number not in ends
         ]
-        return sorted([*ends, *other[-(limit - len(ends)) :]])
+        room = max(0, limit - len(ends))
+        return sorted([*ends, *other[max(0, len(other) - room) :]])
 
 
 def present_inputs(system: TransitionSystem, inputs: Mapping[str, Value]) -> dict[str, Value]:

@@ -116,7 +116,8 @@ class Opener:
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
         self._session: str | None = None
-        self._number, self._time_ms = 0, -1
+        self._time_ms: int | None = None
+        self._number = 0
 
     def open(self, line: str, now_ms: int) -> Opened:
         """Return the message of a line. RefusedMessage says why one is refused; a refused one changes nothing here."""
@@ -153,7 +154,7 @@ class Opener:
 
     def _missing(self, fields: Mapping[str, Any]) -> int | None:
         if fields["session"] != self._session:
-            if fields["time_ms"] <= self._time_ms:
+            if self._time_ms is not None and fields["time_ms"] <= self._time_ms:
                 raise RefusedMessage(Refusal.ANOTHER_SESSION)
             return None
         if fields["number"] <= self._number:
@@ -164,8 +165,12 @@ class Opener:
 
 def _fields(body: str) -> dict[str, Any]:
     """Return the fields of an authentic body. InputError where the sender did not use `Sealer`."""
-    fields = json.loads(body)
+    try:
+        found: object = json.loads(body)
+    except (ValueError, RecursionError):
+        found = None
+    fields: dict[str, Any] = found if isinstance(found, dict) else {}
     for name, kind in _BODY.items():
-        if not isinstance(fields, dict) or not isinstance(fields.get(name), kind) or isinstance(fields[name], bool):
+        if not isinstance(fields.get(name), kind) or isinstance(fields[name], bool):
             raise InputError(f"an authentic message without {name}: {quoted(body)}; seal messages with `Sealer`.")
-    return dict(fields)
+    return fields

@@ -61,6 +61,9 @@ def test_a_long_table_stays_within_its_limit() -> None:
     lines = run(SYSTEM, STREAM * 50).table(limit=10).splitlines()
     assert [line.split()[0] for line in lines] == ["0", "1", "...", *map(str, range(92, 101))]
     assert "... 90 more steps" == lines[2].strip()
+    assert ["0", "1", "...", "100"] == [
+        line.split()[0] for line in run(SYSTEM, STREAM * 50).table(limit=1).splitlines()
+    ]
 
 
 def test_a_trace_is_a_stream_again() -> None:

@@ -113,6 +113,8 @@ def test_a_duplicate_stands_for_the_balise_beside_it() -> None:
     assert 3 == group_reading([balise(0), balise(2, M_DUP=2)], age_ms=0)["telegram_read"]
     assert 2 == group_reading([balise(0, M_DUP=2), balise(2, M_DUP=1)], age_ms=0)["telegram_read"]
     assert 1 == group_reading([balise(0, M_DUP=1)], age_ms=0)["telegram_read"]
+    without_first = group_reading([balise(1, M_DUP=2), balise(2)], age_ms=0)  # time and distance count from balise 1
+    assert (2, 3) == (without_first["telegram_read"], without_first["telegram_total"])
 
 
 def test_telegrams_that_are_no_group_are_refused() -> None:

@@ -66,6 +66,12 @@ def test_delay() -> None:
     assert [None, Refusal.OLD, None, Refusal.AHEAD] == found
 
 
+def test_clocks_may_begin_anywhere() -> None:
+    """Times are those of the sender's clock, also before its zero."""
+    sealer, opener = Sealer(CHANNEL), Opener(CHANNEL)
+    assert [None, None] == [refusal(opener, sealer.seal({}, time_ms), time_ms) for time_ms in (-5_000, -4_000)]
+
+
 def test_masquerade() -> None:
     """Without the key no message is accepted."""
     forged = Sealer(Channel("train 12", "area west", bytes(32), 1_000)).seal(PLACE, 0)
@@ -119,10 +125,9 @@ def test_a_line_without_end_is_refused() -> None:
 
 def test_an_authentic_message_of_another_form_is_an_error_of_the_sender() -> None:
     """Whoever has the key and does not use `Sealer` is told what is missing."""
-    for body, name in (
-        ("[]", "source"),
-        ('{"source": "a", "destination": "b", "session": "c", "number": true}', "number"),
-    ):
+    number = '{"source": "a", "destination": "b", "session": "c", "number": true}'
+    bodies = {"[]": "source", "[" * 5_000: "source", f'{{"source": {"9" * 5_000}}}': "source", number: "number"}
+    for body, name in bodies.items():
         line = json.dumps({"body": body, "code": CHANNEL.code(body)})
         with pytest.raises(InputError, match=f"an authentic message without {name}"):
             Opener(CHANNEL).open(line, 0)

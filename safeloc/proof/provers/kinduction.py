@@ -24,7 +24,7 @@ from safeloc.proof.provers.recheck import ENGINE, INDUCTION_OF_ONE_GOAL, UNCONFI
 
 _SHOWN = 12
 """Variables of a counterexample to induction that are named; those that are 0 or false are left out."""
-_NOTHING = ("0", "False", "false")
+_NOTHING = ("0", "false")
 
 
 def kinduction(goal: Goal, limits: Limits) -> Verdict:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import groupby
 from typing import Any
 
 from safeloc.language.nodes import Value
@@ -54,36 +55,27 @@ def _amount(value: int, unit: str) -> str:
     return f"{value / 1000:.3f} m" if unit == "mm" else f"{value}"
 
 
-@dataclass(frozen=True)
-class Kind:
-    """The findings of one rule, by weight: the one that is farthest from what is required first."""
+def by_weight(findings: Sequence[Finding]) -> list[Finding]:
+    """Return the findings in order: violated rules before advice, rules by their worst finding, findings by shortfall."""
+    worst: dict[str, float] = {}
+    for one in findings:
+        worst[one.rule] = max(one.shortfall, worst.get(one.rule, 0.0))
 
-    findings: tuple[Finding, ...]
+    def weight(one: Finding) -> tuple[bool, float, str, float, Place, str]:
+        return one.severity == "advice", -worst[one.rule], one.rule, -one.shortfall, one.place, one.subject
 
-    @property
-    def worst(self) -> Finding:
-        """The finding that is farthest from what is required."""
-        return self.findings[0]
-
-    def as_text(self, most: int) -> list[str]:
-        """Return lines for people: all findings, or `most` of them and the number of the others."""
-        shown = [finding.as_text() for finding in self.findings[:most]]
-        more = len(self.findings) - len(shown)
-        left = [f"{'':9} {self.worst.rule}: {more} more, none of them farther from what is required"] if more else []
-        return [*shown, *left]
+    return sorted(findings, key=weight)
 
 
-def by_weight(findings: Iterable[Finding]) -> tuple[Kind, ...]:
-    """Return the findings by rule: violated rules before advice, rules by their worst finding, findings by shortfall."""
-    found: dict[tuple[bool, str], list[Finding]] = {}
-    for finding in findings:
-        found.setdefault((finding.severity == "advice", finding.rule), []).append(finding)
-    kinds = [
-        Kind(tuple(sorted(those, key=lambda one: (-one.shortfall, one.place, one.subject)))) for those in found.values()
-    ]
-    return tuple(
-        sorted(kinds, key=lambda kind: (kind.worst.severity == "advice", -kind.worst.shortfall, kind.worst.rule))
-    )
+def as_folded_text(findings: Sequence[Finding], most: int) -> list[str]:
+    """Return lines for people, of findings in order of weight: at most `most` of each rule, and the number of the others."""
+    lines: list[str] = []
+    for rule, group in groupby(findings, key=lambda one: one.rule):
+        those = list(group)
+        lines += [finding.as_text() for finding in those[:most]]
+        if len(those) > most:
+            lines.append(f"{'':9} {rule}: {len(those) - most} more, none of them farther from what is required")
+    return lines
 
 
 @dataclass(frozen=True)
@@ -174,11 +166,6 @@ class AuditReport:
     def violated(self) -> tuple[Finding, ...]:
         """The broken rules, without advice."""
         return tuple(finding for finding in self.findings if finding.severity == "violated")
-
-    @property
-    def kinds(self) -> tuple[Kind, ...]:
-        """The findings by rule, by weight."""
-        return by_weight(self.findings)
 
     def as_data(self) -> dict[str, Any]:
         """Return data for JSON (schema safeloc-audit/1)."""

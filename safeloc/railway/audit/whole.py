@@ -40,7 +40,7 @@ def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "defaul
         checksum=content_checksum(line),
         layout=layout,
         elements={kind: len(elements) for kind, elements in kinds(line).items() if elements},
-        findings=tuple(finding for kind in by_weight(ledger.findings) for finding in kind.findings),
+        findings=tuple(by_weight(ledger.findings)),
         cases=dict(ledger.cases),
         routes=routes,
         route_pairs=pairs,

@@ -40,15 +40,16 @@ class Single:
 
 
 def balise_groups(functional: Element, places: Places, edges: Mapping[str, TrackEdge]) -> Iterator[BaliseGroup]:
-    """Yield all Eurobalise groups that have an identity and a place."""
+    """Yield all Eurobalise groups that have an identity and a place. A group with a wrong balise is left out as a whole: a
+    vehicle would read more balises than the map has."""
     every = functional.all("balises", "balise")
     parents = [balise for balise in every if _flag(balise, "isBaliseGroup", places.notes)]
     groups = [*functional.all("baliseGroups", "baliseGroup"), *parents]
-    singles: dict[str, list[Single]] = {group.need("id"): [] for group in groups}
-    members = (balise for balise in every if balise not in parents)
-    for owner, single in places.each(members, lambda balise: [(_owner(balise, singles), _single(balise, places))]):
-        singles[owner].append(single)
-    return places.each(groups, lambda group: _group(group, singles[group.need("id")], places, edges))
+    members: dict[str, list[Element]] = {group.need("id"): [] for group in groups}
+    others = (balise for balise in every if balise not in parents)
+    for owner, balise in places.each(others, lambda balise: [(_owner(balise, members), balise)]):
+        members[owner].append(balise)
+    return places.each(groups, lambda group: _group(group, _singles(members[group.need("id")], places), places, edges))
 
 
 def _flag(element: Element, name: str, notes: list[Note]) -> bool:
@@ -66,6 +67,15 @@ def _owner(balise: Element, groups: Container[str]) -> str:
         if owner is not None:
             return owner
     raise InputError(f'{balise.place}: belongs to no balise group; give {_BELONGS[0]!r}, or isBaliseGroup="true".')
+
+
+def _singles(balises: Sequence[Element], places: Places) -> list[Single]:
+    try:
+        return [_single(balise, places) for balise in balises]
+    except InputError:
+        for balise in balises:
+            balise.skip()
+        raise
 
 
 def _single(balise: Element, places: Places) -> Single:

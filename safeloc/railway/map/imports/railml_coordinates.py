@@ -57,7 +57,7 @@ def course(element: Element, systems: Mapping[str, str], notes: list[Note]) -> C
     system = next(iter(points))
     for other in list(points)[1:]:
         notes.append(Note("not carried over", element.place, f"second set of coordinates {other!r}"))
-    ordered = sorted(points[system])
+    ordered = sorted(points[system], key=lambda point: point[0])
     if len(ordered) < 2 or ordered[0][0] != 0 or ordered[-1][0] != 1:
         notes.append(
             Note("not carried over", element.place, "coordinates that are not given from its beginning to its end")
@@ -88,17 +88,20 @@ def _points(element: Element) -> dict[str, list[tuple[Decimal, float, float, flo
 
 
 def _length_m(points: Sequence[tuple[float, float]], heights: Sequence[float | None], crs: str, place: str) -> Decimal:
-    """Return the length over the ellipsoid or in the plane, with the heights where every point has one, to the nearest mm."""
-    system, geod = _system(crs, place)
+    """Return the length over the ellipsoid or in the plane, to the nearest mm; pieces with a height at both ends rise by it."""
+    system = _system(crs, place)
+    geod = system.get_geod()
     unit = 1.0 if system.is_geographic else float(system.axis_info[0].unit_conversion_factor)
     total = 0.0
     for (one, other), (low, high) in zip(pairwise(points), pairwise(heights), strict=True):
         flat = geod.line_length(*zip(one, other, strict=True)) if system.is_geographic else math.dist(one, other) * unit
         total += math.hypot(flat, 0.0 if low is None or high is None else high - low)
+    if not math.isfinite(total):
+        raise InputError(f"{place}: its coordinates are outside {crs}.")
     return Decimal(total).quantize(_MILLIMETRE)
 
 
-def _system(crs: str, place: str) -> tuple[Any, Any]:
+def _system(crs: str, place: str) -> Any:
     try:
         from pyproj import CRS
         from pyproj.exceptions import CRSError
@@ -108,4 +111,6 @@ def _system(crs: str, place: str) -> tuple[Any, Any]:
         system = CRS(crs)
     except CRSError as error:
         raise InputError(f"{place}: {crs!r} is no coordinate system; use one like EPSG:25832.") from error
-    return system, system.get_geod()
+    if not (system.is_geographic or system.is_projected):
+        raise InputError(f"{place}: {crs!r} is neither geographic nor projected; use one like EPSG:25832.")
+    return system

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import pairwise
@@ -138,8 +138,10 @@ def _net_element(
     tracks: Mapping[str, Element],
     notes: list[Note],
 ) -> NetElement:
-    measures, way = _measures(element, units), course(element, systems, notes)
-    length_m = _length(element, measures, tracks.get(element.need("id")), way, notes)
+    measures, way = _measures(element, units), _course(element, systems, notes)
+    length_m = _length(
+        element, notes, lambda: _unstated_length(element, measures, tracks.get(element.need("id")), way, notes)
+    )
     if way is not None and way.contradicts(length_m):
         remark = f"{length_m} m long, but {way.length_m} m by its coordinates; the former is taken"
         notes.append(Note("doubtful", element.place, remark))
@@ -149,37 +151,38 @@ def _net_element(
     return NetElement(element, length_m, measures, way)
 
 
-def _length(
-    element: Element,
-    measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]],
-    of_track: Element | None,
-    way: Course | None,
-    notes: list[Note],
-) -> Decimal:
-    """Return the attribute, else the kilometres between both ends, else the length of the track that is this net element,
-    else the length by coordinates.
+def _course(element: Element, systems: Mapping[str, str], notes: list[Note]) -> Course | None:
+    """Return the course, or None with a note: wrong coordinates are no reason to refuse a net element with a length."""
+    try:
+        return course(element, systems, notes)
+    except InputError as error:
+        reason = str(error).removeprefix(f"{element.place}: ").rstrip(".")
+        notes.append(Note("not carried over", element.place, f"its coordinates: {reason}"))
+        return None
 
-    A stated length of 0 counts as none: exports of schematic plans state it for every element.
-    """
+
+def _length(element: Element, notes: list[Note], unstated: Callable[[], Decimal]) -> Decimal:
+    """Return the attribute, or what `unstated` finds. A stated length of 0 counts as none: plans state it for every element."""
     stated = element.get("length")
     length_m = None if stated is None else decimal(stated, f"{element.place}: length")
     if length_m is not None and length_m < 0:
         raise InputError(f"{element.place}: its length {length_m} m must be positive.")
     if length_m:
         return length_m
-    found = _other_length(element, measures, of_track, way, notes)
+    found = unstated()
     if length_m is not None:
         notes.append(Note("doubtful", element.place, f"a stated length of 0; taken is {found} m"))
     return found
 
 
-def _other_length(
+def _unstated_length(
     element: Element,
     measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]],
     of_track: Element | None,
     way: Course | None,
     notes: list[Note],
 ) -> Decimal:
+    """Return the kilometres between both ends, else the length of the track that is this net element, else that by coordinates."""
     for points in measures.values():
         if points[0][0] == 0 and points[-1][0] == 1 and points[0][1] != points[-1][1]:
             return abs(points[-1][1] - points[0][1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -150,12 +151,41 @@ def test_a_second_set_of_coordinates_is_noted(railml: Read) -> None:
     assert "second set of coordinates 'wgs'" in [note.text for note in railml(with_course(both)).notes]
 
 
-def test_an_unknown_coordinate_system_is_refused(railml: Read) -> None:
-    """With the net element and what to write."""
-    with pytest.raises(
-        InputError, match=r"netElement 'b' line \d+: 'EPSG:XYZ' is no coordinate system; use one like EPSG:25832"
-    ):
-        railml(with_course(BENT).replace("epsg:25832", "epsg:xyz"))
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("epsg:25832", "epsg:xyz", r"'EPSG:XYZ' is no coordinate system; use one like EPSG:25832"),
+        ("epsg:25832", "epsg:4978", r"'EPSG:4978' is neither geographic nor projected"),
+        ('x="500300" y="5600000"', 'x="5e999" y="0"', r"expected a number"),
+    ],
+)
+def test_wrong_coordinates_cost_the_course_and_not_the_length(railml: Read, old: str, new: str, reason: str) -> None:
+    """With a stated length the map is as it was without coordinates; without one the net element has no length."""
+    stated = with_course(BENT.replace('id="b"', 'id="b" length="400"')).replace(old, new)
+    line, notes = railml(stated)
+    edge = {edge.id: edge for edge in line.edges}["b"]
+    assert (400_000, None) == (edge.length_mm, edge.geometry)
+    [note] = [note for note in notes if note.text.startswith("its coordinates: ")]
+    assert re.search(reason, note.text)
+    with pytest.raises(InputError, match=r"netElement 'b' line \d+: has no length"):
+        railml(with_course(BENT).replace(old, new))
+
+
+def test_degrees_that_are_none_are_no_course(railml: Read) -> None:
+    """A latitude of 95 degrees is nowhere."""
+    points = at((0, 'x="9" y="50"'), (1, 'x="9" y="95"'), system="wgs").replace('id="b"', 'id="b" length="400"')
+    line, notes = railml(with_course(points))
+    assert None is {edge.id: edge for edge in line.edges}["b"].geometry
+    assert [True] == ["outside EPSG:4326" in note.text for note in notes if note.text.startswith("its coordinates: ")]
+
+
+def test_a_group_with_a_wrong_balise_is_left_out_as_a_whole(railml: Read) -> None:
+    """A vehicle would read more balises than the map has; the note names the balise, and nothing else is said of its parts."""
+    wrong = changed('netElementRef="a" pos="97.000"', 'netElementRef="a" pos="5000"')
+    line, notes = railml(wrong)
+    assert ["bg2"] == [group.id for group in line.balise_groups]
+    [note] = [note for note in notes if "bg1" in note.place]
+    assert ("refused", True) == (note.kind, "balise 'bg1_2'" in note.text)
 
 
 def test_a_stated_length_of_nothing_counts_as_none(railml: Read) -> None:
