@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,8 +14,8 @@ from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
 from safeloc.sensing.satellite.navigation import Navigation, read_navigation
 from safeloc.sensing.satellite.observations import read_observations
-from safeloc.sensing.satellite.orbits import satellite_state
-from safeloc.sensing.satellite.predicted import predicted
+from safeloc.sensing.satellite.orbits import SatelliteState, satellite_state
+from safeloc.sensing.satellite.predicted import predicted, predicted_of_state
 from safeloc.sensing.satellite.residuals import residuals
 from tests.data_sources import data_file
 from tests.sensing.satellite.test_residuals import STILL, SURVEYED
@@ -76,6 +77,23 @@ def test_corrected_ranges_give_the_residuals_of_the_ephemerides(tmp_path: Path) 
     for name, value in expected.rate_m_per_s.items():
         assert value == pytest.approx(found.rate_m_per_s[name], abs=0.001), name
     assert found.low == expected.low
+
+
+def test_the_turn_of_the_earth_is_applied() -> None:
+    """Against the closed form of Sagnac's correction, tens of metres, for satellites east and west; and the rate, by difference."""
+    x, y, z = SURVEYED.earth_fixed_m()
+    for turn in (-0.6, 0.0, 0.7):  # radians east of the place
+        angle, radius = math.atan2(y, x) + turn, 26_560_000.0
+        place = (radius * 0.8 * math.cos(angle), radius * 0.8 * math.sin(angle), radius * 0.6)
+        velocity = (1_200.0, -2_100.0, 1_500.0)
+        before, after = (
+            _distance_m((place[0] + t * velocity[0], place[1] + t * velocity[1], place[2] + t * velocity[2]))
+            for t in (-0.5, 0.5)
+        )
+        found = predicted_of_state(SatelliteState(place, velocity, 0.0, 0.0), SURVEYED, STILL)
+        assert _distance_m(place) == pytest.approx(found.pseudorange_m, abs=0.001)
+        assert after - before == pytest.approx(found.rate_m_per_s, abs=0.02)
+        assert turn == 0 or abs(found.pseudorange_m - math.dist(place, (x, y, z))) > 5
 
 
 def test_a_kilometre_away_shows(tmp_path: Path) -> None:
