@@ -6,7 +6,7 @@ the clock ends the process.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, assert_never
@@ -24,6 +24,7 @@ from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
+from safeloc.proof.provers.dropped import Dropped, broken
 from safeloc.proof.provers.facts import Fact, about, contract_of
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.implication import Undecided
@@ -150,13 +151,23 @@ class Proving:
 
     def begin(self, queue: Queue, known: Base, seconds: float) -> None:
         """Add the claims that the base does not decide; `seconds` is how long its proof took."""
-        of_lemmas = [*_lemma_claims(self._system, known, seconds), *_contract_claims(self._system, known, seconds)]
-        of_properties = [_property_claim(self._system, prop) for prop in self._properties]
-        for index, claim in enumerate([*(of_lemmas if self._lemmas else ()), *of_properties]):
-            if claim.finding is not None:
-                self._keep(index, claim.finding)
-            else:
-                queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
+        facts = _facts(self._system, known, seconds) if self._lemmas else []
+        dropped = {index: fact for index, fact in enumerate(facts) if isinstance(fact, Dropped)}
+        for index, fact in enumerate(facts):
+            if isinstance(fact, Finding):
+                self._keep(index, fact)
+        if dropped:
+            queue.add(_search(self._system, [*dropped.values()], self._limits), partial(self._receive_search, dropped))
+        for index, prop in enumerate(self._properties, len(facts)):
+            claim = _property_claim(self._system, prop)
+            queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
+
+    def _receive_search(self, dropped: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
+        each: Sequence[Packed | Lost] = [packed] * len(dropped) if isinstance(packed, Lost) else packed
+        for (index, fact), one in zip(dropped.items(), each, strict=True):
+            verdict = _received(one, fact.goal)
+            method = "1-induction, bounded search" if isinstance(verdict, Unknown) else _method(verdict)
+            self._keep(index, _finding(fact.goal, "lemma", verdict, method, seconds))
 
     def _receive(self, index: int, claim: _Claim, packed: Packed | Lost, seconds: float) -> None:
         verdict = _received(packed, claim.goal)
@@ -167,8 +178,8 @@ class Proving:
 
     def _decide(self, index: int, claim: _Claim, verdict: Verdict, seconds: float) -> None:
         method = _method(verdict)
-        judged = self._cases.judged(claim.goal.prop, verdict) if claim.kind == "property" else verdict
-        self._keep(index, _finding(claim.goal, claim.kind, judged, method, seconds))
+        judged = self._cases.judged(claim.goal.prop, verdict)
+        self._keep(index, _finding(claim.goal, "property", judged, method, seconds))
 
     def _keep(self, index: int, finding: Finding) -> None:
         self._found[index] = finding
@@ -229,16 +240,14 @@ def _end(limits: Limits) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Claim:
-    """A statement that `prover` decides in a process of its own, or that is decided already: `finding`."""
+    """A property that `prover` decides in a process of its own."""
 
     goal: Goal
-    kind: Literal["lemma", "property"]
     prover: Callable[[Goal, Limits], Verdict]
-    finding: Finding | None = None
 
 
 def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
-    return _Claim(observe(system, prop), "property", prove_one if prop.kept_by is None else _kept_by_a_machine)
+    return _Claim(observe(system, prop), prove_one if prop.kept_by is None else _kept_by_a_machine)
 
 
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
@@ -288,38 +297,38 @@ def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
     return settled(query, deadline(limits.seconds), list(known.certificates))
 
 
-def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
-    """Report the proved lemmas; search a violating run for each dropped one."""
+def _facts(system: TransitionSystem, known: Base, seconds: float) -> list[Finding | Dropped]:
+    """Return a Finding for each lemma and contract that the base has proved, and the dropped ones, in order of declaration."""
+    return [*_lemmas(system, known, seconds), *_contracts(system, known, seconds)]
+
+
+def _lemmas(system: TransitionSystem, known: Base, seconds: float) -> Iterator[Finding | Dropped]:
     for name, term in system.lemmas.items():
         goal, key = observe(system, always(name, term)), Fact("lemma", name)
         if key in known.refuted:
-            yield _Claim(goal, "lemma", _breaking(f"not used: {known.refuted[key]}"))
+            yield Dropped(goal, f"not used: {known.refuted[key]}")
         else:
             verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
             reach = "for all inputs in range" if key in known.always else "under the assumption"
             method = f"1-induction, all lemmas together, {reach}, re-checked by {ENGINE}"
-            yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
+            yield _finding(goal, "lemma", verdict, method, seconds)
 
 
-def _contract_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
-    """Report the contracts between machines of a composition; search a violating run for each unproved one."""
+def _contracts(system: TransitionSystem, known: Base, seconds: float) -> Iterator[Finding | Dropped]:
     for key, prop in contract_properties(system):
         goal = observe(system, prop)
         if key in known.kept:
             verdict = Proved(known.kept[key], "1-induction", 1, (ENGINE,), known.certificates)
             method = f"assume-guarantee: what is known of the machines before it, re-checked by {ENGINE}"
-            yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
+            yield _finding(goal, "lemma", verdict, method, seconds)
         else:
             why = known.refuted.get(key, "the machines before it do not guarantee this assumption")
-            yield _Claim(goal, "lemma", _breaking(f"not shown: {why}"))
+            yield Dropped(goal, f"not shown: {why}")
 
 
-def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:
-    def prover(goal: Goal, limits: Limits) -> Verdict:
-        found = bmc(goal, limits)
-        return Unknown(f"{why}; {found.reason}", found.depth) if isinstance(found, Unknown) else found
-
-    return prover
+def _search(system: TransitionSystem, dropped: Sequence[Dropped], limits: Limits) -> Task:
+    name = f"{system.name}: runs that break what is not proved"
+    return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, limits)], _end(limits))
 
 
 def _task(claim: _Claim, limits: Limits) -> Task:

@@ -19,6 +19,7 @@ from tests.examples import EXAMPLES, Example
 from tests.proof.provers.small import (
     FULL_TOGETHER,
     HIGH,
+    LEFT,
     LEVEL,
     LOW,
     MODE,
@@ -70,6 +71,16 @@ def test_a_wrong_lemma_is_reported_with_a_run() -> None:
     assert lemma.result.trace is not None
     assert len(lemma.result.trace.steps) == 7
     assert isinstance(claim.result, Violated)
+
+
+def test_one_search_serves_all_dropped_lemmas() -> None:
+    """Each wrong lemma gets its own shortest run; one that no run breaks is undecided, with the length that was searched."""
+    lemmas = {"wrong at 7": LEFT <= 6, "too weak": FULL_TOGETHER, "wrong at 3": LEFT <= 2}
+    late, weak, early = (one.result for one in prove(system(pair(lemmas)), [], LIMITS))
+    assert [len(one.trace.steps) for one in (late, early) if isinstance(one, Violated) and one.trace] == [7, 3]
+    assert isinstance(weak, Unknown)
+    assert weak.depth == LIMITS.depth
+    assert weak.reason.endswith(f"; no run of up to {LIMITS.depth} steps breaks it")
 
 
 def test_a_lemma_that_is_true_but_not_inductive_is_reported() -> None:
