@@ -54,8 +54,12 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     """
     if goal.prop.kind == "reachable":
         return _reach(goal, limits)
+    return _in_turn(_ENGINES, goal, limits)
+
+
+def _in_turn(engines: Sequence[_Engine], goal: Goal, limits: Limits) -> Verdict:
     ends, reasons, depth = deadline(limits.seconds), list[str](), -1
-    for name, engine, share in _ENGINES:
+    for name, engine, share in engines:
         verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share), confirming=limits.seconds))
         if isinstance(verdict, Proved):
             return further_assumption_lasts(goal, verdict, limits)
@@ -66,12 +70,15 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     return Unknown("; ".join(reasons), depth)
 
 
-_ENGINES: tuple[tuple[str, Callable[[Goal, Limits], Verdict], float], ...] = (
+_Engine = tuple[str, Callable[[Goal, Limits], Verdict], float]
+_ENGINES: tuple[_Engine, ...] = (
     ("k-induction", kinduction, INDUCTION_SHARE),
     ("bounded search", bmc, SEARCH_SHARE),
     ("Spacer", spacer, SPACER_SHARE),
     ("falsifiers", falsify, 1.0),
 )
+_QUICK = _ENGINES[:2]
+"""Engines that are asked about a composition of a claim that one of its machines breaks by itself: its run is what a reader needs."""
 
 
 def _reach(goal: Goal, limits: Limits) -> Verdict:
@@ -269,7 +276,17 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     if isinstance(verdict, Proved):
         texts = {**known.certificates, **verdict.certificates, **first.texts}
         return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself", certificates=texts)
+    if isinstance(verdict, Violated):
+        return _of_the_whole(goal, part, own, half)
     return prove_one(goal, half)
+
+
+def _of_the_whole(goal: Goal, part: Part, own: Property, limits: Limits) -> Verdict:
+    """Decide a claim that a machine breaks by itself on the composition, whose wires may exclude the run."""
+    verdict = _in_turn(_QUICK, goal, limits)
+    if not isinstance(verdict, Unknown):
+        return verdict
+    return replace(verdict, reason=f"{part.name} by itself breaks {own.name!r}; in the composition {verdict.reason}")
 
 
 def inherited(goal: Goal) -> tuple[Part, Property] | None:

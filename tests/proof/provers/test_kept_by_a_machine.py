@@ -8,13 +8,13 @@ import pytest
 
 from safeloc.errors import ModelError
 from safeloc.language.composition import Composition, compose
-from safeloc.language.expr import TRUE, Expr, NumVar, Var, before, floor_div, number
+from safeloc.language.expr import TRUE, Expr, NumVar, Var, before, floor_div, minimum, number
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.monitor import check
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import MM
-from safeloc.language.verdict import Held, Proved, Violated
+from safeloc.language.verdict import Held, Proved, Unknown, Violated
 from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
@@ -25,13 +25,14 @@ IDLE, BUSY = modes("IDLE", "BUSY")
 
 
 class Follower:
-    """A source that rises as it likes, and a follower that takes at most half of its input."""
+    """A source that rises by up to `slope` to at most `most`, and a follower that takes at most half of its input."""
 
-    def __init__(self, *, may_hear: int = 20, assumed: int | None = None) -> None:
-        self.step, self.level = number("step", MM, 0, 20), number("level", MM, 0, 20)
+    def __init__(self, *, may_hear: int = 20, assumed: int | None = None, most: int = 20, slope: int = 20) -> None:
+        self.step, self.level = number("step", MM, 0, most), number("level", MM, 0, 20)
         self.source = Machine(
             "source", (IDLE, BUSY), [self.step], {self.level: 0}, {"level": self.level},
-            [Transition("tell", IDLE, IDLE, set={self.level: self.step})],
+            [Transition("tell", IDLE, IDLE, set={self.level: minimum(self.step, self.level + slope)})],
+            lemmas={"no more than most": self.level <= most},
         )  # fmt: skip
         self.heard, self.kept = number("heard", MM, 0, may_hear), number("kept", MM, 0, 100)
         follow = Transition("follow", IDLE, IDLE, set={self.kept: floor_div(self.heard, 2)})
@@ -56,7 +57,8 @@ class Follower:
 
     def finding(self, prop: Property) -> Finding:
         """The finding of the provers for the composition."""
-        (found,) = [one for one in prove(self.whole.system, [prop], Limits(seconds=10)) if one.id.endswith(prop.name)]
+        limits = Limits(seconds=10, depth=5, induction=1)
+        (found,) = [one for one in prove(self.whole.system, [prop], limits) if one.id.endswith(prop.name)]
         return found
 
 
@@ -80,6 +82,25 @@ def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:
     four = always("four", chain.kept - before(chain.kept) <= 4, unconditional=True)
     found = chain.finding(chain.whole.inherited(chain.follower, four))
     assert isinstance(found.result, Violated)
+
+
+def test_what_a_machine_breaks_by_itself_may_hold_of_the_whole() -> None:
+    """The follower alone may hear 20; the source never says more than 8, and the composition is proved."""
+    chain = Follower(most=8)
+    low = always("low", chain.kept <= 4, unconditional=True)
+    found = chain.finding(chain.whole.inherited(chain.follower, low))
+    assert isinstance(found.result, Proved)
+    assert "by itself" not in found.method
+
+
+def test_what_a_machine_breaks_by_itself_is_searched_briefly_in_the_whole() -> None:
+    """The source needs ten steps to 10, the search ends after five: undecided, and the reader is sent to the machine's own run."""
+    chain = Follower(slope=1)
+    found = chain.finding(chain.whole.inherited(chain.follower, always("four", chain.kept <= 4, unconditional=True)))
+    assert isinstance(found.result, Unknown)
+    assert found.result.reason.startswith("follower by itself breaks 'four'; in the composition k-induction: ")
+    assert "Spacer" not in found.result.reason
+    assert found.result.depth == 5
 
 
 def test_it_is_the_same_property() -> None:
