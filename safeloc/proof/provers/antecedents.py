@@ -7,7 +7,7 @@ of its machine. A case that is not found is excluded by induction if possible; o
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -23,18 +23,29 @@ from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts, kinduction
-from safeloc.proof.provers.limits import CLOCK, Limits, deadline
+from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import base
-from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, come_to, shown
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, come_to
+from safeloc.proof.provers.recorded_witnesses import shown as shown_by
 from safeloc.proof.provers.searches import AT_FIRST, first_runs, sparing_runs
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.proof.runs.quick import run_again
 
-__all__ = ["Case", "Found", "antecedents", "found", "remember", "search_task"]
+__all__ = [
+    "Case",
+    "Found",
+    "all_cases",
+    "all_known",
+    "antecedents",
+    "found",
+    "known_runs_task",
+    "remember",
+    "search_task",
+]
 
 REMEDY = (
     "so the property requires nothing. Remove it or mend it; if you meant it the other way round, write the "
@@ -182,20 +193,37 @@ class _Known:
 _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, dict[Property, _Known]] = weakref.WeakKeyDictionary()
 
 
+def all_known(system: TransitionSystem, properties: Sequence[Property], limits: Limits, recordings: int) -> bool:
+    """Return whether the outcomes of all cases are stored, and another search with that many recordings could find no more."""
+    known = _KNOWN.get(system, {})
+    return all(prop in known and known[prop].serves(limits, recordings) for prop in properties if antecedents(prop))
+
+
+def known_runs_task(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    limits: Limits,
+    recordings: Sequence[Recording],
+    witnesses: Witnesses,
+) -> Task:
+    """Return a task that returns the cases, by number, that recordings and shipped witnesses show; it needs no proved fact."""
+    asked, ends = all_cases(properties), PATIENCE * limits.seconds
+    name = f"{system.name}: cases in known runs"
+    return Task(name, lambda: in_known_runs(system, asked, recordings, witnesses, deadline(ends)), CLOCK * ends)
+
+
 def search_task(
     system: TransitionSystem,
     properties: Sequence[Property],
     limits: Limits,
     recordings: Sequence[Recording],
     witnesses: Witnesses,
-) -> Task | None:
-    """Return a task that searches the cases not known yet, for `remember` to store; None if all are known."""
-    known = _KNOWN.get(system, {})
-    if all(prop in known and known[prop].serves(limits, len(recordings)) for prop in properties if antecedents(prop)):
-        return None
+    shown: Mapping[int, Outcome],
+) -> Task:
+    """Return a task that returns the outcome of each case, in order; `shown` are those of known runs, by number."""
     most = CLOCK * 2 * (PATIENCE + 1) * limits.seconds
     name = f"{system.name}: cases of its properties"
-    return Task(name, lambda: search(system, _asked(properties), limits, recordings, witnesses), most)
+    return Task(name, lambda: search(system, all_cases(properties), limits, recordings, witnesses, shown), most)
 
 
 def remember(
@@ -205,12 +233,12 @@ def remember(
     recordings: int,
     outcomes: Sequence[Outcome] | Lost,
 ) -> None:
-    """Store the outcomes that `search` returned in another process, in the order of the cases.
+    """Store the outcomes of a search in another process, in the order of the cases.
 
     All cases stay open if that process was lost.
     """
     mine = _KNOWN.setdefault(system, {})
-    asked = _asked(properties)
+    asked = all_cases(properties)
     if isinstance(outcomes, Lost):
         outcomes = [Open(outcomes.reason)] * len(asked)
     for prop in properties:
@@ -229,7 +257,8 @@ def found(system: TransitionSystem, properties: Sequence[Property]) -> Found:
     return Found(system, tuple(made))
 
 
-def _asked(properties: Sequence[Property]) -> list[Antecedent]:
+def all_cases(properties: Sequence[Property]) -> list[Antecedent]:
+    """Return the cases of all properties, in order; a search numbers them so."""
     return [one for prop in properties for one in cases(prop)]
 
 
@@ -242,17 +271,48 @@ def search(
     limits: Limits,
     recordings: Sequence[Recording] = (),
     witnesses: Witnesses = NO_WITNESSES,
+    shown: Mapping[int, Outcome] | None = None,
 ) -> list[Outcome]:
-    """Return the outcome of each case, in order. Cases that rely on the same assumption are searched together."""
+    """Return the outcome of each case, in order. Cases that rely on the same assumption are searched together.
+
+    shown  outcomes that known runs show, by number of the case; None: they are looked for here
+    """
     ends = deadline(PATIENCE * limits.seconds)
-    goals = {number: occurs(system, one, f"case {number}") for number, one in enumerate(asked)}
-    outcomes: dict[int, Outcome] = dict.fromkeys(come_to(system, goals, recordings, ends), Seen("in recordings"))
-    groups: dict[Bool, dict[int, Goal]] = {}
-    for number in goals.keys() - outcomes.keys():
-        groups.setdefault(goals[number].system.assume, {})[number] = goals[number]
-    for left, group in zip(range(len(groups), 0, -1), groups.values(), strict=True):
+    known = in_known_runs(system, asked, recordings, witnesses, ends) if shown is None else shown
+    outcomes, groups = dict(known), _groups(_goals(system, asked), known)
+    for left, group in zip(range(len(groups), 0, -1), groups, strict=True):
         outcomes |= _Together(system, asked, group, limits, ends.left / left).outcomes(recordings, witnesses)
     return [outcomes[number] for number in range(len(asked))]
+
+
+def in_known_runs(
+    system: TransitionSystem,
+    asked: Sequence[Antecedent],
+    recordings: Sequence[Recording],
+    witnesses: Witnesses,
+    ends: Deadline,
+) -> dict[int, Outcome]:
+    """Return the cases, by number, that occur in recordings or in shipped witnesses of the whole."""
+    goals = _goals(system, asked)
+    found: dict[int, Outcome] = dict.fromkeys(come_to(system, goals, recordings, ends), Seen("in recordings"))
+    for group in _groups(goals, found):
+        numbers = {goal: number for number, goal in group.items()}
+        for goal, trace in shown_by(list(numbers), witnesses.get(system.name, ())).items():
+            found[numbers[goal]] = Seen(SHIPPED, pack_trace(trace))
+    return found
+
+
+def _goals(system: TransitionSystem, asked: Sequence[Antecedent]) -> dict[int, Goal]:
+    return {number: occurs(system, one, f"case {number}") for number, one in enumerate(asked)}
+
+
+def _groups(goals: Mapping[int, Goal], known: Container[int]) -> list[dict[int, Goal]]:
+    """Return the goals that are not known, by number; those of a group rely on the same assumption."""
+    groups: dict[Bool, dict[int, Goal]] = {}
+    for number, goal in goals.items():
+        if number not in known:
+            groups.setdefault(goal.system.assume, {})[number] = goal
+    return list(groups.values())
 
 
 class _Together:
@@ -273,12 +333,11 @@ class _Together:
     def outcomes(self, recordings: Sequence[Recording], witnesses: Witnesses) -> dict[int, Outcome]:
         """Return the outcome of each case.
 
-        Tried in turn: shipped witnesses, exclusion in one step, random runs, bounded search, search from states of recordings,
+        Tried in turn: exclusion in one step, random runs, bounded search, search from states of recordings,
         runs of one machine alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search
         and the runs of one machine come first for properties that it inherits from that machine: those of its own need a run
         of the whole. No random run is drawn for a case that a shipped witness of one machine alone shows.
         """
-        self._find_shipped(witnesses)
         self._exclude(self._unlikely(), self._ends.left / 3)
         alone = {number: run for number in self._left if (run := self._shipped_alone(number, witnesses)) is not None}
         self._draw([number for number in self._left if number not in alone], recordings)
@@ -296,12 +355,6 @@ class _Together:
     @property
     def _left(self) -> list[int]:
         return [number for number in self._goals if number not in self._found]
-
-    def _find_shipped(self, witnesses: Witnesses) -> None:
-        """Find cases in the shipped witnesses of the whole."""
-        numbers = {self._goals[number]: number for number in self._left}
-        for goal, trace in shown(list(numbers), witnesses.get(self._system.name, ())).items():
-            self._found[numbers[goal]] = Seen(SHIPPED, pack_trace(trace))
 
     def _draw(self, some: Sequence[int], recordings: Sequence[Recording]) -> None:
         """Find some cases in random runs, and in a composition beside recordings."""
@@ -385,7 +438,7 @@ class _Together:
     def _shipped_alone(self, number: int, witnesses: Witnesses) -> Trace | None:
         """Return the run of a shipped witness of one machine alone in which the case occurs; None if there is none."""
         own = self._of_one_machine(number)
-        return None if own is None else shown([own[1]], witnesses.get(own[0].alone.name, ())).get(own[1])
+        return None if own is None else shown_by([own[1]], witnesses.get(own[0].alone.name, ())).get(own[1])
 
     def _within(self, seconds: float) -> Limits:
         return replace(self._limits, seconds=max(0.001, seconds))

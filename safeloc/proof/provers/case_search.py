@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from safeloc.language.spec import Property
@@ -16,7 +17,11 @@ from safeloc.proof.provers.workers import Lost, Queue
 
 
 class CaseSearch:
-    """The search, in a process of its own. Properties of which a case never occurs are vacuous; until it ends, nobody knows."""
+    """The search, in processes of its own. Properties of which a case never occurs are vacuous; until it ends, nobody knows.
+
+    Known runs are looked through first (`begin_known_runs`), which may begin before the base is proved; what is left is searched
+    (`begin_search`).
+    """
 
     def __init__(
         self,
@@ -30,14 +35,40 @@ class CaseSearch:
         self._recordings, self._witnesses = recordings, witnesses
         self._seconds: float | None = None
         self._waiting = list[Callable[[float], None]]()
+        self._shown: Mapping[int, antecedents.Outcome] | None = None
+        self._search_asked = False
 
-    def begin(self, queue: Queue) -> None:
-        """Add the search to a queue, unless all cases are known from an earlier one."""
-        task = antecedents.search_task(self._system, self._properties, self._limits, self._recordings, self._witnesses)
-        if task is None:
+    def begin_known_runs(self, queue: Queue) -> None:
+        """Add the look through known runs, unless all cases are known from an earlier search."""
+        if antecedents.all_known(self._system, self._properties, self._limits, len(self._recordings)):
             self._end(0.0)
-        else:
-            queue.add(task, self._remember)
+            return
+        task = antecedents.known_runs_task(
+            self._system, self._properties, self._limits, self._recordings, self._witnesses
+        )
+        queue.add(task, partial(self._receive_known_runs, queue))
+
+    def begin_search(self, queue: Queue) -> None:
+        """Add the search for the cases that no known run shows, as soon as these are known."""
+        self._search_asked = True
+        if self._seconds is None and self._shown is not None:
+            self._search(queue, self._shown)
+
+    def _receive_known_runs(
+        self, queue: Queue, shown: Mapping[int, antecedents.Outcome] | Lost, seconds: float
+    ) -> None:
+        self._shown = {} if isinstance(shown, Lost) else shown
+        every = len(antecedents.all_cases(self._properties))
+        if len(self._shown) == every:
+            self._remember([self._shown[number] for number in range(every)], seconds)
+        elif self._search_asked:
+            self._search(queue, self._shown)
+
+    def _search(self, queue: Queue, shown: Mapping[int, antecedents.Outcome]) -> None:
+        task = antecedents.search_task(
+            self._system, self._properties, self._limits, self._recordings, self._witnesses, shown
+        )
+        queue.add(task, self._remember)
 
     def when_known(self, then: Callable[[float], None]) -> None:
         """Call `then` with the seconds of the search as soon as it has ended: now, if it has."""

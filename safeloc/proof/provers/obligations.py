@@ -72,10 +72,11 @@ def obligations(
     def begin(_known: Base, _seconds: float) -> None:
         obliging.begin_search(queue)
         obliging.begin_checks(queue)
-        cases.begin(queue)
+        cases.begin_search(queue)
 
     with_base(queue, system, limits, begin)
     obliging.begin_known_runs(queue)
+    cases.begin_known_runs(queue)
     queue.run()
     return obliging.findings
 

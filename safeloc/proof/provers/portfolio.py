@@ -125,10 +125,11 @@ def prove(
     proving = Proving(system, properties, limits, cases, on_finding, lemmas=lemmas)
 
     def begin(known: Base, seconds: float) -> None:
-        cases.begin(queue)
+        cases.begin_search(queue)
         proving.begin(queue, known, seconds)
 
     with_base(queue, system, limits, begin)
+    cases.begin_known_runs(queue)
     queue.run()
     return proving.findings
 

@@ -78,13 +78,14 @@ class Work:
         obliging = Obliging(system, limits, cases, self.on_finding, recordings, self._witnesses)
 
         def begin(known: Base, seconds: float) -> None:
-            cases.begin(queue)
+            cases.begin_search(queue)
             obliging.begin_search(queue)
             proving.begin(queue, known, seconds)
             obliging.begin_checks(queue)
 
         with_base(queue, system, limits, begin)
         obliging.begin_known_runs(queue)
+        cases.begin_known_runs(queue)
         queue.run()
         return [*asked, *proving.findings], obliging.findings
 
