@@ -18,6 +18,7 @@ from safeloc.proof.verification.replay import Row, as_table, replay_stream
 from safeloc.report.assumptions import as_data, as_lines, numbers_of
 from safeloc.report.data import report_data
 from safeloc.report.folder import usable, write_folder
+from safeloc.report.made_by import made_by
 from safeloc.target import find_recording
 
 _FIRST_AND_LAST = 5
@@ -68,7 +69,8 @@ def replay(
         usable(folder)
     rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
     if folder is not None:
-        err.print(f"report: {write_folder(folder, findings, [loaded])}", markup=False)
+        page = write_folder(folder, findings, [loaded], made=made_by(sys.argv[1:], {}))
+        err.print(f"report: {page}", markup=False)
     if as_json:
         print_json(report_data(findings, [loaded]))
     elif form == "jsonl":
