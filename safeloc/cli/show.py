@@ -19,6 +19,8 @@ EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown
 _SHOWN_STEPS = 30
 """Steps of a run that are printed; the report holds all of them."""
 _LINES_OF_A_TERM = 4
+_OF_THE_ASSUMPTION = ("assumption", "assumption lasts", "dead ends")
+"""Obligations that are violated if nothing can keep the assumption."""
 _COLOURS: Mapping[str, str] = {
     "proved": "green",
     "held": "cyan",
@@ -93,8 +95,21 @@ def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
         for what, text in finding.notes.items():
             out.print("")
             print_line(f"{what}: {text}")
+    for page in _pages_to_read(findings):
+        out.print(f"\nWhat to try: safeloc docs {page}", markup=False)
     if sum_up:
         out.print(summed_up(findings), markup=False)
+
+
+def _pages_to_read(findings: Sequence[Finding]) -> list[str]:
+    """Return the pages of the documentation that help with these findings."""
+    undecided = any(isinstance(one.result, Unknown) for one in findings)
+    empty = any(
+        isinstance(one.result, Vacuous)
+        or (isinstance(one.result, Violated) and one.id.rpartition("/")[2] in _OF_THE_ASSUMPTION)
+        for one in findings
+    )
+    return ["howto/undecided"] * undecided + ["howto/empty_assumption"] * empty
 
 
 def print_summary(findings: Sequence[Finding]) -> None:
