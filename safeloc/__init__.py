@@ -16,7 +16,9 @@ from safeloc.errors import (
     UnforeseenError,
     UnitError,
 )
-from safeloc.language.composition import compose
+from safeloc.language.absence import shown_if
+from safeloc.language.composition import Clause, compose
+from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     abs_,
     before,
@@ -25,6 +27,7 @@ from safeloc.language.expr import (
     ceil_div,
     ceil_to,
     choice,
+    enumeration,
     exact_to,
     floor_div,
     floor_to,
@@ -36,19 +39,24 @@ from safeloc.language.expr import (
     optional,
     product,
     was,
+    with_unit,
 )
 from safeloc.language.interpret import run
-from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.spec import always, never, once, previous, reachable, since, within
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, require_proved
+from safeloc.language.world import Law, World
 from safeloc.moved import refuse_old_names as _refuse_old_names
 
 __all__ = [
     "ANY",
+    "Clause",
+    "Declared",
     "EngineError",
     "Held",
     "InputError",
+    "Law",
     "Machine",
     "ModelError",
     "NotProvedError",
@@ -63,6 +71,7 @@ __all__ = [
     "UnitError",
     "Unknown",
     "Violated",
+    "World",
     "abs_",
     "always",
     "before",
@@ -72,6 +81,8 @@ __all__ = [
     "ceil_to",
     "choice",
     "compose",
+    "current_mode",
+    "enumeration",
     "exact_to",
     "floor_div",
     "floor_to",
@@ -90,8 +101,10 @@ __all__ = [
     "reachable",
     "require_proved",
     "run",
+    "shown_if",
     "since",
     "was",
+    "with_unit",
     "within",
     "without_ghosts",
 ]

@@ -20,6 +20,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 TREES = {"safeloc": "safeloc", "models": "safeloc/models", "properties": "safeloc/properties"}
+DOCS = {"docs": "safeloc/docs"}
 LINKS = ("models", "properties")
 LEFT_OUT = shutil.ignore_patterns(
     ".*", "__pycache__", "*.egg-info", "build", "dist", "tests", "benchmarks", "safeloc-*"
@@ -42,8 +43,13 @@ def setup_py() -> Any:
 
 
 def delivered() -> Iterator[tuple[Path, str]]:
-    """Every file of the three trees with its name in the wheel."""
-    for tree, name in TREES.items():
+    """Every file of the three trees of packages and of the documentation, with its name in the wheel."""
+    yield from files_of(TREES | DOCS)
+
+
+def files_of(trees: dict[str, str]) -> Iterator[tuple[Path, str]]:
+    """Every file of these trees with its name in the wheel."""
+    for tree, name in trees.items():
         for folder, folders, files in os.walk(ROOT / tree):
             folders[:] = [one for one in folders if one != "__pycache__" and not (Path(folder) / one).is_symlink()]
             for file in files:
@@ -98,10 +104,11 @@ def test_one_top_level_name(wheel: Path) -> None:
 @pytest.mark.thorough
 def test_packages_are_the_trees() -> None:
     """The packages that setup.py finds are the folders with Python files, each of which has an __init__.py."""
-    expected = {name.rpartition("/")[0].replace("/", ".") for _, name in delivered() if name.endswith(".py")}
+    modules = [name for _, name in files_of(TREES) if name.endswith(".py")]
+    expected = {name.rpartition("/")[0].replace("/", ".") for name in modules}
     assert sorted(setup_py().packages()) == sorted(expected)
     assert not {"packages", "package-data", "package-dir"} & set(project()["tool"].get("setuptools", {}))
-    missing = [name for _, name in delivered() if name.endswith(".py") and not _has_init(name)]
+    missing = [name for name in modules if not _has_init(name)]
     assert missing == []
 
 
@@ -136,6 +143,72 @@ def _imports(path: Path) -> Iterator[str]:
             yield from (alias.name.split(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             yield node.module.split(".")[0]
+
+
+# ------------------------------------------------------------------ the description of the package
+
+
+def metadata(wheel: Path) -> tuple[str, str]:
+    """The fields of the wheel's METADATA, and the description below them."""
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
+        fields, _, text = archive.read(name).decode().partition("\n\n")
+    return fields, text
+
+
+def outside_of_code(text: str) -> str:
+    """A page without its blocks of code."""
+    return re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE)
+
+
+def links(text: str) -> list[str]:
+    """Where a page leads, in Markdown and HTML, pictures included."""
+    inline = re.findall(r"\]\(\s*<?([^)>\s]*)", text)
+    by_reference = re.findall(r"^\s*\[[^\]]+\]:\s*(\S+)", text, re.MULTILINE)
+    return [*inline, *by_reference, *re.findall(r"""(?:href|src|srcset)=["']([^"']*)""", text)]
+
+
+def test_no_link_of_the_description_is_dead(wheel: Path) -> None:
+    """Outside of a checkout a relative link or picture leads nowhere; each command that stands in its place names a page."""
+    fields, text = metadata(wheel)
+    assert "Description-Content-Type: text/markdown" in fields
+    assert text.startswith("# safeloc")
+    assert [one for one in links(outside_of_code(text)) if not one.startswith(("https://", "http://"))] == []
+    named = set(re.findall(r"`safeloc docs ([\w./-]+)`", text))
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    pages = {one.partition("#")[0] for one in links(outside_of_code(readme)) if one.startswith("docs/")}
+    assert len(pages) > 10
+    assert len(named) == len(pages)
+    with zipfile.ZipFile(wheel) as archive:
+        inside = set(archive.namelist())
+    for name in named:
+        assert inside & {f"safeloc/docs/{name}{end}" for end in ("", ".md", "/README.md")}, name
+
+
+def test_code_of_the_description_is_that_of_the_readme(wheel: Path) -> None:
+    """What a user copies from the package's page runs as in the README."""
+    text, readme = metadata(wheel)[1], (ROOT / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```.*?^```$", readme, re.DOTALL | re.MULTILINE)
+    assert blocks
+    assert re.findall(r"^```.*?^```$", text, re.DOTALL | re.MULTILINE) == blocks
+
+
+@pytest.mark.parametrize(
+    ("written", "described"),
+    [
+        ("see [docs/a.md](docs/a.md#b).", "see `safeloc docs a`."),
+        ("the [way in](docs/a.md) is", "the way in (`safeloc docs a`) is"),
+        ("[docs/decisions/](docs/decisions/README.md)", "`safeloc docs decisions`"),
+        ("[changes](CONTRIBUTING.md), [above](#start)", "changes, above"),
+        ("![modes](docs/odometry.svg)", "modes (picture: `safeloc docs odometry.svg`)"),
+        ('<img alt="a train" width="9" src="docs/train.svg">', "a train (picture: `safeloc docs train.svg`)"),
+        ("[z3](https://z3.example/a(b)", "[z3](https://z3.example/a(b)"),
+        ("```\nrows[0](docs/a.md)\n```", "```\nrows[0](docs/a.md)\n```"),
+    ],
+)
+def test_links_in_words(written: str, described: str) -> None:
+    """A link to a page is the command that finds it; other files are not installed; addresses and code stay."""
+    assert setup_py().description(written) == described
 
 
 # ------------------------------------------------------------------ as a user installs it

@@ -6,24 +6,40 @@ import json
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import safeloc
 from safeloc import errors
-from safeloc.language import composition, expr, interpret, machine, spec, system, verdict
+from safeloc.language import (
+    absence,
+    composition,
+    declared,
+    expr,
+    interpret,
+    machine,
+    spec,
+    system,
+    units,
+    verdict,
+    world,
+)
 
 ROOT = Path(__file__).parents[1]
 PUBLIC = {
-    machine: ("ANY", "Machine", "Transition", "modes"),
+    absence: ("shown_if",),
+    declared: ("Declared",),
+    machine: ("ANY", "Machine", "Transition", "current_mode", "modes"),
+    world: ("Law", "World"),
     expr: (
-        "abs_", "before", "between", "boolean", "ceil_div", "ceil_to", "choice", "exact_to", "floor_div", "floor_to",
-        "ite", "maximum", "members", "minimum", "number", "optional", "product", "was",
+        "abs_", "before", "between", "boolean", "ceil_div", "ceil_to", "choice", "enumeration", "exact_to", "floor_div", "floor_to",
+        "ite", "maximum", "members", "minimum", "number", "optional", "product", "was", "with_unit",
     ),
     spec: ("always", "never", "once", "previous", "reachable", "since", "within"),
     system: ("lower", "without_ghosts"),
-    composition: ("compose",),
+    composition: ("Clause", "compose"),
     interpret: ("run",),
     verdict: ("Held", "Proved", "Unknown", "Violated", "require_proved"),
     errors: (
@@ -31,6 +47,7 @@ PUBLIC = {
         "StreamError", "TruthValueError", "UnforeseenError", "UnitError",
     ),
 }  # fmt: skip
+PAGE = ROOT / "docs" / "public.md"
 HEAVY = ("cvc5", "hypothesis", "jinja2", "numpy", "pyarrow", "pydantic", "pytest", "rich", "transitions", "typer", "z3")
 
 
@@ -105,3 +122,54 @@ always("short", way <= 5)
 assert 5 == run(lower(m), [{"go": True}]).steps[0].outputs["way"]
 """
     assert set() == loaded(code) & set(HEAVY)
+
+
+# ------------------------------------------------------------------ what README and docs use
+
+
+def shown() -> dict[str, set[str]]:
+    """Module -> names that README, docs and the examples of docs import from it, but for what `safeloc` itself has."""
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    blocks = [
+        one for page in pages for one in re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    ]
+    blocks += [path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs" / "examples").glob("*.py"))]
+    found: dict[str, set[str]] = {}
+    for block in blocks:
+        for line in re.findall(r"^ *from (safeloc\S*) import (?:\(([^)]*)\)|(.*))$", block, re.MULTILINE):
+            names = {name.strip().split(" as ")[0] for name in re.sub("#.*", "", line[1] or line[2]).split(",")}
+            found.setdefault(line[0], set()).update(names - {""})
+    here = {name: getattr(safeloc, name) for name in safeloc.__all__}
+    left = {
+        name: {one for one in names if here.get(one) is not getattr(import_module(name), one)}
+        for name, names in found.items()
+        if name != "safeloc"
+    }
+    left[units.__name__] = {name for name, value in vars(units).items() if isinstance(value, units.Unit)}  # all of them
+    return {name: names for name, names in left.items() if names}
+
+
+def listed() -> dict[str, set[str]]:
+    """Module -> names, as docs/public.md lists them."""
+    rows = re.findall(r"^\| `(safeloc[\w.]*)` \| (.*) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    return {module: set(re.findall(r"`(\w+)`", names)) for module, names in rows}
+
+
+def test_the_page_lists_what_users_are_shown() -> None:
+    """No more, or a name would be promised that nobody needs; no less, or README would use a name that may vanish."""
+    assert listed() == {"safeloc": set(safeloc.__all__), **shown()}
+
+
+def test_what_is_listed_is_there() -> None:
+    """Each name stands in its module, and belongs to it or to the room behind it."""
+    for module, names in listed().items():
+        assert [] == [name for name in names if not hasattr(import_module(module), name)], module
+
+
+def test_the_page_is_in_order() -> None:
+    """Modules and their names are sorted, so that a change is one line."""
+    rows = re.findall(r"^\| `(safeloc[\w.]*)` \| (.*) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(module for module, _ in rows) == [module for module, _ in rows]
+    for _, names in rows:
+        found = re.findall(r"`(\w+)`", names)
+        assert sorted(found) == found

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from safeloc.cli.console import out, print_json
+from safeloc.cli.console import print_json, print_line
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.findings import AuditReport, as_folded_text
 from safeloc.railway.audit.vehicle import find_layout
@@ -40,7 +40,7 @@ def audit_line(
         print_json([report.as_data() for report in reports])
     else:
         for text in (text for report in reports for text in _lines(report, every)):
-            out.print(text, markup=False)
+            print_line(text)
     raise typer.Exit(_VIOLATED if any(report.violated for report in reports) else 0)
 
 

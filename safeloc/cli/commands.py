@@ -30,6 +30,9 @@ COMMANDS: Mapping[str, Known] = {
         "list_",
         "List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.",
     ),
+    "docs": Known(
+        "docs", "docs", "List the documentation that is installed with safeloc, or print the path of one page."
+    ),
     "import": Known(
         "line_import",
         "import_line",

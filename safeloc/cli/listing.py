@@ -17,7 +17,7 @@ from safeloc.assurance.requirements import Item, Link, traceability
 from safeloc.assurance.short_lists import first_few
 from safeloc.assurance.splits.folded import folded_cases
 from safeloc.catalogue import ENTRIES, Target, load_target
-from safeloc.cli.console import out, print_json
+from safeloc.cli.console import print_json, print_line
 from safeloc.cli.keeping import CacheOption, store_in
 from safeloc.config import figures
 from safeloc.proof.cache.store import Store
@@ -36,6 +36,10 @@ def list_(
             help="machines, properties, config, recordings, assumptions, shared, splits, requirements or lines"
         ),
     ] = "machines",
+    of: Annotated[
+        list[str] | None,
+        typer.Argument(help="machines of which something is listed, as with --machine", show_default=False),
+    ] = None,
     machines: Annotated[
         list[str] | None,
         typer.Option("--machine", help="only this machine, shipped or your own (repeatable)"),
@@ -56,7 +60,7 @@ def list_(
     configuration with unit, default and source, `recordings` the streams that ship with it, for `safeloc replay`. `splits`
     lists the cases that the default configuration folds away, and the configurations in which they are live.
     """
-    asked = machines or ()
+    asked = [*(of or ()), *(machines or ())]
     chosen = PropertyChoice(asked, requirement, text)
     kinds: Mapping[str, Callable[[], _Listed]] = {
         "machines": _machines,
@@ -82,7 +86,7 @@ def list_(
         print_json(data)
         return
     for line in lines:
-        out.print(line, markup=False)
+        print_line(line)
 
 
 def _machines() -> _Listed:

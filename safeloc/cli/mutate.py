@@ -17,7 +17,7 @@ from safeloc.assurance.mutation.strength import keep_strengths
 from safeloc.assurance.mutation.table import lines
 from safeloc.assurance.mutation.work import Plan
 from safeloc.catalogue import ENTRIES, Target, load_target
-from safeloc.cli.console import out, print_json
+from safeloc.cli.console import print_json, print_line
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import Progressing
@@ -97,7 +97,7 @@ def mutate(
         print_json(as_data(loaded.name, found.judged, of=found.of, seed=seed, seconds=took, reasons=found.reasons))
         return
     for line in lines(loaded.name, found.judged, of=found.of, machine_only=machine_only, reasons=found.reasons):
-        out.print(line, markup=False)
+        print_line(line)
 
 
 def _reasons(target: Target, given: Path | None, *, changed: bool) -> Reasons:

@@ -13,7 +13,7 @@ from safeloc.checker.answer import CONFIRMED, NO_PROOF
 from safeloc.checker.folder import Checking, check_folder
 from safeloc.checker.solve import NEEDED, SOLVERS
 from safeloc.checker.unsat import Survey, survey
-from safeloc.cli.console import err, out, print_json
+from safeloc.cli.console import err, print_json, print_line
 from safeloc.cli.show import Progressing
 
 _SCHEMA = "safeloc-recheck/1"
@@ -50,7 +50,7 @@ def recheck(
         print_json(_data(found) | ({} if steps is None else {"proofs": _step_data(steps)}))
     else:
         for line in (*_lines(found), *([] if steps is None else _step_lines(steps))):
-            out.print(line, markup=False)
+            print_line(line)
     raise typer.Exit(found.exit_code)
 
 

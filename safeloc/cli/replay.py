@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from safeloc.catalogue import Target, load_target
-from safeloc.cli.console import err, out, print_json
+from safeloc.cli.console import err, out, print_json, print_line
 from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, code, findings_table
 from safeloc.proof.verification.assumptions import Judged, judge_recording
-from safeloc.proof.verification.replay import as_table, replay_stream
+from safeloc.proof.verification.replay import Row, as_table, replay_stream
 from safeloc.report.assumptions import as_data, as_lines, numbers_of
 from safeloc.report.data import report_data
 from safeloc.report.folder import usable, write_folder
+from safeloc.report.made_by import made_by
 from safeloc.target import find_recording
+
+_FIRST_AND_LAST = 5
+"""Steps at either end of a recording that a terminal always gets."""
 
 
 def replay(
@@ -64,17 +69,34 @@ def replay(
         usable(folder)
     rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
     if folder is not None:
-        err.print(f"report: {write_folder(folder, findings, [loaded])}", markup=False)
+        page = write_folder(folder, findings, [loaded], made=made_by(sys.argv[1:], {}))
+        err.print(f"report: {page}", markup=False)
     if as_json:
         print_json(report_data(findings, [loaded]))
     elif form == "jsonl":
         for row in rows:
             sys.stdout.write(row.as_json() + "\n")
     else:
-        for line in as_table(rows):
+        for line in _shown(rows, as_table(rows)) if out.is_terminal else as_table(rows):
             out.print(line, markup=False)
         findings_table(findings)
     raise typer.Exit(code(findings))
+
+
+def _shown(rows: Sequence[Row], lines: Sequence[str]) -> Iterator[str]:
+    """Yield the lines for a terminal: heading, first and last steps, every change of mode, and how many steps lie between.
+
+    lines  the heading, and a line for each row
+    """
+    yield lines[0]
+    before = 0
+    for number, line in enumerate(lines[1:]):
+        ends = number < _FIRST_AND_LAST or number >= len(rows) - _FIRST_AND_LAST
+        if ends or rows[number].modes != rows[number - 1].modes:
+            if number > before:
+                yield f"... {number - before} more steps without a change of mode; in a pipe all are printed"
+            yield line
+            before = number + 1
 
 
 def _print_judged(target: Target, recording: str, judged: Judged, *, as_json: bool) -> None:
@@ -83,7 +105,7 @@ def _print_judged(target: Target, recording: str, judged: Judged, *, as_json: bo
         print_json(as_data(recording, judged, numbers))
         return
     for line in as_lines(recording, judged, numbers):
-        out.print(line, markup=False)
+        print_line(line)
 
 
 def _exit_code(judged: Judged) -> int:

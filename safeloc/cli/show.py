@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, assert_never
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.table import Table
 
-from safeloc.cli.console import err, out, print_json
+from safeloc.cli.console import err, folded, out, print_json, print_line
+from safeloc.cli.finding_lines import finding_line, finding_lines
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.results import Finding
 from safeloc.report.data import report_data
@@ -18,6 +18,9 @@ from safeloc.report.headline import KindAndVerdict, counted, headline
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
 _SHOWN_STEPS = 30
 """Steps of a run that are printed; the report holds all of them."""
+_LINES_OF_A_TERM = 4
+_OF_THE_ASSUMPTION = ("assumption", "assumption lasts", "dead ends")
+"""Obligations that are violated if nothing can keep the assumption."""
 _COLOURS: Mapping[str, str] = {
     "proved": "green",
     "held": "cyan",
@@ -84,18 +87,29 @@ class Progressing:
 
 
 def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
-    """Print the table of verdicts (plain lines in a pipe), the evidence of every bad result, and the headline."""
-    if not out.is_terminal:
-        for finding in findings:
-            out.print(f"{word(finding.result):9} {finding.id}  [{finding.method}]", markup=False)
-    else:
-        _table(findings)
+    """Print every verdict, the evidence of every bad result, and the headline."""
+    for finding in findings:
+        _finding(finding)
     for finding in findings:
         _evidence(finding)
         for what, text in finding.notes.items():
-            out.print(f"\n{what}: {text}", markup=False)
+            out.print("")
+            print_line(f"{what}: {text}")
+    for page in _pages_to_read(findings):
+        out.print(f"\nWhat to try: safeloc docs {page}", markup=False)
     if sum_up:
         out.print(summed_up(findings), markup=False)
+
+
+def _pages_to_read(findings: Sequence[Finding]) -> list[str]:
+    """Return the pages of the documentation that help with these findings."""
+    undecided = any(isinstance(one.result, Unknown) for one in findings)
+    empty = any(
+        isinstance(one.result, Vacuous)
+        or (isinstance(one.result, Violated) and one.id.rpartition("/")[2] in _OF_THE_ASSUMPTION)
+        for one in findings
+    )
+    return ["howto/undecided"] * undecided + ["howto/empty_assumption"] * empty
 
 
 def print_summary(findings: Sequence[Finding]) -> None:
@@ -117,17 +131,25 @@ def code(findings: Sequence[Finding]) -> int:
     return EXIT_CODES[worst(word(finding.result) for finding in findings)]
 
 
-def _table(findings: Sequence[Finding]) -> None:
-    table = Table("verdict", "statement", "method", "requirements")
-    for finding in findings:
-        verdict = word(finding.result)
-        table.add_row(
-            f"[{_COLOURS[verdict]}]{verdict}[/]",
-            f"{_escape(finding.id)}\n[dim]{_escape(finding.statement)}[/]",
-            _escape(finding.method),
-            " ".join(finding.requirements),
-        )
-    out.print(table)
+def _finding(finding: Finding) -> None:
+    """Print one finding: a line in a pipe; on a terminal at most two, with the verdict in colour."""
+    if not out.is_terminal:
+        out.print(finding_line(finding), markup=False)
+        return
+    verdict = word(finding.result)
+    first, *rest = finding_lines(finding, out.width)
+    out.print(f"[{_COLOURS[verdict]}]{verdict}[/]{_escape(first.removeprefix(verdict))}")
+    for line in rest:
+        out.print(line, markup=False)
+
+
+def _long(text: str) -> None:
+    """Print a text that may hold whole terms: in full in a pipe, the first lines on a terminal."""
+    lines = [text] if not out.is_terminal else folded(text, out.width)
+    for line in lines[:_LINES_OF_A_TERM]:
+        out.print(line, markup=False)
+    if len(lines) > _LINES_OF_A_TERM:
+        out.print(f"    ... {len(lines) - _LINES_OF_A_TERM} more lines; in a pipe all are printed", markup=False)
 
 
 def _escape(text: str) -> str:
@@ -137,7 +159,8 @@ def _escape(text: str) -> str:
 def _evidence(finding: Finding) -> None:
     match finding.result:
         case Violated(trace, engine, reason):
-            out.print(f"\n[bold red]violated[/] {_escape(finding.id)}: {_escape(finding.statement)}")
+            says = "" if finding.id.endswith(f"/{finding.statement}") else f": {finding.statement}"
+            out.print(f"\n[bold red]violated[/] {_escape(finding.id)}{_escape(says)}")
             out.print(f"found by {engine}. {reason}".rstrip(), markup=False)
             if trace is not None:
                 out.print(trace.table(_SHOWN_STEPS), markup=False)
@@ -150,9 +173,8 @@ def _evidence(finding: Finding) -> None:
         case NotAsked(reason):
             out.print(f"\n[yellow]not asked[/] {_escape(finding.id)}: {_escape(reason)}")
         case Held(notes=notes) if finding.kind == "replay" and notes:
-            out.print(
-                f"\n{finding.id}: " + ", ".join(f"{what}: {number}" for what, number in notes.items()), markup=False
-            )
+            out.print("")
+            _long(f"{finding.id}: " + ", ".join(f"{what}: {number}" for what, number in notes.items()))
         case Proved() | Held():
             pass
         case _:

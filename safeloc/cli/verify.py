@@ -39,6 +39,7 @@ from safeloc.proof.verification.memory import Memory
 from safeloc.proof.verification.one import Plan
 from safeloc.report.data import NOT_ASKED, report_data
 from safeloc.report.folder import PAGE, cleared, files_of, usable, write_folder
+from safeloc.report.made_by import made_by
 from safeloc.report.proof_evidence import evidence_data
 
 
@@ -93,19 +94,37 @@ def verify(
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    strengths = strengths_of(store, loaded)
+    strengths, made = strengths_of(store, loaded), _made(plan)
     page = write_folder(
-        folder, findings, loaded, evidence=evidence_of, strengths=strengths, single=single, on_written=keep_it
+        folder,
+        findings,
+        loaded,
+        evidence=evidence_of,
+        strengths=strengths,
+        single=single,
+        made=made,
+        on_written=keep_it,
     )
     store.trim()
     if as_json:
-        print_json(report_data(findings, loaded, evidence_of, strengths))
+        print_json(report_data(findings, loaded, evidence_of, strengths, made))
         raise typer.Exit(code(findings))
     print_summary(findings)
     print_cached(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
+
+
+def _made(plan: Plan) -> dict[str, Any]:
+    """Return how the report was made, for its reader."""
+    limits = {
+        "depth": plan.limits.depth,
+        "seconds": plan.limits.seconds,
+        "examples": plan.examples,
+        "steps": plan.steps,
+    }
+    return made_by(sys.argv[1:], {**limits, "seed": plan.seed})
 
 
 def _named(targets: list[str] | None, sources: list[str] | None) -> list[str]:

@@ -411,6 +411,17 @@ def need_same_unit(what: str, left: Num, right: Num) -> None:
     """Raise UnitError if the units differ; `what` is the verb of the message, such as "compare"."""
     if not left.unit.same(right.unit):
         raise UnitError(
-            f"{declared_at()}: cannot {what} {left.unit.name} and {right.unit.name}. Convert one with floor_to, ceil_to "
-            "or exact_to."
+            f"{declared_at()}: cannot {what} {left.unit.name} and {right.unit.name}. {_remedy(left, right)}"
         )
+
+
+def _remedy(left: Num, right: Num) -> str:
+    """Return how two units come together: by conversion if they are of one kind, else by a rule of the model."""
+    first, second = left.unit, right.unit
+    if not (isinstance(first, Unit) and isinstance(second, Unit)):
+        return "A member of an enumeration is compared with members of the same one only."
+    if first.dimension == second.dimension:
+        return "Convert one with floor_to, ceil_to or exact_to."
+    return (
+        "They are of different kinds; with_unit(term, unit) says that a number of one kind stands for one of the other."
+    )

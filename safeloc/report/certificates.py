@@ -20,7 +20,7 @@ from pathlib import Path
 from safeloc.errors import InputError
 from safeloc.language.verdict import Proved
 from safeloc.proof.results import Finding
-from safeloc.report.page import file_names
+from safeloc.report.file_names import file_names
 from safeloc.runtime.packed import QUICK, packed, read_packed
 
 FOLDER, SUFFIX = "certificates", ".tar.xz"

@@ -43,11 +43,13 @@ def report_data(
     targets: Iterable[Target],
     evidence: Mapping[str, Any] = NOT_ASKED,
     strengths: Strengths | None = None,
+    made: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Return the complete report as JSON-ready data.
 
     evidence   target's name -> proof cores and effects of broken clauses (safeloc.report.proof_evidence), if available
     strengths  strength of the evidence for each requirement, if available
+    made       command, limits, seed and commit (safeloc.report.made_by), if a command makes the report
     """
     targets = list(targets)
     traced = traceability(targets)
@@ -55,6 +57,7 @@ def report_data(
         "schema": SCHEMA,
         "made": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "verdict": worst(word(finding.result) for finding in findings),
+        **({} if made is None else {"made_by": dict(made)}),
         "versions": versions(),
         "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
         "conditions": _conditions(targets),
@@ -221,9 +224,19 @@ def trace_data(trace: Trace | None, truth_mm: Sequence[int | None] = ()) -> dict
     return {"first": dict(trace.initial), "steps": steps, "truth_mm": list(truth_mm)}
 
 
+def _verdict_of(findings: Sequence[Finding]) -> str:
+    """Return the verdict of a requirement: that of its properties, unless a test or a replay did not hold; nothing if none."""
+    if not findings:
+        return ""
+    found = worst(word(one.result) for one in findings)
+    proofs = [word(one.result) for one in findings if one.kind not in ("test", "replay")]
+    return worst(proofs) if found == "held" and proofs else found
+
+
 def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths | None) -> dict[str, Any]:
     one = link.requirement
-    shown = {finding.id: word(finding.result) for finding in findings if one.id in finding.requirements}
+    own = [finding for finding in findings if one.id in finding.requirements]
+    shown = {finding.id: word(finding.result) for finding in own}
     return {
         "id": one.id,
         "kind": one.kind,
@@ -234,6 +247,6 @@ def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths |
         "carried_by": one.carried_by,
         "transitions": list(link.transitions),
         "results": list(shown),
-        "verdict": worst(shown.values()) if shown else "",
+        "verdict": _verdict_of(own),
         "strength": as_text(strengths.get(one.id, ())) if link.transitions and strengths is not None else [],
     }

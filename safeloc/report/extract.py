@@ -6,7 +6,7 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.report import certificates, stored
-from safeloc.report.page import file_names
+from safeloc.report.file_names import file_names
 from safeloc.runtime.streams.columns import read_runs
 from safeloc.runtime.streams.steps import write_steps
 

@@ -62,6 +62,7 @@ def write_folder(
     evidence: Mapping[str, Any] = NOT_ASKED,
     single: bool = False,
     strengths: Strengths | None = None,
+    made: Mapping[str, Any] | None = None,
     on_written: Callable[[], None] = lambda: None,
 ) -> Path:
     """Write the report and return the path of the page. Files of an earlier report in this folder are removed.
@@ -69,16 +70,18 @@ def write_folder(
     evidence    target's name -> proof cores and effects of broken clauses (safeloc.report.proof_evidence), if available
     single      write one self-contained page, whatever its size
     strengths   strength of the evidence for each requirement, as far as it was measured
+    made        command, limits, seed and commit (safeloc.report.made_by), if a command writes the report
     on_written  called after everything is written, before another run can write here
 
     If two runs write into one folder at once, the second one waits, so that a report is always of one run.
     InputError if the folder cannot be written.
     """
-    whole = report_data(findings, targets, evidence, strengths)
+    whole = report_data(findings, targets, evidence, strengths, made)
     archives = certificates.archives(findings)
     runs = _runs(findings)
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
-    small, machines = stored.split_data(whole, {file: list(texts) for file, texts in archives.items()}, steps)
+    names = {file: list(texts) for file, texts in archives.items()}
+    small, machines = stored.split_data(whole, names, steps)
     files = stored.machine_files(whole)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -93,7 +96,7 @@ def write_folder(
                 (folder / stored.TRACES / files[name]).write_bytes(runs_file(own))
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
-            page = _write_page(folder, whole, single=single)
+            page = _write_page(folder, {**whole, "certificates": names, "runs": steps}, single=single)
             on_written()
             return page
     except OSError as error:

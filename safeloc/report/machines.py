@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from safeloc.assurance.register import Assumption, register
 from safeloc.catalogue import Target
 from safeloc.codegen.diagram import to_svg
 from safeloc.config import figures
@@ -21,12 +22,14 @@ from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
 from safeloc.language.terms import Sharing
 from safeloc.language.units import Enumeration
-from safeloc.report.exact import Exact
+from safeloc.report.declared import declarations, place
+from safeloc.report.exact import Exact, spelled_alone
 
 
 def machine_data(target: Target) -> dict[str, Any]:
     """Return everything on a target that the page shows, except verdicts."""
     system = target.system
+    assumed = {(one.machine, one.name): one for one in register(target)}
     signals: dict[str, Expr] = {var.name: var for var in (*system.state, *system.inputs)} | dict(system.outputs)
     return {
         "name": target.name,
@@ -40,7 +43,8 @@ def machine_data(target: Target) -> dict[str, Any]:
         "figures": [] if target.config is None else list(figures(target.config)),
         "reported": None if target.reported is None else asdict(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
-        "parts": [_part(machine) for machine in target.machines],
+        "parts": [_part(machine, assumed) for machine in target.machines],
+        "declared": declarations(target),
     }
 
 
@@ -60,18 +64,21 @@ def _signal(term: Expr) -> dict[str, Any]:
     return {"unit": term.unit.name, "members": []}
 
 
-def _part(machine: Machine) -> dict[str, Any]:
-    laws = {f"law {name}": term for name, term in machine.world.terms.items()}
+_Assumed = Mapping[tuple[str, str], Assumption]
+"""The assumptions of the register by machine and name."""
+
+
+def _part(machine: Machine, assumed: _Assumed) -> dict[str, Any]:
     guards = {f"when {t.name}": t.when for t in machine.transitions}
     updates = {f"set {number}": update for number, update in enumerate(_updates(machine))}
     moves = {f"move {var.name}": term for var, term in machine.world.moves.items()}
     outputs = {f"output {name}": term for name, term in machine.outputs.items()}
     set_to = {key: update.term for key, update in updates.items()}
-    exact = Exact({**laws, **guards, **set_to, **moves, **outputs}, machine.definitions)
+    exact = Exact({**guards, **set_to, **moves, **outputs}, machine.definitions)
     return {
         "name": machine.name,
         "svg": to_svg(machine),
-        "clauses": list(_clauses(machine, exact)),
+        "clauses": list(_clauses(machine, assumed)),
         "table": [_row(t, exact.texts[f"when {t.name}"]) for t in machine.transitions],
         "updates": [
             {"variable": update.variable, "term": exact.texts[key], "transitions": update.transitions}
@@ -82,13 +89,19 @@ def _part(machine: Machine) -> dict[str, Any]:
     }
 
 
-def _clauses(machine: Machine, exact: Exact) -> Iterator[dict[str, Any]]:
+def _clauses(machine: Machine, assumed: _Assumed) -> Iterator[dict[str, Any]]:
     """Yield every law of the world with its term in parts, its owner, and the values of the machine that it reads."""
     read = read_of_machine(machine)
     for name, law in machine.world.laws.items():
+        terms, lines = spelled_alone(_conjuncts(law.term), machine.definitions)
+        one = assumed[machine.name, name]
         yield {
+            "id": one.id,
             "name": name,
-            "terms": [exact.spelled(part) for part in _conjuncts(law.term)],
+            "terms": terms,
+            "parts": [asdict(line) for line in lines],
+            "guaranteed": one.guaranteed,
+            "observable": one.monitored,
             "statement": law.statement,
             "figures": list(law.figures),
             "source": law.source,
@@ -128,7 +141,6 @@ def _term(var: Var, value: Expr | Value) -> Expr:
 
 
 def _row(t: Transition, guard: str) -> dict[str, Any]:
-    file, _, line = t.src.rpartition(":")
     return {
         "name": t.name,
         "source": ", ".join(mode.label for mode in t.sources),
@@ -136,7 +148,7 @@ def _row(t: Transition, guard: str) -> dict[str, Any]:
         "guard": guard,
         "rank": t.rank,
         "requirements": list(t.requirements),
-        "declared": f"{file.rpartition('/')[2]}:{line}",
+        "declared": place(t.src),
     }
 
 

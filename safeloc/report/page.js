@@ -59,6 +59,22 @@
 
   const boxes = document.querySelectorAll("details.part");
   for (const box of boxes) box.addEventListener("toggle", () => box.open && open(box));
+  /* A link to a place in a part that is not open yet, the one that follows the link, opens it first. */
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest('a[href^="#"]');
+    if (!link || document.getElementById(link.hash.slice(1))) return;
+    const after = (box) => link.compareDocumentPosition(box) & Node.DOCUMENT_POSITION_FOLLOWING;
+    const box = [...boxes].find(after);
+    if (!box) return;
+    event.preventDefault();
+    box.open = true;
+    const seen = new MutationObserver(() => {
+      if (!document.getElementById(link.hash.slice(1))) return;
+      seen.disconnect();
+      location.hash = link.hash;
+    });
+    seen.observe(box, { childList: true, subtree: true });
+  });
   document.getElementById("open-all").addEventListener("click", () => {
     for (const box of boxes) box.open = true;
   });

@@ -10,17 +10,18 @@ import base64
 import gzip
 import hashlib
 import json
-import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import count
+from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from safeloc.report.conditions import conditions, needs
+from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
+from safeloc.report.links import Links, anchor, linked
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.streams.gzipped import name_of
 
@@ -29,7 +30,6 @@ PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
-_LONGEST_NAME = 150
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
 _LONGEST_RUN, LAST_STEPS = 40, 20
@@ -62,13 +62,17 @@ class _Rendering:
         self._environment = Environment(
             loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
         )  # fmt: skip
+        self._environment.filters["linked"] = linked
+        self._environment.globals["anchor"] = anchor
         results = data["results"]
         machines = {machine["name"]: machine for machine in data["machines"]}
         shown = _shown_before(data["machines"])
-        self._machines = [_machine(machine, results, shown) for machine in data["machines"]]
-        self._requirements = _requirements(data)
-        self._data = data
         files = file_names([*machines, *(row["machine"] for row in results)])
+        links = Links(data, files)
+        self._machines = [_machine(machine, results, shown, links) for machine in data["machines"]]
+        self._requirements = _requirements(data, links)
+        self._conditions = conditions(data["machines"])
+        self._data = data
         self._given: dict[str, Any] = {
             "data": data,
             "headline": headline(_verdicts(results)),
@@ -76,25 +80,29 @@ class _Rendering:
             "undecided": [row for row in results if row["verdict"] == "unknown"],
             "empty": [row for row in results if row["verdict"] in ("vacuous", "not asked")],
             "violated": [
-                _violated(row, machines[row["machine"]], files) for row in results if row["verdict"] == "violated"
+                _violated(row, machines[row["machine"]], links) for row in results if row["verdict"] == "violated"
             ],
             "requirements": self._requirements,
+            "conditions": self._conditions,
         }
 
     def page(self) -> str:
         """Return one self-contained page."""
         machines = [{**one, "beside": ""} for one in self._machines]
-        return self._filled("page", **self._given, machines=machines, items_beside="", made="", script="")
+        return self._filled(
+            "page", **self._given, machines=machines, items_beside="", conditions_beside="", made="", script=""
+        )
 
     def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
         made = hashlib.sha256(whole.encode()).hexdigest()[:16]
-        files = file_names(["beside", "trace back", *(one["name"] for one in self._machines)])
+        files = file_names(["beside", "trace back", "conditions", *(one["name"] for one in self._machines)])
         html = {
             files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)
             for one in self._machines
         }
         html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
+        html[files["conditions"]] = self._filled("conditions", conditions=self._conditions)
         parts = {f"{file}.js": _part(f"{PARTS}/{file}.js", made, text) for file, text in html.items()}
         parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
         page = self._filled(
@@ -102,6 +110,7 @@ class _Rendering:
             **self._given,
             machines=[{**one, "beside": f"{PARTS}/{files[one['name']]}.js"} for one in self._machines],
             items_beside=f"{PARTS}/{files['trace back']}.js",
+            conditions_beside=f"{PARTS}/{files['conditions']}.js",
             made=made,
             script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),  # our own text
         )
@@ -117,23 +126,6 @@ def _part(name: str, made: str, html: str) -> str:
     return f"safelocPart({json.dumps(name)}, {json.dumps(made)}, {json.dumps(content)});\n"
 
 
-def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
-    """Return a readable file name for each id. Two names always differ, even if the file system ignores case."""
-    names: dict[str, str] = {}
-    taken: set[str] = set()
-    for one in dict.fromkeys(finding_ids):
-        plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in one)[:_LONGEST_NAME]
-        name = next(name for name in _numbered(plain) if name.casefold() not in taken)
-        taken.add(name.casefold())
-        names[one] = name
-    return names
-
-
-def _numbered(plain: str) -> Iterator[str]:
-    yield plain
-    yield from (f"{plain}-{number}" for number in count(2))
-
-
 def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
     """Return, for a target and the number of its part, the earlier target that shows an identical machine."""
     first: dict[str, str] = {}
@@ -146,13 +138,17 @@ def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
     return again
 
 
-def _machine(machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str]) -> dict[str, Any]:
-    own = [_named(row) for row in results if row["machine"] == machine["name"]]
+def _machine(
+    machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str], links: Links
+) -> dict[str, Any]:
+    own = [{**_named(row), **links.of(row)} for row in results if row["machine"] == machine["name"]]
     evidence = [row for row in own if row["kind"] in ("test", "replay")]
+    elsewhere = {part["name"] for n, part in enumerate(machine["parts"]) if (machine["name"], n) in shown}
     return {
         **machine,
         "rows": [row for row in own if row["kind"] == "property"],
         "evidence": _runs_table(evidence),
+        "recordings": _recordings(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
@@ -163,9 +159,13 @@ def _machine(machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str,
                 **part,
                 "svg": Markup(part["svg"]),
                 "shown": shown.get((machine["name"], number), ""),
+                "anchor": anchor("term", machine["name"], part["name"]),
             }  # labels are escaped
             for number, part in enumerate(machine["parts"])
         ],
+        "sources": links.sources(machine, elsewhere),
+        "shared": links.shared(machine["name"]),
+        "needs": needs(machine),
     }
 
 
@@ -223,11 +223,27 @@ def _runs_table(rows: Sequence[_Data]) -> dict[str, Any]:
     return {"sources": [(source, steps[source]) for source in sources], "rows": list(statements.values())}
 
 
+def _recordings(rows: Sequence[_Data]) -> list[dict[str, Any]]:
+    """Return a row for the tests and for each recording: steps, verdicts, and the names of what did not hold."""
+    sources: dict[str, list[_Data]] = {}
+    for row in rows:
+        sources.setdefault(_source(row), []).append(row)
+    return [
+        {
+            "source": source,
+            "steps": max(row["depth"] for row in found),
+            "found": _counted(found, ("test", "replay")),
+            "others": [row["name"] for row in found if row["verdict"] != "held"],
+        }
+        for source, found in sources.items()
+    ]
+
+
 def _source(row: _Data) -> str:
     return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else "property tests"
 
 
-def _requirements(data: _Data) -> dict[str, Any]:
+def _requirements(data: _Data, links: Links) -> dict[str, Any]:
     """Return the requirements of machines in this report and of its results; the others are only counted."""
     present = {
         name for machine in data["machines"] for name in (machine["name"], *(p["name"] for p in machine["parts"]))
@@ -235,23 +251,23 @@ def _requirements(data: _Data) -> dict[str, Any]:
     rows = [row for row in data["requirements"] if row["transitions"] or row["results"] or row["machine"] in present]
     results = {row["id"]: row for row in data["results"]}
     return {
-        "rows": [{**row, "shown": _shown_by([results[name] for name in row["results"]])} for row in rows],
+        "rows": [{**row, "shown": _shown_by([results[name] for name in row["results"]], links)} for row in rows],
         "known": {row["id"] for row in rows},
         "others": len(data["requirements"]) - len(rows),
     }
 
 
-def _shown_by(rows: Sequence[_Data]) -> list[tuple[str, str]]:
-    """Return name and verdict of each property and of everything that did not hold; of tests that held, the number."""
+def _shown_by(rows: Sequence[_Data], links: Links) -> list[tuple[str, str, str]]:
+    """Return name, verdict and place on the page of each property and of all that did not hold; of tests that held, the number."""
     single = [row for row in rows if row["kind"] == "property" or row["verdict"] not in ("proved", "held")]
-    listed = [(row["id"].replace("/property/", ": "), row["verdict"]) for row in single]
+    listed = [(row["id"].replace("/property/", ": "), row["verdict"], links.row(row)) for row in single]
     for kind, word in (("test", "property tests"), ("replay", "replays")):
         number = sum(row["kind"] == kind and row not in single for row in rows)
-        listed += [(f"{number} {word}", "held")] if number else []
+        listed += [(f"{number} {word}", "held", "")] if number else []
     return listed
 
 
-def _violated(row: _Data, machine: _Data, files: Mapping[str, str]) -> dict[str, Any]:
+def _violated(row: _Data, machine: _Data, links: Links) -> dict[str, Any]:
     trace = row["trace"]
     charts = "" if trace is None else trace_charts(trace, machine)
     steps = [] if trace is None else trace_rows(trace, machine["signals"])
@@ -260,5 +276,6 @@ def _violated(row: _Data, machine: _Data, files: Mapping[str, str]) -> dict[str,
         "charts": Markup(charts),  # our own text, every label in it is escaped
         "steps": steps,
         "groups": [steps] if len(steps) <= _LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
-        "file": f"traces/{files[row['machine']]}.json.xz --run {shlex.quote(row['id'])}",
+        "at": links.row(row),
+        "replay": links.replay(row, machine),
     }

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from safeloc.errors import InputError, SafelocError
 from safeloc.report.data import SCHEMA
-from safeloc.report.page import file_names
+from safeloc.report.file_names import file_names
 from safeloc.runtime.outside import shortened
 from safeloc.runtime.packed import packed, read_packed
 from safeloc.runtime.streams.columns import Runs, read_runs
@@ -24,7 +24,7 @@ from safeloc.runtime.streams.columns import Runs, read_runs
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX = ".json.xz"
-_BULKY = ("parts", "pictures", "signals", "figures", "evidence")
+_BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
 Data = dict[str, Any]
 _T = TypeVar("_T")
 
@@ -139,6 +139,7 @@ def _put_together(folder: Path, data: Data) -> Data:
     machines = [{**one, **_machine(folder / MACHINES / files[one["name"]])} for one in data["machines"]]
     read: dict[str, Runs] = {}
     rows = []
+    runs = {row["id"]: row["trace"]["steps"] for row in data["results"] if row["trace"] is not None}
     for row in data["results"]:
         trace = None
         if row["trace"] is not None and row["verdict"] == "violated":
@@ -147,7 +148,7 @@ def _put_together(folder: Path, data: Data) -> Data:
                 read[file] = read_runs(folder / TRACES / file)
             trace = read[file].plain(row["id"])
         rows.append({**row, "trace": trace})
-    return {**data, "machines": machines, "results": rows}
+    return {**data, "machines": machines, "results": rows, "runs": runs}
 
 
 def _machine(path: Path) -> Data:

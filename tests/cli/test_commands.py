@@ -12,7 +12,7 @@ import pytest
 from safeloc.assurance.requirements import requirements
 from safeloc.catalogue import ENTRIES
 from safeloc.report.data import schema
-from safeloc.report.page import file_names
+from safeloc.report.file_names import file_names
 from safeloc.runtime.streams.columns import read_runs
 from tests.cli.calling import DOOR, QUICK_VERIFY, Call
 

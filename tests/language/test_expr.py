@@ -59,8 +59,12 @@ def test_a_term_is_no_value(use: Callable[[], object], remedy: str) -> None:
 @pytest.mark.parametrize(
     ("use", "message"),
     [
-        (lambda: X + SPEED, "cannot add mm and mm/s"),
-        (lambda: X < SPEED, "cannot compare mm and mm/s"),
+        (lambda: X + SPEED, "cannot add mm and mm/s. They are of different kinds; with_unit"),
+        (lambda: X < SPEED, "cannot compare mm and mm/s. They are of different kinds; with_unit"),
+        (
+            lambda: X < number("n", NM, 0, 9),
+            "cannot compare mm and nm. Convert one with floor_to, ceil_to or exact_to.",
+        ),
         (lambda: X + 1.5, "expected a whole number"),  # type: ignore[operator]
         (lambda: X + True, "expected a whole number"),
         (lambda: P & 1, "expected a truth value"),  # type: ignore[operator]
@@ -219,7 +223,7 @@ def test_conversions_carry_the_unit_they_name() -> None:
         (lambda: ite(P, X, 1.5), "expected a whole number or a Num term, got float 1.5"),  # type: ignore[call-overload]
         (lambda: product(RED, X), "arithmetic on an enumeration"),
         (lambda: floor_div(RED, 2), "arithmetic on an enumeration"),
-        (lambda: X.eq(RED), "cannot compare mm and colour"),
+        (lambda: X.eq(RED), "cannot compare mm and colour. A member of an enumeration is compared with"),
     ],
 )
 def test_choices_and_products_fit(use: Callable[[], object], message: str) -> None:

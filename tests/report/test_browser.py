@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,8 @@ addEventListener("load", () => document.getElementById("open-all").click())</scr
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A report in parts, of which every part is asked for as soon as it is opened."""
     monkeypatch.setattr(page_module, "MOST_OF_ONE_PAGE", 0)
-    page = write_folder(tmp_path / "report", findings(), [door()])
+    named = replace(findings()[0], id=f"door/property/{door().properties[0].name}")
+    page = write_folder(tmp_path / "report", [*findings(), named], [door()])
     page.write_text(page.read_text(encoding="utf-8").replace("</body>", f"{WATCH}</body>"), encoding="utf-8")
     return page.parent
 
@@ -54,8 +56,21 @@ def test_parts_open(folder: Path) -> None:
     page = seen(folder)
     assert "<h3>Property tests and replayed recordings</h3>" in page
     assert '<table class="transitions">' in page
-    assert page.count(' data-shown=""') == 2
+    assert page.count(' data-shown=""') == 3
     assert re.search(r'<p id="beside"[^>]*hidden', page)
+
+
+def test_a_link_opens_the_part_that_has_its_place(folder: Path) -> None:
+    """Source lines of a property are in the part of its machine; a click on the link shows them, and opens no other part."""
+    page = folder / "index.html"
+    text = page.read_text(encoding="utf-8")
+    click = """document.querySelector('a[href^="#source-"]').click()"""
+    assert 'document.getElementById("open-all").click()' in text
+    page.write_text(text.replace('document.getElementById("open-all").click()', click), encoding="utf-8")
+    shown = seen(folder)
+    assert shown.count(' data-shown=""') == 1
+    assert 'id="source-door-' in shown
+    assert told(shown, "conditions") == ""
 
 
 def test_parts_that_are_gone(folder: Path) -> None:

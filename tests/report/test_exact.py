@@ -10,7 +10,7 @@ from safeloc.catalogue import load_target
 from safeloc.language.expr import between, ite, minimum, number
 from safeloc.language.nodes import Expr, Num
 from safeloc.language.units import MM
-from safeloc.report.exact import Exact, Line
+from safeloc.report.exact import Exact, Line, spelled_alone
 from safeloc.report.machines import machine_data
 
 A, B = number("a_mm", MM, 0, 100), number("b_mm", MM, 0, 100)
@@ -35,13 +35,30 @@ def test_a_definition_is_named_by_the_model() -> None:
 def test_an_assumption_is_spelled_out() -> None:
     """With nothing but the model's own names in it, unless that would fill pages."""
     gap = minimum(A + B, 50) - minimum(A, B)
-    exact = Exact({"one": between(0, gap, 9)}, {})
     written = "min((a_mm + b_mm), 50 mm) − min(a_mm, b_mm)"
-    assert exact.spelled(between(0, gap, 9)) == f"(0 mm ≤ ({written})) and (({written}) ≤ 9 mm)"
-    deep: Num = A
+    texts, lines = spelled_alone([between(0, gap, 9)], {"near": A < 5})
+    assert texts == [f"(0 mm ≤ ({written})) and (({written}) ≤ 9 mm)"]
+    assert lines == ()
+    near = (A - B) < 5
+    texts, lines = spelled_alone([near | (A < 3), B < 4], {"near": near, "far": A > 90})
+    assert texts == ["near or (a_mm < 3 mm)", "b_mm < 4 mm"]
+    assert lines == (Line("near", "(a_mm − b_mm) < 5 mm"),)
+
+
+def test_parts_of_a_long_assumption_are_letters_that_stand_beside_it() -> None:
+    """No number of a list elsewhere; a letter that is a variable's name is left out; each letter is told before its use."""
+    a = number("a", MM, 0, 100)
+    deep: Num = a
     for _ in range(12):
         deep = minimum(deep + B, deep - B)
-    assert "#" in Exact({"deep": deep < 3}, {}).spelled(deep < 3)
+    texts, lines = spelled_alone([deep < 3], {})
+    assert "#" not in "".join([*texts, *(line.text for line in lines)])
+    assert [line.name for line in lines[:2]] == ["b", "c"]
+    known = {"a", "b_mm", "mm", "min"}
+    for line in lines:
+        assert set(re.findall(r"[a-z_]+", line.text)) <= known
+        known.add(line.name)
+    assert set(re.findall(r"[a-z_]+", texts[0])) <= known
 
 
 def test_equal_terms_built_twice_are_one() -> None:
@@ -69,7 +86,8 @@ def test_shipped_machines_are_written_in_full(name: str) -> None:
             assert set(re.findall(r"#\d+", line["text"])) <= known
             known.add(line["name"])
         updates = [row["term"] for row in part["updates"]]
-        laws = [term for law in part["clauses"] for term in law["terms"]]
+        laws = [term for law in part["clauses"] for term in [*law["terms"], *(one["text"] for one in law["parts"])]]
+        assert not any("#" in text for text in laws)
         texts = [*laws, *updates, *(row["guard"] for row in part["table"])]
         texts += [row["term"] for row in part["variables"]]
         assert all(set(re.findall(r"#\d+", text)) <= known for text in texts)

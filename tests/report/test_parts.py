@@ -41,7 +41,7 @@ def test_nothing_is_lost() -> None:
     data = report_data(findings(), [door(), load_target("odometry")])
     whole = to_html(data)
     page, parts = to_pages(data)
-    assert set(parts) == {"door.js", "odometry.js", "trace-back.js", "beside.js"}
+    assert set(parts) == {"door.js", "odometry.js", "trace-back.js", "conditions.js", "beside.js"}
     html = {name: unpacked(text)[2] for name, text in parts.items() if name != "beside.js"}
     for text in html.values():
         assert text.strip() in whole
@@ -65,7 +65,12 @@ def test_parts_are_of_their_page(tmp_path: Path) -> None:
     assert (tmp_path / "page" / "beside.js").read_text(encoding="utf-8") == f'safelocBeside("{made[0]}");\n'
     (tmp_path / "page" / "gone.js").write_text("", encoding="utf-8")
     write_folder(tmp_path, findings()[2:], [door()])
-    assert {path.name for path in (tmp_path / "page").iterdir()} == {"door.js", "trace-back.js", "beside.js"}
+    assert {path.name for path in (tmp_path / "page").iterdir()} == {
+        "door.js",
+        "trace-back.js",
+        "conditions.js",
+        "beside.js",
+    }
     assert made != re.findall(r'data-made="([0-9a-f]{16})"', (tmp_path / "index.html").read_text(encoding="utf-8"))
 
 

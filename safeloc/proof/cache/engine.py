@@ -27,6 +27,8 @@ SHOWING = (
     "simulation",
 )
 """Folders that only display, check, host or simulate: no finding of `verify` depends on them."""
+READ = ("docs",)
+"""Folders for readers only; in a checkout they lie beside the package, and the digests are the same."""
 _LONGEST_START_S = 10.0  # assumed age of the process where the system does not tell it
 _DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
 
@@ -42,8 +44,8 @@ def engine_digest() -> str:
 
 @cache
 def source_digest() -> str:
-    """Return the SHA-256 over all files of the package: reports with equal digests were made by the same safeloc."""
-    return _over("", _files(PACKAGE, ()))
+    """Return the SHA-256 over all files of the package but its documentation: reports with equal digests were made by the same safeloc."""
+    return _over("", _files(PACKAGE, READ))
 
 
 def undisturbed() -> bool:
@@ -78,7 +80,7 @@ def _over(start: str, paths: list[Path]) -> str:
 
 
 def _engine_files() -> list[Path]:
-    return _files(PACKAGE, (*DECLARING, *SHOWING))
+    return _files(PACKAGE, (*DECLARING, *SHOWING, *READ))
 
 
 def _files(folder: Path, without: tuple[str, ...]) -> list[Path]:

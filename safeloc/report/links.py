@@ -1,0 +1,98 @@
+"""Links of a report's page: from a result to its certificates, its run and the source lines of its property; within the page."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from markupsafe import Markup, escape
+
+_Data = Mapping[str, Any]
+CERTIFICATES, TRACES = "certificates", "traces"
+_PART = re.compile(r"#\d+")
+"""The name of a part of a term that the model does not name."""
+
+
+def anchor(*words: str) -> str:
+    """Return the name of a place on the page."""
+    return "-".join(re.sub(r"[^A-Za-z0-9]+", "-", word) for word in words)
+
+
+def linked(text: str, to: str) -> Markup:
+    """Return the text of a term in which the number of each named part leads to that part."""
+    return Markup(_PART.sub(lambda found: f'<a href="#{to}-{found[0][1:]}">{found[0]}</a>', str(escape(text))))
+
+
+class Links:
+    """The links of one page.
+
+    data   of the report; `certificates` (file -> texts) and `runs` (result -> steps) are there if it lies in a folder
+    files  machine -> name of its file of runs, without suffix
+    """
+
+    def __init__(self, data: _Data, files: Mapping[str, str]) -> None:
+        self._files = files
+        self._runs: Mapping[str, int] = data.get("runs", {})
+        self._certified = set(data.get("certificates", {}))
+        self._file_of = {text: file for file, texts in data.get("certificates", {}).items() for text in texts}
+        self._rows = {row["id"]: number for number, row in enumerate(data["results"])}
+        self._places = {
+            tuple(of): (one["place"], anchor("source", machine["name"], str(number)) if one["text"] else "")
+            for machine in data["machines"]
+            for number, one in enumerate(machine["declared"])
+            for of in one["of"]
+        }
+
+    def row(self, row: _Data) -> str:
+        """Return the place of a result on the page."""
+        return f"r{self._rows[row['id']]}"
+
+    def of(self, row: _Data) -> dict[str, Any]:
+        """Return what the page needs to lead on from a result: its place, its evidence, and its source lines."""
+        name = row["id"].split("/", 2)[-1]
+        place, source = self._places.get(("property", row["machine"], name), ("", ""))
+        return {
+            "at": self.row(row),
+            "evidence": [*self._certificates(row), *self._run(row)],
+            "declared": place,
+            "source": source,
+        }
+
+    def _certificates(self, row: _Data) -> list[tuple[str, str]]:
+        """Return address and words for the file with the certificates of a result alone, if it has any."""
+        files = dict.fromkeys(self._file_of[text] for text in row["certificates"] if text in self._file_of)
+        return [
+            (one, "certificate") for file in files if (one := f"{CERTIFICATES}/{file}") != self.shared(row["machine"])
+        ]
+
+    def shared(self, machine: str) -> str:
+        """Return the file with the certificates that several results of a machine share; nothing if there is none."""
+        file = f"{self._files[machine]}.tar.xz"
+        return f"{CERTIFICATES}/{file}" if file in self._certified else ""
+
+    def _run(self, row: _Data) -> list[tuple[str, str]]:
+        if row["id"] not in self._runs:
+            return []
+        return [(self.run_file(row), f"run of {self._runs[row['id']]} steps")]
+
+    def run_file(self, row: _Data) -> str:
+        """Return the file with the run of a result, from the folder of the report."""
+        return f"{TRACES}/{self._files[row['machine']]}.json.xz"
+
+    def replay(self, row: _Data, machine: _Data) -> str:
+        """Return the command that replays the run of a result, from the folder of the report."""
+        return shlex.join(["safeloc", "replay", machine["spec"], self.run_file(row), "--run", row["id"]])
+
+    def sources(self, machine: _Data, elsewhere: Collection[str]) -> dict[str, Any]:
+        """Return the declarations of a target with their places on the page, and where to find each transition.
+
+        elsewhere  parts that the page shows under another target, with their source lines
+        """
+        name = machine["name"]
+        lines = [{**one, "at": anchor("source", name, str(number))} for number, one in enumerate(machine["declared"])]
+        own = [one for one in lines if not all(of[0] == "transition" and of[1] in elsewhere for of in one["of"])]
+        lines = [one for one in own if one["text"]]  # a file that could not be read has none, and no link leads there
+        rows = {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == "transition"}
+        return {"lines": lines, "transitions": rows}
