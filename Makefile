@@ -16,7 +16,7 @@ ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
 # Of the tests that take more than three seconds a sample is ordinary (tests/ordinary.py). CI says WHICH="not slow".
 WHICH := ordinary
 
-.PHONY: verify test test-all test-long lint formatted ruff mypy pyright bench coverage clean
+.PHONY: verify test test-all test-long docs lint formatted ruff mypy pyright bench coverage clean
 
 verify: $(READY)
 	$(BIN)/safeloc verify --out safeloc-report --jobs 2
@@ -39,6 +39,11 @@ test-long: $(READY)
 	@test -n "$(long-$(TOPIC))" || { echo "TOPIC is one of: $(patsubst long-%,%,$(filter long-%,$(.VARIABLES)))"; exit 2; }
 	@mkdir -p long
 	$(BIN)/python $(long-$(TOPIC)) $(LONG)
+
+# The documentation site; a broken link, a page in no list or any other warning fails it. The first page is build/site/index.html.
+docs: $(READY)
+	$(BIN)/python -m pip install --quiet -e '.[docs]'
+	$(BIN)/python -m sphinx --nitpicky --fail-on-warning --keep-going --quiet --jobs 2 -c packaging/site -b html . build/site
 
 lint: formatted ruff mypy pyright
 

@@ -6,6 +6,7 @@ certificates/  one packed file for each claim (safeloc.report.certificates)
 traces/        one packed file for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
 machines/      one packed file for each machine: its content on the page
 junit.xml      for continuous integration
+results.sarif  what does not hold, for editors and code hosts (safeloc.report.sarif)
 """
 
 from __future__ import annotations
@@ -30,9 +31,10 @@ from safeloc.report import certificates, stored
 from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
+from safeloc.report.sarif import to_sarif
 from safeloc.runtime.streams.columns import Shown, runs_file
 
-PAGE, JUNIT = "index.html", "junit.xml"
+PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
 _OWN = {
     certificates.FOLDER: f"*{certificates.SUFFIX}",
     stored.TRACES: f"*{stored.SUFFIX}",
@@ -91,6 +93,7 @@ def write_folder(
                 (folder / name).mkdir(exist_ok=True)
             (folder / stored.DATA).write_text(stored.report_text(small), encoding="utf-8")
             (folder / JUNIT).write_text(to_junit(findings), encoding="utf-8")
+            (folder / SARIF).write_text(to_sarif(findings, targets), encoding="utf-8")
             certificates.write_archives(folder / certificates.FOLDER, archives)
             for name, own in runs.items():
                 (folder / stored.TRACES / files[name]).write_bytes(runs_file(own))
@@ -117,7 +120,10 @@ def _alone(folder: Path) -> Iterator[None]:
 def files_of(folder: Path) -> list[str]:
     """Return the names of a report's files within its folder, report.json last: without it there is no report."""
     own = [path for name, pattern in _OWN.items() for path in sorted((folder / name).glob(pattern))]
-    return [path.relative_to(folder).as_posix() for path in (*own, folder / JUNIT, folder / PAGE, folder / stored.DATA)]
+    return [
+        path.relative_to(folder).as_posix()
+        for path in (*own, *(folder / name for name in (JUNIT, SARIF, PAGE, stored.DATA)))
+    ]
 
 
 @contextmanager

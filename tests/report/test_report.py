@@ -335,7 +335,7 @@ def test_folder(folder: Path) -> None:
     proof = found("lamp/property/new").result
     assert isinstance(proof, Proved)
     assert proof.certificates
-    expected = {"index.html", "report.json", "junit.xml", TRACES, "machines/lamp.json.xz"}
+    expected = {"index.html", "report.json", "junit.xml", "results.sarif", TRACES, "machines/lamp.json.xz"}
     expected |= {"certificates/lamp-property-new.tar.xz"}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
