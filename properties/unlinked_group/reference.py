@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, as_num, ite
-from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable, within
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import COUNT, MM, MS
 from safeloc.models.balise.telegram import FAILED, LINKED, NOMINAL, REVERSE, UNKNOWN
 from safeloc.models.unlinked_group import UnlinkedGroup
@@ -25,7 +25,6 @@ def reference_properties(model: UnlinkedGroup) -> Iterator[Property]:
     yield from _verdict(model)
     yield from _nothing(model)
     yield from _withdrawing(model)
-    yield from _occurring(model)
 
 
 def _taking(model: UnlinkedGroup) -> Iterator[Property]:
@@ -175,14 +174,3 @@ def _withdrawing(model: UnlinkedGroup) -> Iterator[Property]:
         unconditional=True,
         helper=lambda waited: waited <= odometer.gap,
     )
-
-
-def _occurring(model: UnlinkedGroup) -> Iterator[Property]:
-    reason = model.machine.output("reason")
-    for why, event in ((v.SENSOR_FAILURE, "silence"), (v.REVERSED, "a reversal"), (v.TOLERANCE, "a wide margin")):
-        yield reachable(
-            f"{event} can end a reference",
-            reason.eq(why),
-            statement=f"a reference that was held can be lost by {event}",
-            requirements=("RFL-D4",),
-        )
