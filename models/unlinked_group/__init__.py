@@ -22,7 +22,7 @@ from functools import cached_property
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, as_num, between, ceil_to, exact_to, ite, minimum
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
-from safeloc.language.units import COUNT, MM, MS, NM
+from safeloc.language.units import MM, NM
 from safeloc.models.balise.telegram import LINKED, UNKNOWN
 from safeloc.models.unlinked_group import variables as v
 from safeloc.models.unlinked_group.variables import Parts, UnlinkedGroupConfig, parts
@@ -142,7 +142,7 @@ def _rows(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transiti
     anew = together(every, own.held.become(cycle.first), _reference(own))
 
     def drop(name: str, when: Bool, why: Lit, rank: int) -> Transition:
-        return Transition(name, held, none, when, together(every, _nothing(own), {memory.why: why}), REQUIREMENTS, rank)
+        return Transition(name, held, none, when, together(every, {memory.why: why}), REQUIREMENTS, rank)
 
     yield Transition("unlinked group read", table, held, cycle.taken, anew, REQUIREMENTS, 0)
     yield drop("sensors failed", own.odometer.failed, v.SENSOR_FAILURE, 1)
@@ -175,18 +175,6 @@ def _reference(own: Parts) -> Updates:
     }
 
 
-def _nothing(own: Parts) -> Updates:
-    """There is no reference."""
-    memory = own.memory
-    group: Updates = {
-        memory.group: as_num(0, COUNT),
-        memory.passed: UNKNOWN,
-        memory.accuracy: as_num(0, MM),
-        memory.age: as_num(0, MS),
-    }
-    return together(own.held.nothing(), group)
-
-
 # ------------------------------------------------------------------ what is reported, and what helps to prove
 
 
@@ -195,13 +183,13 @@ def _outputs(own: Parts, held: Bool) -> dict[str, Expr]:
     interval, memory = own.held.interval, own.memory
     return {
         "valid": held,
-        "group": memory.group,
-        "passed": memory.passed,
+        "group": ite(held, memory.group, 0),
+        "passed": ite(held, memory.passed, UNKNOWN),
         "distance_mm": position_if(held, interval.position),
         "margin_above_mm": margin_if(held, ceil_to(interval.above, MM)),
         "margin_below_mm": margin_if(held, ceil_to(interval.below, MM)),
-        "location_accuracy_mm": memory.accuracy,
-        "age_ms": memory.age,
+        "location_accuracy_mm": ite(held, memory.accuracy, 0),
+        "age_ms": ite(held, memory.age, 0),
         "telegram": memory.verdict,
         "odometer": own.odometer.judged,
         "reason": memory.why,
@@ -223,5 +211,5 @@ def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:
         "the interval holds the true distance": held.implies(
             between(half - interval.below, off, interval.above - half)
         ),
-        "a reference has a group": held.iff(own.memory.group.ne(0)),
+        "a reference has a group": held.implies(own.memory.group.ne(0)),
     }

@@ -121,9 +121,9 @@ class UnlinkedGroupConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """State: the reference, and the outcome of the last cycle.
+    """State: the last reference, which is reported only while it is held, and the outcome of the last cycle.
 
-    group, passed  identity of the group, and the orientation in which it was passed; 0 and UNKNOWN without a reference
+    group, passed  identity of the group, and the orientation in which it was passed
     accuracy       location accuracy of the group: the national value, or its default, when the group was read
     age            time since the reading
     verdict, why   of the cycle: on the reading, and why there is no reference

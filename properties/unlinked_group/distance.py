@@ -9,6 +9,7 @@ from safeloc.language.expr import all_of, as_num, between, exact_to, ite, minimu
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.unlinked_group import UnlinkedGroup
+from safeloc.models.vocabulary.measured import JUMP, MISSING, TOO_FAST
 from safeloc.properties.unlinked_group.step import LAW, Step
 
 for_all_inputs = partial(always, requirements=("RFL-9", "RFL-D4"), unconditional=True)
@@ -95,6 +96,14 @@ def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
         step.admitted.iff(step.can_be_run),
         statement="a distance is admitted exactly if a vehicle can have run it: no faster than the top speed, and within the greatest "
         "change of speed since the last one",
+        requirements=("RFL-D4",),
+    )
+    told, there = model.machine.output("odometer"), odometer.step.present
+    flaws = [told.eq(MISSING).iff(~there), told.eq(TOO_FAST).iff(there & ~step.not_too_fast)]
+    yield for_all_inputs(
+        "the odometer's flaw is named",
+        all_of([*flaws, told.eq(JUMP).iff(step.not_too_fast & ~step.can_be_run)]),
+        statement="a distance that is not admitted is missing, faster than the top speed, or another jump than a vehicle can make",
         requirements=("RFL-D4",),
     )
     yield for_all_inputs(

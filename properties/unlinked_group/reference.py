@@ -48,11 +48,11 @@ def _taking(model: UnlinkedGroup) -> Iterator[Property]:
 def _told_of(model: UnlinkedGroup) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     passed, age = machine.output("passed"), machine.output("age_ms")
-    rising = ite(own.read.first.value < own.read.last.value, NOMINAL, REVERSE)
+    first, last = own.read.first.value, own.read.last.value
     same = [machine.output(name).eq(earlier_num(machine.output(name))) for name in ("group", "location_accuracy_mm")]
     yield for_all_inputs(
         "the orientation is the one read",
-        step.serves.implies(passed.eq(rising)),
+        step.serves.implies(passed.eq(NOMINAL).iff(last > first) & passed.eq(REVERSE).iff(last < first)),
         statement="the orientation in which the group was passed is nominal if the numbers of its balises rose, else reverse",
         requirements=("RFL-9",),
     )

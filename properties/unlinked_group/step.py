@@ -80,16 +80,21 @@ class Step:
         return ite(self.admitted, self.model.own.odometer.step.value, as_num(0, MM))
 
     @cached_property
+    def not_too_fast(self) -> Bool:
+        """The odometer delivers a distance that is possible at the highest speed."""
+        config, step = self.model.own.config, self.model.own.odometer.step
+        farthest = math.ceil(config.max_speed_mm_s * config.period_ms / 1_000) + config.measuring_step_mm
+        return step.present & between(-farthest, step.value, farthest)
+
+    @cached_property
     def can_be_run(self) -> Bool:
         """A vehicle can have run the distance: by its speed, and by the change since the last one, while that is remembered."""
         config, odometer = self.model.own.config, self.model.own.odometer
         gap, change = earlier_num(odometer.gap), odometer.step.value - earlier_num(odometer.last)
         most = math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 10**6) + config.measuring_step_mm * 2
         allowed = with_unit(gap * most, MM) + most
-        farthest = math.ceil(config.max_speed_mm_s * config.period_ms / 1_000) + config.measuring_step_mm
         forgotten = gap > config.gap_limit_cycles
-        fast = between(-farthest, odometer.step.value, farthest)
-        return all_of([odometer.step.present, fast, forgotten | between(-allowed, change, allowed)])
+        return self.not_too_fast & (forgotten | between(-allowed, change, allowed))
 
     @cached_property
     def silent_too_long(self) -> Bool:
