@@ -207,7 +207,6 @@ def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:
         & own.heading.rolled.eq(seen.rolled),
         "machine and world agree on the last odometer distance": odometer.gap.eq(seen.silent)
         & odometer.last.eq(seen.heard),
-        "an interval is usable": held.implies(Cycle(own).usable(interval)),
         "the interval holds the true distance": held.implies(
             between(half - interval.below, off, interval.above - half)
         ),
