@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -19,7 +20,7 @@ from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of
-from safeloc.runtime.streams.steps import read_steps
+from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.target import STREAMS, Target
 from tests.models.unlinked_runs import label
 
@@ -128,7 +129,8 @@ def test_the_balise_machine_beside_it_is_not_moved(stem: str) -> None:
     vehicle = beside(CONFIG).model_copy(update={"tolerance_mm": 400_000, "trust_first_group": True})
     board = without_ghosts(lower(balise.machine(vehicle)))
     names = {var.name for var in board.inputs}
-    start = [{"odometer_mm": 0}, {"odometer_mm": 0, **telegram(mixed_line()[0], since_mm=0)}]
+    first = telegram(replace(mixed_line()[0], identity=1_000), since_mm=0)
+    start: list[dict[str, Cell]] = [{"odometer_mm": 0}, {"odometer_mm": 0, **first}]
     recorded = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
     steps = [{name: value for name, value in one.items() if name in names} for one in recorded]
     without = [
