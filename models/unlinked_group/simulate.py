@@ -16,6 +16,7 @@ from safeloc.models.balise.groups import Group
 from safeloc.models.balise.simulate import line, vehicle_of
 from safeloc.models.balise.simulate import simulate as over_groups
 from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.unlinked_group.limits import at_the_limits
 from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell
@@ -150,6 +151,11 @@ RUNS: Mapping[str, WorkedRun[UnlinkedGroupConfig]] = {
         "Distances are missing now and then: two kilometres beyond the only unlinked group a margin exceeds the tolerance, and the "
         "reference is withdrawn.",
         _Run((Leg(39_000, 130),), (1,), dropout=0.02),
+    ),
+    "unlinked_group-at-the-limits": WorkedRun(
+        "Every distance and every reading is as wrong as the laws allow: each group is taken, and the truth lies at an end of its "
+        "interval.",
+        at_the_limits,
     ),
 }
 """By the recording's name."""
