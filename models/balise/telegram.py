@@ -43,17 +43,14 @@ PASSED, FAILED = CHECK
 
 
 @dataclass(frozen=True, eq=False)
-class Telegram:
-    """The inputs of one group reading. Those up to `age` belong to every reading, the others may be absent.
+class Reading:
+    """The inputs of one group reading. Those up to `age` belong to every reading, `since` may be absent.
 
     total, read      number of balises of the group, and number of those that were read
     first, last      the numbers of the balise read first and of the one read last
     check            PASSED if the check bits of all balises that were read are right
     age              time since the antenna stood over balise 1
-    place            the place of balise 1 along the route
-    orientation      the orientation in which a vehicle that runs along the route passes the group
     since            distance measured since the antenna stood over balise 1 (latched counter)
-    reflector, search  distance from balise 1 to the next reflector, and to the place where its search may begin
     """
 
     group: Optional
@@ -64,18 +61,13 @@ class Telegram:
     first: Optional
     last: Optional
     age: Optional
-    place: Optional
-    orientation: Optional
     since: Optional
-    reflector: Optional
-    search: Optional
     age_limit_ms: int
 
     @property
     def inputs(self) -> tuple[Optional, ...]:
         """All inputs."""
-        own = (self.place, self.orientation, self.since, self.reflector, self.search)
-        return (*self._needed, *own)
+        return (*self._needed, self.since)
 
     @property
     def _needed(self) -> tuple[Optional, ...]:
@@ -120,10 +112,58 @@ class Telegram:
         known = self.passed.ne(UNKNOWN) & orientation.ne(UNKNOWN)
         return known & self.passed.ne(orientation)
 
+
+@dataclass(frozen=True, eq=False)
+class Telegram(Reading):
+    """A group reading, and what telegram or map tell of the group; each of these may be absent.
+
+    place            the place of balise 1 along the route
+    orientation      the orientation in which a vehicle that runs along the route passes the group
+    reflector, search  distance from balise 1 to the next reflector, and to the place where its search may begin
+    """
+
+    place: Optional
+    orientation: Optional
+    reflector: Optional
+    search: Optional
+
+    @property
+    def inputs(self) -> tuple[Optional, ...]:
+        """All inputs."""
+        own = (self.place, self.orientation, self.since, self.reflector, self.search)
+        return (*self._needed, *own)
+
     @property
     def expected_along(self) -> Num:
         """The orientation in which the group has to be passed, by telegram or map; UNKNOWN where neither gives it."""
         return ite(self.orientation.present, self.orientation.value, UNKNOWN)
+
+
+_Needed = tuple[Optional, Optional, Optional, Optional, Optional, Optional, Optional, Optional]
+
+
+def _needed(declared: Declared, last_identity: int, age_limit_ms: int) -> _Needed:
+    """Declare the inputs that belong to every reading."""
+    return (
+        declared.sensor(optional("telegram_group", COUNT, 1, last_identity)),
+        declared.sensor(chosen("telegram_link", LINK)),
+        declared.sensor(chosen("telegram_check", CHECK)),
+        declared.sensor(optional("telegram_total", COUNT, 1, LARGEST_GROUP)),
+        declared.sensor(optional("telegram_read", COUNT, 1, LARGEST_GROUP)),
+        declared.sensor(optional("telegram_first", COUNT, 1, LARGEST_GROUP)),
+        declared.sensor(optional("telegram_last", COUNT, 1, LARGEST_GROUP)),
+        declared.sensor(optional("telegram_age_ms", MS, 0, 10 * age_limit_ms)),
+    )
+
+
+def _since(declared: Declared, max_step_mm: int) -> Optional:
+    return declared.sensor(optional("telegram_since_mm", MM, -10 * max_step_mm, 10 * max_step_mm))
+
+
+def reading(declared: Declared, *, last_identity: int, max_step_mm: int, age_limit_ms: int) -> Reading:
+    """Declare the inputs of a group reading of which no place is known, named `telegram_...`."""
+    needed = _needed(declared, last_identity, age_limit_ms)
+    return Reading(*needed, _since(declared, max_step_mm), age_limit_ms)
 
 
 def telegram(
@@ -136,21 +176,17 @@ def telegram(
     reflector_reach_mm: int,
 ) -> Telegram:
     """Declare the inputs of a group reading, named `telegram_...`."""
+    needed = _needed(declared, last_identity, age_limit_ms)
+    place = declared.sensor(optional("telegram_position_mm", MM, -position_limit_mm, position_limit_mm))
+    orientation = declared.sensor(chosen("telegram_orientation", ORIENTATION))
     return Telegram(
-        group=declared.sensor(optional("telegram_group", COUNT, 1, last_identity)),
-        link=declared.sensor(chosen("telegram_link", LINK)),
-        check=declared.sensor(chosen("telegram_check", CHECK)),
-        total=declared.sensor(optional("telegram_total", COUNT, 1, LARGEST_GROUP)),
-        read=declared.sensor(optional("telegram_read", COUNT, 1, LARGEST_GROUP)),
-        first=declared.sensor(optional("telegram_first", COUNT, 1, LARGEST_GROUP)),
-        last=declared.sensor(optional("telegram_last", COUNT, 1, LARGEST_GROUP)),
-        age=declared.sensor(optional("telegram_age_ms", MS, 0, 10 * age_limit_ms)),
-        place=declared.sensor(optional("telegram_position_mm", MM, -position_limit_mm, position_limit_mm)),
-        orientation=declared.sensor(chosen("telegram_orientation", ORIENTATION)),
-        since=declared.sensor(optional("telegram_since_mm", MM, -10 * max_step_mm, 10 * max_step_mm)),
-        reflector=declared.sensor(optional("telegram_reflector_mm", MM, 0, reflector_reach_mm)),
-        search=declared.sensor(optional("telegram_search_mm", MM, 0, reflector_reach_mm)),
-        age_limit_ms=age_limit_ms,
+        *needed,
+        _since(declared, max_step_mm),
+        age_limit_ms,
+        place,
+        orientation,
+        declared.sensor(optional("telegram_reflector_mm", MM, 0, reflector_reach_mm)),
+        declared.sensor(optional("telegram_search_mm", MM, 0, reflector_reach_mm)),
     )
 
 
@@ -183,7 +219,7 @@ class Reader:
         front = place + self.antenna_mm
         return exact_to(front - spread, NM), exact_to(front + spread, NM)
 
-    def run_since(self, read: Telegram, distance: Num, admitted: Bool) -> tuple[Num, Num]:
+    def run_since(self, read: Reading, distance: Num, admitted: Bool) -> tuple[Num, Num]:
         """Return how far the vehicle may have run backwards and forwards since the reading, nm, where `since` is absent.
 
         It is the run at the highest speed in the age of the reading, and one measuring step. After a reading of this cycle the
@@ -196,7 +232,7 @@ class Reader:
         forth = ite(known & (distance <= 0), least, reach + least)
         return back, forth
 
-    def fix(self, read: Telegram, place: Num, accuracy: Num, distance: Num, admitted: Bool) -> Interval:
+    def fix(self, read: Reading, place: Num, accuracy: Num, distance: Num, admitted: Bool) -> Interval:
         """Return the interval of the front end at the end of the cycle, given the group's place and location accuracy in mm."""
         since = read.since.value_or(as_num(0, MM))
         back, forth = self.run_since(read, distance, admitted)

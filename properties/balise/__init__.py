@@ -23,7 +23,7 @@ from safeloc.language.units import MM, NM
 from safeloc.models.balise import Balise
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.linking import Record
-from safeloc.models.balise.telegram import FAILED
+from safeloc.models.balise.telegram import FAILED, UNLINKED
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.balise.layout import layout_properties
@@ -277,12 +277,29 @@ def _rejection(model: Balise) -> Iterator[Property]:
         (kept & own.memory.verdict.ne(v.ACCEPTED)).implies(as_odometry),
         statement="after a telegram that is not accepted, position and margins are those that odometry alone gives",
     )
+    yield _of_unlinked(step, as_odometry)
     for name, fault in _faults(step).items():
         yield for_all_inputs(
             f"{name} changes nothing",
             (kept & fault).implies(as_odometry),
             statement=f"a telegram that is {name} leaves the interval as odometry alone gives it",
         )
+
+
+def _of_unlinked(step: Step, as_odometry: Bool) -> Property:
+    """Claim that an unlinked group leaves the position and its reference alone; with free references, one that is refused."""
+    own, memory = step.model.own, step.model.own.memory
+    announced = any_of(earlier_num(slot.group).ne(0) & step.read_of(slot) for slot in own.linking.slots)
+    unlinked = own.read.link.present & own.read.link.value.eq(UNLINKED) & ~announced
+    reference = (memory.group, memory.place, memory.accuracy, memory.direction, memory.refused)
+    same = all_of(one.eq(earlier_num(one)) for one in reference)
+    refused = memory.verdict.ne(v.ACCEPTED) if own.config.free_references else unlinked
+    return for_all_inputs(
+        "an unlinked group leaves the position alone",
+        (step.kept & unlinked & refused).implies(as_odometry & same),
+        statement="a group marked as unlinked that is not announced neither narrows nor widens the interval of a located vehicle, and "
+        "never takes the place of the group that the position refers to; with free references this holds of those refused",
+    )
 
 
 def _faults(step: Step) -> dict[str, Bool]:

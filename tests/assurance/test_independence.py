@@ -142,6 +142,7 @@ def test_what_an_output_may_be_is_put_out() -> None:
         "odometry",
         "delocalized",
         "balise",
+        "unlinked_group",
         "stop_point",
         "fibre_area",
         "transmission",

@@ -16,6 +16,7 @@ from safeloc.railway.telegrams.layout import Values
 from safeloc.railway.telegrams.variables import (
     FASTEST_KM_H,
     SPEED_STEP_KM_H,
+    UNKNOWN_GROUP,
     UNKNOWN_LENGTH,
     group_identity,
     length_mm,
@@ -38,7 +39,8 @@ class Lrbg:
     position_mm  place of its balise 1 along the route, as the interval was reckoned from
     sense        `along`: the route passes it in its nominal direction, `against`: in reverse; None: not known
     previous     country and number of the group before, for a group whose orientation only that gives (packet 1);
-                 the direction from that group to this one then counts as nominal
+                 the direction from that group to this one then counts as nominal; it too is one marked as linked
+    linked       the group is marked as linked (Q_LINK): an unlinked one is never the LRBG (SUBSET-026 3.6.2.2.2 a)
     """
 
     nid_c: int
@@ -46,6 +48,7 @@ class Lrbg:
     position_mm: int
     sense: Sense | None
     previous: tuple[int, int] | None = None
+    linked: bool = True
 
 
 @dataclass(frozen=True)
@@ -85,8 +88,13 @@ def position_report(front: Front, lrbg: Lrbg, train: Train) -> Values:
     """Return packet 0, or packet 1 if the LRBG comes with a previous group, at the finest scale that holds all lengths.
 
     The position is rounded to the nearest unit, and both doubts are reckoned from it and rounded up. Raises InputError for
-    negative margins, a speed above 600 km/h, and lengths that no scale holds (327 km).
+    negative margins, an unlinked group, a speed above 600 km/h, and lengths that no scale holds (327 km).
     """
+    if not lrbg.linked:
+        raise InputError(
+            f"group {lrbg.nid_c}/{lrbg.nid_bg} is unlinked, which is never the LRBG; refer to the last linked group, or, where no "
+            "position refers to one, send unknown_position_report."
+        )
     if min(front.margin_above_mm, front.margin_below_mm) < 0:
         raise InputError("margins of an interval are not negative; a position that is not valid is not reported.")
     number = {"NID_PACKET": 0} if lrbg.previous is None else {"NID_PACKET": 1}
@@ -101,10 +109,37 @@ def position_report(front: Front, lrbg: Lrbg, train: Train) -> Values:
         "Q_LENGTH": train.q_length,
         "V_TRAIN": _speed(train.speed_mm_s),
         "Q_DIRTRAIN": _seen(lrbg.sense, train.moves),
-        "M_MODE": train.m_mode,
-        "M_LEVEL": train.m_level,
-        **({} if train.nid_ntc is None else {"NID_NTC": train.nid_ntc}),
+        **_mode(train),
     }
+
+
+def unknown_position_report(train: Train) -> Values:
+    """Return packet 0 without an LRBG: the position is unknown, or refers only to an unlinked group (SUBSET-026 3.6.2.2.2.1).
+
+    Raises InputError for a safe train length or a confirmed integrity, which comes with one, since that length counts from the front
+    end; and for a speed above 600 km/h.
+    """
+    if train.safe_length_mm is not None or train.q_length in (CONFIRMED_BY_DEVICE, CONFIRMED_BY_DRIVER):
+        raise InputError(
+            "a confirmed integrity comes with a safe train length, which counts from the front end; a report of an unknown position "
+            "has neither."
+        )
+    lengths = dict.fromkeys(("D_LRBG", "L_DOUBTOVER", "L_DOUBTUNDER"), UNKNOWN_LENGTH)
+    return {
+        "NID_PACKET": 0,
+        "Q_SCALE": _SCALES[0],
+        **lengths,
+        "NID_LRBG": UNKNOWN_GROUP,
+        **dict.fromkeys(("Q_DIRLRBG", "Q_DLRBG", "Q_DIRTRAIN"), UNKNOWN),
+        "Q_LENGTH": train.q_length,
+        "V_TRAIN": _speed(train.speed_mm_s),
+        **_mode(train),
+    }
+
+
+def _mode(train: Train) -> Values:
+    national = {} if train.nid_ntc is None else {"NID_NTC": train.nid_ntc}
+    return {"M_MODE": train.m_mode, "M_LEVEL": train.m_level, **national}
 
 
 def _seen(sense: Sense | None, direction: Sense | None) -> int:

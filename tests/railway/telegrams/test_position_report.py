@@ -14,6 +14,7 @@ from safeloc.railway.telegrams.layout import BitReader
 from safeloc.railway.telegrams.packets import decode_packet, encode_packet
 from safeloc.railway.telegrams.position_report import (
     CONFIRMED_BY_DEVICE,
+    INTEGRITY_LOST,
     NOMINAL,
     REVERSE,
     UNKNOWN,
@@ -22,8 +23,9 @@ from safeloc.railway.telegrams.position_report import (
     Train,
     position_report,
     reported_interval,
+    unknown_position_report,
 )
-from safeloc.railway.telegrams.variables import UNKNOWN_LENGTH, group_identity, scale_mm
+from safeloc.railway.telegrams.variables import UNKNOWN_GROUP, UNKNOWN_LENGTH, group_identity, scale_mm
 
 LRBG = Lrbg(426, 21, 1_000_000, "along")
 TRAIN = Train(speed_mm_s=27_778, moves="along", m_mode=0, m_level=2)
@@ -109,3 +111,40 @@ def test_what_cannot_be_reported_is_refused() -> None:
         reported_interval({**report, "L_DOUBTOVER": UNKNOWN_LENGTH}, LRBG)
     national = position_report(Front(0, 0, 0), LRBG, replace(TRAIN, m_level=1, nid_ntc=7))
     assert 122 == len(encode_packet(national, "train"))
+
+
+def test_an_unlinked_group_is_never_the_reference() -> None:
+    """SUBSET-026 3.6.2.2.2 a; the message names what to send."""
+    message = r"^group 426/21 is unlinked, which is never the LRBG; .* send unknown_position_report\.$"
+    for lrbg in (replace(LRBG, linked=False), replace(LRBG, linked=False, previous=(426, 20))):
+        with pytest.raises(InputError, match=message):
+            position_report(Front(1_512_340, 5_050, 3_000), lrbg, TRAIN)
+
+
+@pytest.mark.parametrize("level", [{"m_level": 2}, {"m_level": 1, "nid_ntc": 6}])
+def test_a_position_that_refers_to_no_linked_group_is_unknown(level: dict[str, int]) -> None:
+    """LRBG, distance, doubts and directions are unknown; speed, mode and level are told, and the bits are those of packet 0."""
+    train = replace(TRAIN, **level)  # type: ignore[arg-type]
+    report = unknown_position_report(train)
+    assert (UNKNOWN_GROUP, 20, train.m_level) == tuple(report[name] for name in ("NID_LRBG", "V_TRAIN", "M_LEVEL"))
+    assert {UNKNOWN_LENGTH} == {report[name] for name in ("D_LRBG", "L_DOUBTOVER", "L_DOUBTUNDER")}
+    assert {UNKNOWN} == {report[name] for name in ("Q_DIRLRBG", "Q_DLRBG", "Q_DIRTRAIN")}
+    read = decode_packet(BitReader(encode_packet(report, "train")), "train")
+    assert {**report, "L_PACKET": read["L_PACKET"]} == read
+    with pytest.raises(InputError, match=r"the report is of|refers to NID_LRBG"):
+        reported_interval(report, LRBG)
+
+
+@pytest.mark.parametrize("more", [{"safe_length_mm": 200_000}, {"q_length": CONFIRMED_BY_DEVICE}])
+def test_an_unknown_position_has_no_safe_length(more: dict[str, int]) -> None:
+    """It counts from the front end, and integrity is confirmed with it only."""
+    with pytest.raises(InputError, match=r"^a confirmed integrity comes with a safe train length, .* has neither\.$"):
+        unknown_position_report(replace(TRAIN, **more))  # type: ignore[arg-type]
+    assert INTEGRITY_LOST == unknown_position_report(replace(TRAIN, q_length=INTEGRITY_LOST))["Q_LENGTH"]
+
+
+def test_a_single_group_without_a_known_one_before_has_unknown_directions() -> None:
+    """SUBSET-026 3.4.2.3.3.3: the previous LRBG is unknown, and so is every direction of packet 1."""
+    report = position_report(Front(1_512_340, 5_050, 3_000), Lrbg(426, 21, 1_000_000, None, (1_023, 16_383)), TRAIN)
+    assert (1, UNKNOWN_GROUP) == (report["NID_PACKET"], report["NID_PRVLRBG"])
+    assert {UNKNOWN} == {report[name] for name in ("Q_DIRLRBG", "Q_DLRBG", "Q_DIRTRAIN")}

@@ -1,0 +1,67 @@
+"""A run at the limits of what is assumed: every reading, and every distance, is as wrong as the laws of the world allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.balise.groups import Group, telegram
+from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
+from safeloc.proof.runs.worked import Steps
+from safeloc.runtime.streams.steps import Cell
+
+MEASURED_MM = (0, 50, 50, 0, -50, -50, 0, None, 0)
+"""Distances of the cycles in which groups are read, from cycle to cycle no farther apart than a vehicle can brake."""
+COUNTED_MM = 2_000
+PLACE = ("telegram_position_mm", "telegram_orientation")
+
+
+def at_the_limits(config: UnlinkedGroupConfig) -> Steps:
+    """Return the run: forwards, standing, backwards and without a distance, with every error at either end of its law."""
+    steps: Steps = []
+    wander, half = 0, config.odometer.wander_nm
+    for side in (1, -1):
+        for distance in MEASURED_MM:
+            for read in _readings(config, distance, side):
+                slipped = 0 if distance is None else _towards(side * half, wander)
+                wander += slipped
+                since = int(read["true_since_nm"]) + (wander + side * half if "telegram_since_mm" in read else 0)
+                steps.append(_moved(config, distance, side, slipped) | read)
+                steps[-1] |= {
+                    "telegram_group": len(steps),
+                    "true_since_nm": since,
+                    "reading_wander_nm": -side * half,
+                    "odometer_next_wander_nm": wander,
+                }
+    return steps
+
+
+def _towards(wanted: int, wander: int) -> int:
+    """Return the change of the one-off error in a cycle: to the limit, from the other limit by way of zero."""
+    return -wander if wander * wanted < 0 else wanted - wander
+
+
+def _moved(config: UnlinkedGroupConfig, distance: int | None, side: int, slipped: int) -> dict[str, Cell]:
+    """Return a distance that is wrong by its rate and a slip, nm, or the farthest run where nothing is measured."""
+    if distance is None:
+        return {"true_step_nm": side * config.max_speed_mm_s * config.period_ms * 1_000}
+    error = side * abs(distance) * config.odometer.rate_ppm
+    return {"odometer_mm": distance, "true_step_nm": distance * NM_PER_MM + error + slipped}
+
+
+def _readings(config: UnlinkedGroupConfig, distance: int | None, side: int) -> Iterator[dict[str, Cell]]:
+    """Yield readings with a counter, then one of this cycle and an older one without; the run since then without one-off errors."""
+    for since in (COUNTED_MM, -COUNTED_MM):
+        off = side * abs(since) * config.odometer.rate_ppm
+        yield _reading(config, side, config.period_ms, since) | {"true_since_nm": since * NM_PER_MM + off}
+    for age in (config.period_ms, config.period_ms + 1):
+        sure = distance is not None and side * distance <= 0 and age <= config.period_ms
+        farthest = 0 if sure else age * config.max_speed_mm_s * 1_000
+        run = side * (farthest + config.measuring_step_mm * NM_PER_MM)
+        yield _reading(config, side, age, None) | {"true_since_nm": run}
+
+
+def _reading(config: UnlinkedGroupConfig, side: int, age_ms: int, since_mm: int | None) -> dict[str, Cell]:
+    read = telegram(Group(1, 0, balises=2, linked=False), age_ms=age_ms, since_mm=since_mm)
+    inputs = {name: value for name, value in read.items() if name not in PLACE}
+    return {**inputs, "read_beyond_nm": side * config.detection_mm * NM_PER_MM}

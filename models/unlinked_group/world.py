@@ -1,0 +1,177 @@
+"""The world of the unlinked group: how far the front end truly is beyond its balise 1.
+
+    the odometer  delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
+    the antenna   stood over the group whose telegram is read, within its detection accuracy, and time and counter say how
+                  long ago
+
+Nothing is said of where the group lies along the line, of a telegram whose check bits are wrong, and of a group that was not
+read whole. The true distance counts from the last group that can serve as a reference by what was read of it.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.balise.telegram import PASSED, UNLINKED
+from safeloc.models.unlinked_group.variables import LINE_MM, Parts
+from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+
+
+def world(own: Parts) -> World:
+    """Make the world: the true movement, the odometer's error, and the true distance beyond the last unlinked group."""
+    seen = own.world
+    received = own.national.received
+    moves: dict[Var, Expr] = {
+        seen.distance: distance_after(own),
+        seen.wander: _wander_after(own),
+        seen.national: ite(~received.present, seen.national, received.value),
+        **_rolling(own),
+        **measuring(own).moves(),
+    }
+    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
+
+
+def _laws(own: Parts) -> dict[str, Bool | Law]:
+    return {
+        "the odometer obeys its error law": _odometer_law(own),
+        "the vehicle stays on the line": _line_law(own),
+        "the antenna stood over the group that is read": _antenna_law(own),
+        "the counter measures the run since the reading": _counter_law(own),
+        "the age bounds the run since the reading": _age_law(own),
+    }
+
+
+def distance_after(own: Parts) -> Num:
+    """Return the true distance at the end of the cycle: from the group that is read if it can serve, else from the one before."""
+    seen = own.world
+    anew = exact_to(as_num(own.config.antenna_mm, MM), NM) + seen.detected + seen.true_since
+    return ite(serves(own), anew, seen.distance + seen.true_step)
+
+
+# ------------------------------------------------------------------ the vehicle and its odometer
+
+
+def measuring(own: Parts) -> Measuring:
+    """Return the world's view of the odometer."""
+    config = own.config
+    physics = Physics(
+        config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
+        config.gap_limit_cycles, config.gap_limit_cycles + 1,
+    )  # fmt: skip
+    return Measuring(own.odometer.law, own.odometer.step, own.world.heard, own.world.silent, physics)
+
+
+def _wander_after(own: Parts) -> Num:
+    return ite(measuring(own).can_be_run, own.world.next_wander, own.world.wander)
+
+
+def _odometer_law(own: Parts) -> Law:
+    seen, unit = own.world, measuring(own)
+    farthest = unit.physics.farthest_nm
+    error = seen.true_step - exact_to(own.odometer.step.value, NM) - (seen.next_wander - seen.wander)
+    blind = between(-farthest, seen.true_step, farthest)
+    counts = unit.can_be_run
+    return Law(
+        (counts & unit.allows(error)) | (~counts & blind),
+        "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, and by the change of a one-off "
+        "part within half its constant; or it is a distance that no vehicle can have run. The rate is that of the MEASURED "
+        "distance. The vehicle runs no faster than its highest speed.",
+        ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s", "max_acceleration_mm_s2"),
+        "[S] SUBSET-041: 5 m + 5 % of every measured distance",
+        "supplier",
+        "type test; in operation the run between two groups against the map",
+    )
+
+
+def _line_law(own: Parts) -> Law:
+    truth = own.world.distance
+    return Law(
+        between(truth.low, distance_after(own), truth.high),
+        f"No vehicle gets farther than {LINE_MM // 10**6} km from a group that it read.",
+        source="[D] the length of the line",
+        owner="infrastructure",
+        check="when the map is made",
+    )
+
+
+def _rolling(own: Parts) -> dict[Var, Expr]:
+    """The vehicle has turned once it ran farther than D_NVROLL against its direction without a break, as measured."""
+    seen = own.world
+    ran = ite(measuring(own).can_be_run, own.odometer.step.value, as_num(0, MM))
+    against = maximum(seen.rolled + ite(seen.backwards, ran, 0 - ran), 0)
+    turns = own.config.reversal_mm < against
+    turned = (seen.backwards & ~turns) | (turns & ~seen.backwards)
+    return {seen.rolled: ite(turns, as_num(0, MM), against), seen.backwards: turned}
+
+
+def runs_back(own: Parts) -> Bool:
+    """Return whether the vehicle runs backwards at the end of the cycle."""
+    term = _rolling(own)[own.world.backwards]
+    assert isinstance(term, Bool)
+    return term
+
+
+# ------------------------------------------------------------------ the antenna
+
+
+def read_rightly(own: Parts) -> Bool:
+    """Return whether every balise of a group was read, with right check bits."""
+    read = own.read
+    given = (read.check, read.group, read.link, read.read, read.total, read.last, read.first, read.age)
+    return all_of([*(one.present for one in given), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
+
+
+def serves(own: Parts) -> Bool:
+    """Return whether the group that was read can serve as a reference: unlinked, of several balises, read recently and forwards."""
+    read = own.read
+    fits = read.total.value >= maximum(read.first.value, read.last.value)
+    several = read.total.value > 1
+    ordered = read.first.value.ne(read.last.value)
+    recent = read.age.value < own.config.telegram_age_limit_ms + 1
+    return all_of([read_rightly(own), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~runs_back(own)])
+
+
+def _antenna_law(own: Parts) -> Law:
+    most = own.config.detection_mm * NM_PER_MM
+    return Law(
+        read_rightly(own).implies(between(-most, own.world.detected, most)),
+        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
+        "accuracy; the antenna is so far behind the front end as configured.",
+        ("antenna_mm", "detection_mm"),
+        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
+        "supplier",
+        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
+    )
+
+
+def _counter_law(own: Parts) -> Law:
+    seen, since = own.world, own.read.since
+    error = seen.true_since - exact_to(since.value, NM) - (_wander_after(own) - seen.reading_wander)
+    most = with_unit(maximum(since.value, 0 - since.value) * own.config.odometer.rate_ppm, NM)
+    return Law(
+        (read_rightly(own) & since.present).implies(between(-most, error, most)),
+        "The run since the reading, as the latched counter measures it, is wrong by no more than the odometer's rate and the "
+        "change of its one-off error since then.",
+        ("rate_ppm", "constant_mm"),
+        "[D] the same wheel counts",
+        "supplier",
+        "type test; the run between two groups against the map",
+    )
+
+
+def _age_law(own: Parts) -> Law:
+    config, step, ran = own.config, own.odometer.step.value, own.world.true_since
+    farthest = with_unit(own.read.age.value * (config.max_speed_mm_s * THOUSAND), NM)
+    least, none = as_num(config.measuring_step_mm * NM_PER_MM, NM), as_num(0, NM)
+    fresh = measuring(own).can_be_run & (own.read.age.value < config.period_ms + 1)
+    back, forth = ite(fresh & (step > -1), none, farthest), ite(fresh & (step < 1), none, farthest)
+    return Law(
+        (read_rightly(own) & ~own.read.since.present).implies(between(-least - back, ran, least + forth)),
+        "Since the reading the vehicle ran no farther than at its highest speed for the age of the reading, and one measuring "
+        "step. If the reading was taken in this cycle, the vehicle ran since then in the direction measured for the cycle.",
+        ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
+        "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
+        "supplier",
+        "type test of reader and time stamp",
+    )
