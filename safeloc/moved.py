@@ -9,6 +9,11 @@ from types import ModuleType
 
 MOVED = {
     "safeloc.antecedents": "safeloc.language.antecedents",
+    "safeloc.assurance.mutation.claim_judging": "safeloc.assurance.mutation.judge_claim_mutant",
+    "safeloc.assurance.mutation.judging": "safeloc.assurance.mutation.judge_machine_mutant",
+    "safeloc.assurance.mutation.whole_judging": "safeloc.assurance.mutation.judge_composition_mutant",
+    "safeloc.assurance.mutation.world_judging": "safeloc.assurance.mutation.judge_world_mutant",
+    "safeloc.assurance.splits.live": "safeloc.assurance.splits.live_splits",
     "safeloc.audit": "safeloc.railway.audit",
     "safeloc.backends": "safeloc.codegen",
     "safeloc.border": "safeloc.runtime.border",
@@ -106,6 +111,7 @@ MOVED = {
     "safeloc.properties.odometry_front_only": "safeloc.properties.odometry.front_only",
     "safeloc.properties.verification_mismatch": "safeloc.properties.verification.mismatch",
     "safeloc.provers": "safeloc.proof.provers",
+    "safeloc.railway.guard.told": "safeloc.railway.guard.judgement_data",
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",
     "safeloc.requirements": "safeloc.assurance.requirements",
@@ -118,6 +124,7 @@ MOVED = {
     "safeloc.runtime.embedding.period": "safeloc.runtime.embedding.cycle_length",
     "safeloc.runtime.reported": "safeloc.reported",
     "safeloc.runtime.service.pace": "safeloc.runtime.service.clock_lag",
+    "safeloc.sensing.fibre.runs": "safeloc.sensing.fibre.shaken_stretches",
     "safeloc.service": "safeloc.runtime.service",
     "safeloc.shipped.localizer": "safeloc.models.localizer.target",
     "safeloc.shipped.making": "safeloc.target",

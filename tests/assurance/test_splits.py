@@ -24,7 +24,7 @@ from safeloc.assurance.splits.covered import (
 )
 from safeloc.assurance.splits.deciding import Change, changed, changes, deciding
 from safeloc.assurance.splits.folded import cases_of, folded_cases
-from safeloc.assurance.splits.live import splits_of
+from safeloc.assurance.splits.live_splits import splits_of
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import source_of
 from safeloc.config import Configurations

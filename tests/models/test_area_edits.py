@@ -14,7 +14,7 @@ from safeloc.models.area.slot import ACCEPTED, ENTERS_LOW, Reach, Slot
 from safeloc.models.sections import SectionsConfig, compose_machines
 from safeloc.properties.sections import properties
 from tests.models.edited_terms import edited
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 
 CONFIG = SectionsConfig(area=AreaConfig(trains=2))
 HELD, LOOSE = "train 1 containment", "loose vehicles are accounted for"

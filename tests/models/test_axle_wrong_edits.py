@@ -18,7 +18,7 @@ from safeloc.models.axle_section.variables import Parts
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 from tests.models.spoilt import rebuilt
 
 Term = Callable[[Parts], Bool | Num]

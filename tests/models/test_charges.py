@@ -20,7 +20,7 @@ from safeloc.models.guard.variables import parts as guard_parts
 from safeloc.properties.fibre import properties as fibre_properties
 from safeloc.properties.guard import properties as guard_properties
 from safeloc.properties.sections import properties as section_properties
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 
 Found = tuple[TransitionSystem, dict[str, Property]]
 CHARGES = {

@@ -24,7 +24,7 @@ from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.properties.fibre import properties
 from tests.models.everything_proved import unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 CONFIG = FibreConfig()
 RAISED = Section(1_000_000, 1_300_000, Symbol(rises=True, long=True))

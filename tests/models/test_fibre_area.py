@@ -39,7 +39,7 @@ from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
 from tests.models.fibre_family import labels
-from tests.models.one_step import changed, inductive_in
+from tests.models.inductive import changed, inductive_in
 
 CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
 Wiring = Callable[[Verification, Fibre, Fibre, Emitter, Entry], dict[Var, Expr]]

@@ -41,7 +41,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
 from safeloc.runtime.streams.steps import read_steps
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive, without
+from tests.models.inductive import changed, inductive, without
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
 

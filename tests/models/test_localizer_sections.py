@@ -31,7 +31,7 @@ from safeloc.proof.provers.proved_base import base
 from safeloc.proof.testing import run_tests
 from safeloc.properties.localizer_sections import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed
+from tests.models.inductive import changed
 from tests.proof.provers.small import told
 
 CONFIG = LocalizerSectionsConfig()

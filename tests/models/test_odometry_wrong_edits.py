@@ -24,7 +24,7 @@ from safeloc.models.vocabulary.measured import Limits
 from safeloc.proof.provers.implication import Refuted, unproved
 from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from safeloc.properties.odometry import properties
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 
 FIX = "safeloc.models.odometry.cycle.fix"
 Patch = pytest.MonkeyPatch

@@ -29,7 +29,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.fibre_area import properties
 from tests.models.edited_terms import edited
-from tests.models.one_step import inductive, inductive_in
+from tests.models.inductive import inductive, inductive_in
 
 FIGURES = PartingConfig(count_run_mm=3_000, roll_back_mm=20)
 REACH = AreaConfig(period_ms=500, limit_mm=1_000_000).reach

@@ -19,7 +19,7 @@ from safeloc.models.vocabulary.first_of import first_of
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties
-from tests.models.one_step import changed, inductive, without
+from tests.models.inductive import changed, inductive, without
 
 ONE_SLOT = ReflectorConfig(echo_slots=1)
 

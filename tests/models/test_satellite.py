@@ -27,7 +27,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 from tests.models.wrong_edits import lost_by
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))

@@ -19,7 +19,7 @@ from safeloc.models.satellite_selection import Channel, Compared, Parts, Removal
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.satellite_selection import properties
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
 

@@ -19,7 +19,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.transmission import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 CONFIG = TransmissionConfig(max_speed_mm_s=10_000, age_limit_ms=500)
 RUN_MM = 1_000

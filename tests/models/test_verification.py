@@ -25,7 +25,7 @@ from safeloc.properties.verification.mismatch import NAMED
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs, unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 from tests.models.wrong_edits import lost
 
 CONFIG = VerificationConfig()

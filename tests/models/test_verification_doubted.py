@@ -20,7 +20,7 @@ from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
 from safeloc.properties.verification import properties
 from tests.models.everything_proved import unproved_of
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 
 CONFIG = VerificationConfig()
 

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from safeloc.assurance.source_places import shown
 from safeloc.assurance.splits.deciding import Change, deciding
-from safeloc.assurance.splits.live import Splits, splits_of, together
+from safeloc.assurance.splits.live_splits import Splits, splits_of, together
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import source_of
 from safeloc.catalogue import DEFAULTS, ENTRIES

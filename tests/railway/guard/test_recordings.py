@@ -23,7 +23,7 @@ from safeloc.railway.map.routes import Route
 from safeloc.railway.map.toml_files import load_line, to_toml
 from safeloc.railway.map.topology import Topology
 from tests.data_sources import data_file
-from tests.railway.map.recorded import network, route_of
+from tests.railway.map.recorded_trains import network, route_of
 
 pytest.importorskip("shapely")
 pytest.importorskip("pyproj")

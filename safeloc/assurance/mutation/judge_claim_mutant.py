@@ -12,7 +12,7 @@ from safeloc.assurance.mutation import results
 from safeloc.assurance.mutation.claims import held
 from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.induction import no_longer
-from safeloc.assurance.mutation.judging import Bench, outcome_of
+from safeloc.assurance.mutation.judge_machine_mutant import Bench, outcome_of
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.results import BY_PROOF, Judged, Outcome
 from safeloc.assurance.mutation.weaker import Relation, relation
