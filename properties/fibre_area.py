@@ -168,7 +168,7 @@ def _wired_in_range(model: FibreArea) -> Bool:
 
 
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
-    nothing = ~_trusted(model) & ~_told(model) & _of_slot(model).bool(model.area.own.slots[0].judged.ne(ACCEPTED))
+    nothing = ~_trusted(model) & ~_told(model) & _of_slot(model).bool(model.area.own.slots[0].last_verdict.ne(ACCEPTED))
     for name, (wrong, what, trace) in _wrong(model).items():
         yield for_all_inputs(
             f"{name} withholds",
@@ -304,13 +304,13 @@ def _leaves(model: FibreArea) -> Bool:
 def _narrowed(model: FibreArea) -> Iterator[Property]:
     """Claim the conditions under which the train's interval becomes narrower."""
     slot, of = model.area.own.slots[0], _of_slot(model)
-    judged, integer = of.bool(slot.judged.eq(ACCEPTED)), of.bool(slot.integer)
+    accepted, integer = of.bool(slot.last_verdict.eq(ACCEPTED)), of.bool(slot.integer)
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
     verified, seen = model.verification.own, model.composition.of(model.verification.machine)
     counted = seen.bool(verified.associated & verified.seen_count.present)
     yield for_all_inputs(
         "only a trusted train narrows",
-        judged.implies(_trusted(model) & _told(model) & (age <= limit)),
+        accepted.implies(_trusted(model) & _told(model) & (age <= limit)),
         statement="the area narrows the train's interval only on a report that is trusted and fresh in that very cycle",
         requirements=CLEAR,
     )

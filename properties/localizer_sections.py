@@ -141,7 +141,7 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
     )
     link = whole.localizer.uplink.machine
     landed = whole.composition.of(link).bool(link.fired("report arrives"))
-    others = all_of(there.bool(train.judged.ne(ACCEPTED)) for train in slots[1:])
+    others = all_of(there.bool(train.last_verdict.ne(ACCEPTED)) for train in slots[1:])
     counted = all_of(~there.bool(train.leaves) for train in slots)
     swept = there.bool(whole.area.machine.fired("counters are clear", "everything loose is pushed out"))
     yield for_all_inputs(

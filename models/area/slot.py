@@ -85,7 +85,7 @@ class Slot:
     unconfirmed: NumVar
     below: BoolVar
     above: BoolVar
-    judged: NumVar
+    last_verdict: NumVar
     there: BoolVar
     true_rear: NumVar
     true_front: NumVar

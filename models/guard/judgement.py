@@ -42,7 +42,7 @@ from safeloc.models.guard.variables import (
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """The terms of one step, built once for all transitions.
 
     coasted    the stored intervals moved on, without the delivery
@@ -118,7 +118,7 @@ class Judged:
         return self.verdict.one_of(OFF_TRACK, JUMP, SPEED_DISAGREES, ACROSS, AGAINST, OUT_OF_REACH)
 
 
-def judge(own: Parts) -> Judged:
+def judge(own: Parts) -> Judgement:
     """Build the terms of one step."""
     before = held(own)
     ahead = moved(own, before.box)
@@ -127,7 +127,7 @@ def judge(own: Parts) -> Judged:
     fair = ite(alone.eq(PASSED), _fair(own, known), alone)
     verdict = _verdict(own, fair, ahead, with_fix.box)
     coasted, fresh = told(own, ahead, before.anchor), begun(of_fix(own))
-    return Judged(own, coasted, with_fix, fresh, verdict, alone, fair, near_now(own), known)
+    return Judgement(own, coasted, with_fix, fresh, verdict, alone, fair, near_now(own), known)
 
 
 def _alone(own: Parts) -> Num:
@@ -136,10 +136,10 @@ def _alone(own: Parts) -> Num:
     fresh = of_fix(own)
     coarse = half_nm(own) > (config.tolerance_mm - 2) * NM_PER_MM
     too_fast = own.speed.present & (_least_speed(own) > config.max_speed_mm_s * 1_000)
-    judged = ite(too_fast, SPEED_DISAGREES, ite(usable(config, fresh), PASSED, TOO_COARSE))
-    judged = ite(own.ambiguous, AMBIGUOUS, ite(coarse, TOO_COARSE, judged))
-    judged = ite(own.offset > config.offset_limit_mm, OFF_TRACK, judged)
-    return ite(own.fault.ne(NO_FAULT), _of_fault(own), ite(own.fix.present, judged, NOTHING))
+    verdict = ite(too_fast, SPEED_DISAGREES, ite(usable(config, fresh), PASSED, TOO_COARSE))
+    verdict = ite(own.ambiguous, AMBIGUOUS, ite(coarse, TOO_COARSE, verdict))
+    verdict = ite(own.offset > config.offset_limit_mm, OFF_TRACK, verdict)
+    return ite(own.fault.ne(NO_FAULT), _of_fault(own), ite(own.fix.present, verdict, NOTHING))
 
 
 def _of_fault(own: Parts) -> Num:
@@ -171,10 +171,10 @@ def _verdict(own: Parts, fair: Num, ahead: Box, after: Box) -> Num:
     meets = (fix.low <= ahead.high) & (ahead.low <= fix.high)
     too_fast = own.speed.present & ((_least_speed(own) > ahead.fast) & (_least_speed(own) > -ahead.slow))
     disagrees = too_fast | (after.slow > after.fast)
-    judged = ite(between(ahead.low, place, ahead.high), PASSED, DOUBTFUL)
-    judged = ite(disagrees, SPEED_DISAGREES, judged)
-    judged = ite(own.elsewhere | ~meets, JUMP, ite(fair.eq(OUT_OF_REACH), OUT_OF_REACH, judged))
-    return ite(fair.one_of(PASSED, OUT_OF_REACH), judged, fair)
+    verdict = ite(between(ahead.low, place, ahead.high), PASSED, DOUBTFUL)
+    verdict = ite(disagrees, SPEED_DISAGREES, verdict)
+    verdict = ite(own.elsewhere | ~meets, JUMP, ite(fair.eq(OUT_OF_REACH), OUT_OF_REACH, verdict))
+    return ite(fair.one_of(PASSED, OUT_OF_REACH), verdict, fair)
 
 
 def _least_speed(own: Parts) -> Num:

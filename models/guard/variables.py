@@ -166,7 +166,7 @@ class Parts:
         self.near_high = declared.state(number("near_high_nm", NM, -reach, reach), first=reach)
         self.known_low = declared.state(number("known_low_nm", NM, -reach, reach), first=-reach)
         self.known_high = declared.state(number("known_high_nm", NM, -reach, reach), first=reach)
-        self.judged = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
+        self.last_verdict = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
         self.truth = declared.ghost(number("truth_nm", NM, -2 * reach, 2 * reach), first=ANY)
         self.true_speed = declared.ghost(number("true_speed_um_s", UM_S, -fast, fast), first=ANY)
         self.run = declared.ghost(number("run_nm", NM, -most, most), first=0)

@@ -156,7 +156,7 @@ class Motion:
     @property
     def told(self) -> Bool:
         """After the step: the cycle's distance is reported."""
-        return self.own.odometer.judged.eq(ADMITTED) if self.own.check is None else self.own.check.told
+        return self.own.odometer.last_verdict.eq(ADMITTED) if self.own.check is None else self.own.check.told
 
     @property
     def shared(self) -> list[Var]:
@@ -219,8 +219,12 @@ def _checked(check: UnitCheck | None) -> Iterator[Updates]:
 
 
 def _outputs(own: Parts) -> dict[str, Expr]:
-    said: dict[str, Expr] = {"distance_mm": own.distance, "measured": own.odometer.judged}
+    said: dict[str, Expr] = {"distance_mm": own.distance, "measured": own.odometer.last_verdict}
     if own.check is None:
         return said
-    told: dict[str, Expr] = {"told": own.check.told, "more_nm": own.check.more, "check_measured": own.check.unit.judged}
+    told: dict[str, Expr] = {
+        "told": own.check.told,
+        "more_nm": own.check.more,
+        "check_measured": own.check.unit.last_verdict,
+    }
     return said | told

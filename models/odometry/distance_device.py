@@ -71,7 +71,7 @@ class Unit:
     step          input: the distance measured in the cycle
     alive, position, above, below   state: its values
     last, gap     state: the last admitted distance, and the cycles without one since then
-    judged        state: the verdict on the cycle's distance
+    last_verdict  state: the verdict on the cycle's distance
     """
 
     name: str
@@ -83,7 +83,7 @@ class Unit:
     below: NumVar
     last: NumVar
     gap: NumVar
-    judged: NumVar
+    last_verdict: NumVar
     limits: Limits
 
     @property
@@ -181,7 +181,7 @@ def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
         below=declared.state(number(f"{name}_margin_below_nm", NM, 0, limits.tolerance_nm), first=0),
         last=declared.state(number(f"{name}_last_mm", MM, -longest, longest), first=0),
         gap=declared.state(number(f"{name}_gap_cycles", COUNT, 0, limits.lone_limit + 1), first=limits.gap_limit + 1),
-        judged=declared.state(choice(f"{name}_judged", enumeration(MEASURED)), first=MISSING),
+        last_verdict=declared.state(choice(f"{name}_judged", enumeration(MEASURED)), first=MISSING),
         limits=limits,
     )
 

@@ -8,7 +8,7 @@ from safeloc.language.expr import TRUE, Lit, Num, as_num
 from safeloc.language.machine import Transition
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.cycle import Judged
+from safeloc.models.reflector.cycle import Judgement
 from safeloc.models.reflector.echo import Recognition
 from safeloc.models.reflector.variables import (
     BALISE_CONTRADICTS,
@@ -40,10 +40,10 @@ class _Groups:
     counted_anew   pauses and misses: 0
     """
 
-    def __init__(self, own: Parts, cycle: Judged) -> None:
+    def __init__(self, own: Parts, cycle: Judgement) -> None:
         self._own, self._cycle = own, cycle
-        verdicts: Updates = {one.slot.judged: one.verdict for one in cycle.target.judgements}
-        further: Updates = {one.slot.judged_next: one.verdict for one in cycle.ahead.judgements}
+        verdicts: Updates = {one.slot.last_verdict: one.verdict for one in cycle.target.judgements}
+        further: Updates = {one.slot.last_verdict_next: one.verdict for one in cycle.ahead.judgements}
         self.heard = together({own.odometer.gap: own.odometer.gap_after}, verdicts, further)
         self.drifting = self._opened(cycle.open)
         self.tested = self._opened(cycle.left_open)
@@ -93,7 +93,7 @@ class _Groups:
         return together(self.heard, self.nowhere, self.unmeasured, self.none_sought, gone)
 
 
-def rows(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def rows(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield all rows."""
     groups = _Groups(own, cycle)
     yield from _failures(own, cycle, groups, mode)
@@ -105,7 +105,7 @@ def rows(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transitio
     yield from _going_on(own, cycle, groups, mode)
 
 
-def _failures(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _failures(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows that withdraw the position at once."""
     lost, *located = mode
     view_zone = mode[5:]
@@ -125,7 +125,7 @@ def _failures(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
         yield Transition(name, source, lost, when, groups.dropped(reason), trace, rank)
 
 
-def _self_test(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _self_test(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of the self-test that a balise starts (RFL-6, RFL-8)."""
     _, unready, reference, *_ = mode
     view = mode[5]
@@ -155,7 +155,7 @@ def _self_test(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]
     yield Transition("self-test failed", reference, unready, wrong, groups.unready(MISMATCH), ("RFL-6", "RFL-D3"), 6)
 
 
-def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _measured(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a measured reflector."""
     search, view, coast, passing = mode[4:]
     in_zone = (view, coast, passing)
@@ -178,7 +178,7 @@ def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
     yield Transition("next reflector takes over", in_zone, view, ahead, other, trace, 7)
 
 
-def _withdrawn(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _withdrawn(cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of an interval, or of a self-test, that has become too uncertain without an echo."""
     lost, unready, reference, *ready = mode
     too_wide, coarse = groups.dropped(TOLERANCE), groups.unready(NO_SELF_TEST)
@@ -187,7 +187,7 @@ def _withdrawn(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterato
     yield Transition("self-test grows too coarse", (reference,), unready, cycle.too_coarse, coarse, ("RFL-6",), 8)
 
 
-def _missing(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _missing(cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a reflector that is missing at its place on the map (RFL-D3)."""
     _, unready, reference, odometry, search, *_ = mode
     ended = groups.unready(NOT_FOUND)
@@ -198,7 +198,7 @@ def _missing(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[
     yield Transition("reflector passed unseen", odometry, unready, cycle.passed_unseen, ended, ("RFL-D3",), 9)
 
 
-def _zones(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _zones(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows from zone to zone without a measurement."""
     _, _, _, odometry, search, view, coast, passing = mode
     hold, seen = together(groups.hold, groups.drifting), (view, coast)
@@ -218,7 +218,7 @@ def _zones(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) ->
     yield Transition("passing goes on", passing, passing, TRUE, kept, ("RFL-D2",), 12)
 
 
-def _going_on(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _going_on(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a cycle in which the vehicle only ran on."""
     lost, unready, reference, odometry, search, *_ = mode
     hold, idle = together(groups.hold, groups.drifting), together(groups.hold, groups.untested)
@@ -233,6 +233,6 @@ def _going_on(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
     yield Transition("wait for a balise", lost, lost, TRUE, wait, ("RFL-5",), 14)
 
 
-def _to_run_on(cycle: Judged, fix: Interval) -> Interval:
+def _to_run_on(cycle: Judgement, fix: Interval) -> Interval:
     """Return a measured interval to run on from: the odometer's one-off constant is added."""
     return fix.widened(as_num(cycle.own.odometer.constant_nm, NM))

@@ -141,8 +141,8 @@ def standing(own: Parts, one: Channel) -> Num:
     """Return the standing of the channel's satellite in this cycle."""
     config = own.config
     ready = _spread(one, config) & (warm(own, one) >= config.warm_up_cycles)
-    judged = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
-    heard = ite(_heard(one, config), ite(ready, judged, WARMING), SILENT)
+    standing = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
+    heard = ite(_heard(one, config), ite(ready, standing, WARMING), SILENT)
     return ite(one.identity.present & ~_is_twice(own, one), ite(one.ephemeris, heard, EXPIRED), ABSENT)
 
 

@@ -41,7 +41,7 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
-from safeloc.models.area.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
+from safeloc.models.area.judgement import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judgement, TrainHere
 from safeloc.models.area.separation import Following, headway_ms, separation_mm
 
 REQUIREMENTS = ("FVA-9", "FVA-18")
@@ -187,7 +187,7 @@ def section(config: SectionsConfig, name: str) -> Section:
     end = declared.state(number("to_mm", MM, -limit, limit), first=ANY)
     told = _told(declared, config)
     loose = unswept & (loose_low <= end) & (loose_high >= start)
-    judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
+    judgement = Judgement(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
     machine = Machine(
         name=name,
@@ -207,7 +207,7 @@ def section(config: SectionsConfig, name: str) -> Section:
             "evidence_age_cycles": told.age,
             "trust": told.trust,
         },
-        transitions=list(_table(judged, table, told)),
+        transitions=list(_table(judgement, table, told)),
         initially=start < end,
         lemmas={"bounds in order": start < end},
         doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
@@ -241,20 +241,20 @@ def _train(declared: Declared, number_: int, limit: int, count: int) -> TrainHer
     )
 
 
-def _table(judged: Judged, table: tuple[Lit, ...], told: _Told) -> Iterator[Transition]:
+def _table(judgement: Judgement, table: tuple[Lit, ...], told: _Told) -> Iterator[Transition]:
     evidence: Updates = {
-        told.trains: judged.count,
-        told.first_train: judged.first,
-        told.followed: judged.followed_count,
-        told.evidence: judged.evidence,
-        told.age: judged.age,
-        told.trust: judged.trust,
+        told.trains: judgement.count,
+        told.first_train: judgement.first,
+        told.followed: judgement.followed_count,
+        told.evidence: judgement.evidence,
+        told.age: judgement.age,
+        told.trust: judgement.trust,
     }
     longer: Updates = {told.since: minimum(told.since + 1, told.since.high)}
     by_label = {mode.label: mode for mode in table}
     for (source, target), rule in sorted(RULES.items(), key=lambda item: item[1]):
         name, before, after = f"#{rule} {source.lower()} to {target.lower()}", by_label[source], by_label[target]
         changed: Updates = {told.rule: rule, told.since: 0}
-        yield Transition(name, before, after, judged.status(target), together(evidence, changed), REQUIREMENTS, 0)
+        yield Transition(name, before, after, judgement.status(target), together(evidence, changed), REQUIREMENTS, 0)
     for mode in table:
         yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, together(evidence, longer), REQUIREMENTS, 1)

@@ -26,13 +26,13 @@ from safeloc.models.verification.variables import Parts
 from safeloc.models.vocabulary.first_of import first_of
 
 
-def judge(own: Parts, known: Bool, refused: Bool) -> Judged:
+def judge(own: Parts, known: Bool, refused: Bool) -> Judgement:
     """Return the terms of one cycle; `known`: a reference is stored and believed, `refused`: a mismatch is latched."""
-    return Judged(own, known, refused)
+    return Judgement(own, known, refused)
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """Terms over the inputs of a cycle and the state before it."""
 
     own: Parts

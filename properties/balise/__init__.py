@@ -326,7 +326,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
     gate = possible if own.config.checked_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",
-        odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),
+        odometer.last_verdict.eq(ADMITTED).implies(odometer.step.present & gate),
         statement="a distance is admitted only below the top speed, and, unless a second unit has checked it, within "
         "the greatest change of speed since the last one",
     )

@@ -189,9 +189,9 @@ def _course(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a course along the way is not refused",
         (along | (~only & (own.course.value >= HALF_TURN_MRAD - own.config.course_limit_mrad))).implies(
-            ~own.judged.one_of(ACROSS, AGAINST)
+            ~own.last_verdict.one_of(ACROSS, AGAINST)
         )
-        & (~step.runs_back | ~only).implies(own.judged.ne(AGAINST)),
+        & (~step.runs_back | ~only).implies(own.last_verdict.ne(AGAINST)),
         statement="a course within the limit of the way, or none, is no reason to refuse; nor is one backwards where both directions "
         "are permitted",
     )
@@ -209,7 +209,7 @@ def _carried(model: Guard) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a place in reach is not refused",
-        own.judged.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
+        own.last_verdict.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
         statement="the machine refuses no fix as out of reach at a place that the vehicle can have reached in its "
         "direction at the highest speed",
     )
@@ -253,7 +253,7 @@ def _told(model: Guard) -> Iterator[Property]:
     verdict = ite(before(machine.mode).eq(lost) | own.start_anew, step.fair, step.verdict)
     yield for_all_inputs(
         "a delivery agrees or has the first reason against it",
-        ite(verdict.eq(PASSED), own.judged.one_of(PASSED, UNCONFIRMED), own.judged.eq(verdict)),
+        ite(verdict.eq(PASSED), own.last_verdict.one_of(PASSED, UNCONFIRMED), own.last_verdict.eq(verdict)),
         statement="the reason for a refusal is the first of these that applies: a fault, the map, the vehicle's "
         "limits, its course, the place last known, its present place and speed; if none applies, the fix "
         "agrees",
@@ -357,7 +357,7 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "one fix counts once",
         (own.agreed <= before(own.agreed) + 1)
-        & ((own.agreed > before(own.agreed)).implies(own.judged.one_of(PASSED, UNCONFIRMED))),
+        & ((own.agreed > before(own.agreed)).implies(own.last_verdict.one_of(PASSED, UNCONFIRMED))),
         statement="the row grows by one, and only with a fix that passes every check",
     )
     yield for_all_inputs(

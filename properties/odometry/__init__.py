@@ -188,7 +188,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
                 "the position moves by the measured distance alone, and both margins grow alike",
                 requirements=("MRK-1", "MRK-D1", "MRK-4"),
             )
-            silent = unit.judged.ne(ADMITTED) & other.judged.ne(ADMITTED)
+            silent = unit.last_verdict.ne(ADMITTED) & other.last_verdict.ne(ADMITTED)
             farthest = own.config.max_speed_mm_s * own.config.period_ms * 1_000
             yield for_all_inputs(
                 f"silence of {unit.name} widens the margins",
@@ -199,7 +199,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
 
 
 def _ran_on(unit: Unit, other: Unit) -> Bool:
-    heard, other_heard = unit.judged.eq(ADMITTED), other.judged.eq(ADMITTED)
+    heard, other_heard = unit.last_verdict.eq(ADMITTED), other.last_verdict.eq(ADMITTED)
     if unit.limits.single_fault_safe:  # a lone distance moves nothing
         heard = other_heard = heard & other_heard
     moved = ite(heard, unit.step.value, ite(other_heard, other.step.value, as_num(0, MM)))
@@ -234,7 +234,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
     for unit in own.units:
         yield for_all_inputs(
             f"{unit.name} gate",
-            unit.judged.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
+            unit.last_verdict.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
             statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed "
             "since the last one",
             requirements=("MRK-4", "MRK-D1"),
@@ -246,7 +246,7 @@ def _unchecked(model: Odometry, device: Device, unit: Unit) -> Property:
     own = model.own
     setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
     read = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in setting)
-    heard, dead = unit.judged.eq(ADMITTED), all_of(~one.alive for one in device.units)
+    heard, dead = unit.last_verdict.eq(ADMITTED), all_of(~one.alive for one in device.units)
     return within(
         f"{device.name} device loses its position without {unit.name}",
         own.config.lone_limit_cycles,

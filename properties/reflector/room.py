@@ -41,7 +41,7 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
     own, layout = model.own, layout_of(model.own.config)
     clear = ite(begun(own), own.ahead.clear, before(own.target.clear))
     kept = model.machine.flag("valid") & ~model.machine.flag("precise")
-    ambiguous = [slot.judged.eq(AMBIGUOUS) for slot in own.slots]
+    ambiguous = [slot.last_verdict.eq(AMBIGUOUS) for slot in own.slots]
     fine, exact = LayoutConfig().radar_error_mm, further_error(own).eq(0)
     yield always(
         "the layout leaves room",

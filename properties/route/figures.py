@@ -43,7 +43,7 @@ def most_charged(own: Parts) -> Num:
 
 def ran(own: Parts) -> tuple[Num, Num]:
     """Return the least and the greatest travel of the cycle, nm; without a usable distance, the highest speed either way."""
-    counts, blind = own.odometer.judged.eq(ADMITTED), own.config.max_speed_mm_s * own.config.period_ms * 1_000
+    counts, blind = own.odometer.last_verdict.eq(ADMITTED), own.config.max_speed_mm_s * own.config.period_ms * 1_000
     measured = exact_to(own.odometer.step.value, NM)
     least = ite(counts, measured - most_charged(own), as_num(-blind, NM))
     return least, ite(counts, most_charged(own) + measured, as_num(blind, NM))

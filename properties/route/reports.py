@@ -91,13 +91,13 @@ def _odometer(model: Route) -> Iterator[Property]:
     own, odometer = model.own, model.own.odometer
     yield for_all_inputs(
         "a distance is admitted just if it can have been run",
-        odometer.judged.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
+        odometer.last_verdict.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
         statement="a distance is used exactly if the top speed and the greatest change of speed since the last one allow it",
     )
     counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
     yield for_all_inputs(
         "silent cycles are counted",
-        (odometer.judged.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.judged.ne(ADMITTED) & counted),
+        (odometer.last_verdict.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.last_verdict.ne(ADMITTED) & counted),
         statement="the machine counts the cycles without a usable distance, up to one more than permitted",
     )
     too_long = odometer.gap > own.config.gap_limit_cycles

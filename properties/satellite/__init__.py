@@ -13,7 +13,7 @@ from safeloc.models.satellite.variables import (
     LOCATED,
 )
 from safeloc.properties.satellite.prediction import prediction, prediction_error, threshold_rule
-from safeloc.properties.satellite.solutions import judged, narrowed, solutions, used
+from safeloc.properties.satellite.solutions import narrowed, outcomes, solutions, used
 from safeloc.properties.satellite.state import (
     FALSE_SIGNALS,
     LAW,
@@ -30,7 +30,7 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-5"), unconditional=
 def properties(model: Satellite) -> list[Property]:
     """Every property of selection and position together, where solutions of usable satellites can be trusted."""
     makers = (
-        _safety, _restart, _references, solutions, used, narrowed, judged, prediction, prediction_error, _coasting,
+        _safety, _restart, _references, solutions, used, narrowed, outcomes, prediction, prediction_error, _coasting,
         threshold_rule, _anchor,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(model)]

@@ -50,7 +50,7 @@ def prediction(model: Satellite) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a solution meets the prediction",
-        of.num(model.own.judged).eq(ACCEPTED).implies(meets(model)),
+        of.num(model.own.last_verdict).eq(ACCEPTED).implies(meets(model)),
         statement="a solution counts only where its interval and the predicted one have a place and a speed in common",
         requirements=("SAT-1", "SAT-5"),
     )

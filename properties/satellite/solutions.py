@@ -40,7 +40,7 @@ for_all_inputs = partial(always, requirements=("SAT-5",), unconditional=True)
 
 def solutions(model: Satellite) -> Iterator[Property]:
     own, of = model.own, model.composition.of(model.machine)
-    accepted = of.num(own.judged).eq(ACCEPTED)
+    accepted = of.num(own.last_verdict).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
     yield for_all_inputs(
         "only usable satellites count",
@@ -56,7 +56,7 @@ def solutions(model: Satellite) -> Iterator[Property]:
 def used(model: Satellite) -> Iterator[Property]:
     """Properties of each satellite of an accepted solution, by its measured values."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.composition.of(model.selection.machine)
-    accepted = of.num(own.judged).eq(ACCEPTED)
+    accepted = of.num(own.last_verdict).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
     config = model.selection.own.config
     bad = [chosen.bool(violated(one, config, config.removal)) for one, _ in channels(model)]
@@ -115,10 +115,10 @@ def narrowed(model: Satellite) -> Iterator[Property]:
     )
 
 
-def judged(model: Satellite) -> Iterator[Property]:
+def outcomes(model: Satellite) -> Iterator[Property]:
     """Properties of the verdict on a solution, and of the reason for none: in this order of reasons."""
     own, of = model.own, model.composition.of(model.machine)
-    told, located = of.num(own.judged), earlier_bool(of.bool(model.machine.flag("valid")))
+    told, located = of.num(own.last_verdict), earlier_bool(of.bool(model.machine.flag("valid")))
     used = [of.bool(flag) for flag in own.used]
     foreign = [flag & standing.ne(USABLE) for flag, (_, standing) in zip(used, channels(model), strict=True)]
     few = _satellites(used) - SPARE[own.config.redundancy] < of.num(own.unknowns)

@@ -12,7 +12,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.balise import build
-from safeloc.models.balise.judgement import Judged
+from safeloc.models.balise.judgement import Judgement
 from safeloc.models.balise.linking import Announcement
 from safeloc.models.balise.telegram import Reader, Telegram
 from safeloc.models.balise.variables import BaliseConfig, parts
@@ -77,9 +77,9 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "direction of the group ignored": (
         Telegram, "against", lambda _t, _r, _o: FALSE, "of the expected group but passed the wrong way changes nothing"),
     "stale telegrams believed": (Telegram, "stale", lambda _t, _r: FALSE, "stale changes nothing"),
-    "interval and telegram always agree": (Judged, "agrees", lambda c, _: c.run_on.low <= c.run_on.high, "containment"),
+    "interval and telegram always agree": (Judgement, "agrees", lambda c, _: c.run_on.low <= c.run_on.high, "containment"),
     "interval and telegram agree without the constant": (
-        Judged, "agrees", lambda c, _: c.run_on.overlap(c.fix) >= -100 * CONFIG.tolerance_mm * NM_PER_MM, "containment"),
+        Judgement, "agrees", lambda c, _: c.run_on.overlap(c.fix) >= -100 * CONFIG.tolerance_mm * NM_PER_MM, "containment"),
     "accuracy that linking gives is forgotten": (
         Announcement, "record", lambda _a, right: replace(right, accurate=FALSE), "announced group 1 stays stored as announced"),
     "announced place taken 10 m farther": (
