@@ -320,7 +320,7 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
     )
-    yield from _charged(model)
+    yield from _added_error(model)
     yield from _parted(model)
     yield from _counted_out(model)
 
@@ -363,7 +363,7 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
     )
 
 
-def _charged(model: FibreArea) -> Iterator[Property]:
+def _added_error(model: FibreArea) -> Iterator[Property]:
     """Claim, in figures of its own, the distance of the reported ends of a counted train."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting

@@ -92,9 +92,9 @@ class _Before:
     @property
     def narrow(self) -> Bool:
         """Within the limit on either side, when widened by its age."""
-        charged = with_unit(self.age * self.config.run_mm, MM)
+        added_error = with_unit(self.age * self.config.run_mm, MM)
         widths = (before(self.slot.below), before(self.slot.above))
-        return all_of(width <= self.config.margin_limit_mm - charged for width in widths)
+        return all_of(width <= self.config.margin_limit_mm - added_error for width in widths)
 
     def is_in(self, slot: Slot) -> Bool:
         """The slot keeps this report, one cycle older."""

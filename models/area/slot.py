@@ -48,7 +48,7 @@ class Reach:
     report_age_limit_ms: int
     limit_mm: int
 
-    def charge_mm(self, age_ms: Num) -> Num:
+    def added_error_mm(self, age_ms: Num) -> Num:
         """Return the greatest run since a report, mm rounded up."""
         return with_unit(floor_div(with_unit(age_ms, MM) * self.max_speed_mm_s + 999, 1_000), MM)
 
@@ -121,19 +121,19 @@ class Slot:
         return self.accepted & self.integer if self.integrity_is_trusted else FALSE
 
     @property
-    def charge(self) -> Num:
+    def added_error(self) -> Num:
         """Greatest run since the measurement, mm."""
-        return self.reach.charge_mm(self.age)
+        return self.reach.added_error_mm(self.age)
 
     @property
     def lowest(self) -> Num:
         """Lower bound from the report, now, mm."""
-        return self.rear.value - self.charge
+        return self.rear.value - self.added_error
 
     @property
     def highest(self) -> Num:
         """Upper bound from the report, now, mm."""
-        return self.front.value + self.charge
+        return self.front.value + self.added_error
 
     @property
     def run_on(self) -> tuple[Num, Num]:

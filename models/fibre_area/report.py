@@ -168,7 +168,12 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     now = Believed(own)
     untold: Updates = {own.straight: now.straight, own.told: FALSE, own.told_low: 0, own.told_high: 0}
     told: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
-    charged: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
+    complete_report: Updates = {
+        own.straight: now.straight,
+        own.told: TRUE,
+        own.told_low: now.low,
+        own.told_high: now.high,
+    }
 
     def row(
         name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: Updates, rank: int
@@ -176,7 +181,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
         yield Transition(f"{name}, not reported", source, target, when & ~good, untold, REQUIREMENTS, rank)
 
-    yield from row("count matches", table, whole, own.counted, now.good_whole, charged, 0)
+    yield from row("count matches", table, whole, own.counted, now.good_whole, complete_report, 0)
     led_up, led_down = now.up & now.led_high(own.straight), now.down & now.led_low(own.straight)
     yield from row("runs up since it was complete", whole, high, led_up, now.good, told, 1)
     yield from row("runs down since it was complete", whole, low, led_down, now.good, told, 1)

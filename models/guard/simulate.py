@@ -98,8 +98,8 @@ def _delivered(vehicle: _Vehicle, config: GuardConfig, random: Random, spell: _S
     if spell.kind in ("silence", "no fix"):
         return {} if spell.kind == "silence" else {"fault": NO_FIX}
     offset = random.choice((0, random.randint(0, config.offset_limit_mm), config.offset_limit_mm))
-    charged = config.fix_error_mm + offset * config.offset_charge_permille // 1_000
-    error = random.choice((-charged, charged, random.randint(-charged, charged))) * NM_PER_MM
+    error_bound = config.fix_error_mm + offset * config.offset_charge_permille // 1_000
+    error = random.choice((-error_bound, error_bound, random.randint(-error_bound, error_bound))) * NM_PER_MM
     place = (vehicle.place_nm + error) // NM_PER_MM + (0 if error > 0 else 1)
     said: dict[str, Value] = {"fix_mm": place, "fix_offset_mm": offset, "fix_ambiguous": spell.kind == "ambiguous"}
     match spell.kind:

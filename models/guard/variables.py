@@ -72,7 +72,7 @@ class GuardConfig(Config):
             raise ValueError("period_ms must be even, so that half of an acceleration's way is whole nanometres.")
         if self.worst_error_mm > self.tolerance_mm - 2:
             raise ValueError(
-                f"a fix at offset_limit_mm is charged {self.worst_error_mm} mm, which is not within tolerance_mm "
+                f"a fix at offset_limit_mm has an error bound of {self.worst_error_mm} mm, which is not within tolerance_mm "
                 f"{self.tolerance_mm} less 2: lower fix_error_mm, offset_charge_permille or offset_limit_mm."
             )
         if self.track_clearance_mm < self.offset_limit_mm:

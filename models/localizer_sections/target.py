@@ -11,7 +11,7 @@ from safeloc.target import Entry, Family, Target, recorded
 
 DOC = (
     "A vehicle that locates itself, and the virtual sections that it runs through, in one step: the position that is "
-    "passed on on board goes by radio, its age charged, to the line area that follows the train."
+    "passed on on board goes by radio, with its age added to the error, to the line area that follows the train."
 )
 
 

@@ -1,6 +1,6 @@
 """Trackside: the train as its last new report tells it, for the line area that follows it (FVA-9, FVA-18).
 
-Both ends come by radio, their age charged (models.transmission). A report counts once, in the cycle in which it is new; one
+Both ends come by radio, their age added to the error (models.transmission). A report counts once, in the cycle in which it is new; one
 that is merely held says nothing more, since the area lets a train's bounds run on by itself. So a radio link that falls
 silent can narrow nothing.
 

@@ -280,9 +280,9 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
     bridged = checking + 2 * other.law.wander_nm
     alone = ite(admitted[1], _checked(own, other, growth, checking), growth)
     heard, unheard = _usable(limits, admitted), _unheard(limits, admitted, reach, (growth, checking))
-    charge = ite(heard[0], alone, ite(heard[1], bridged, unheard))
+    added_error = ite(heard[0], alone, ite(heard[1], bridged, unheard))
     moved = own.position + ite(heard[0], own.step.value, ite(heard[1], other.step.value, as_num(0, MM)))
-    above, below = own.above + charge, own.below + charge
+    above, below = own.above + added_error, own.below + added_error
     tolerable = maximum(above, below) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
     return Values(moved, above, below, own.alive & ~failed & tolerable & on_line)

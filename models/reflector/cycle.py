@@ -222,10 +222,10 @@ def judge(own: Parts, zones: Zones) -> Judgement:
     constant = own.odometer.constant_nm
     base = own.track.interval.widened(ite(zones.exact, as_num(constant, NM), 0))
     predicted, balise = own.odometer.run_on(base), own.balise.fix(own.odometer)
-    charged = balise.widened(constant)
-    better = balise.meets(predicted) & (charged.margin < predicted.margin)
+    widened = balise.widened(constant)
+    better = balise.meets(predicted) & (widened.margin < predicted.margin)
     taken = own.balise.read & (~zones.located | better)
-    held = choose(taken, charged, predicted)
+    held = choose(taken, widened, predicted)
     told, prescribed = _prescribed(own)
     started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & told
     run = ite(started, own.balise.run, own.run + own.odometer.distance)

@@ -12,7 +12,7 @@ One cycle at time t:
 2. Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
    the receiver's clock goes by the median of each constellation.
 3. The selection machine gives the usable satellites (LSVU) of this cycle; position and speed are solved from these alone
-   (SAT-5), with their dilution, sum |a_i|: what a usable signal may be wrong by the machine charges itself.
+   (SAT-5), with their dilution, sum |a_i|. The machine itself adds the greatest error of a usable signal, times the dilution.
 4. The composed machine takes one step with the same inputs. `outcome.inputs` is that step: written to a step stream, it
    replays to the same result.
 

@@ -1,7 +1,7 @@
 """From a solution in exact figures to the position machine's inputs: whole mm and um/s, rounded outward.
 
-What the signals' own errors make of the solution, the machine charges by itself: it is told the dilution. Told as `further`
-is what comes beside: the map's error, the bend of the track, rounding, and the time between epoch and cycle.
+The machine itself adds the error that the signals bring into the solution: its input for that is the dilution. The inputs `further`
+are all other errors: of the map, the bend of the track, rounding, and the time between epoch and cycle.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ def properties(model: Balise) -> list[Property]:
         _safety,
         _invalid,
         _references,
-        _charged,
+        _added_error,
         _facing,
         _resets,
         _told_ahead,
@@ -147,7 +147,7 @@ def _references(model: Balise) -> Iterator[Property]:
     )
 
 
-def _charged(model: Balise) -> Iterator[Property]:
+def _added_error(model: Balise) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     accepted, valid = own.memory.verdict.eq(v.ACCEPTED), machine.flag("valid")
     yield for_all_inputs(

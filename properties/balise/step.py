@@ -58,9 +58,9 @@ class Step:
     @cached_property
     def moved(self) -> Interval:
         """The interval before the step, moved by the measured distance and grown by the odometer's law."""
-        charged = ite(self.admitted, self._lawful_nm, exact_to(self.reach(self.model.own.config.period_ms), NM))
+        added_error = ite(self.admitted, self._lawful_nm, exact_to(self.reach(self.model.own.config.period_ms), NM))
         more = self.model.own.odometer.more
-        growth = charged if more is None else more + charged
+        growth = added_error if more is None else more + added_error
         place = self.old.position + exact_to(self.distance, NM)
         return Interval(place, self.old.above + growth, self.old.below + growth)
 

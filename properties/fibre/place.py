@@ -20,7 +20,7 @@ def properties(model: Fibre) -> Iterator[Property]:
     """Yield the properties of the reported interval and of its parts."""
     yield from _interval(model)
     yield from _narrower(model)
-    yield from _charged(model)
+    yield from _added_error(model)
     yield from _tied(model)
     yield from _entered(model)
     yield from _referred(model)
@@ -73,13 +73,13 @@ def _told(model: Fibre) -> Bool:
     return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
 
 
-def _charged(model: Fibre) -> Iterator[Property]:
+def _added_error(model: Fibre) -> Iterator[Property]:
     """Claim the error that is added for each run."""
     own, seen = model.own, Seen(model.own)
     none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
     yield for_all_inputs(
         "every run adds its error",
-        (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
+        (follows & none).implies((own.drift - seen.added_error_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if "
         "none was measured",
     )

@@ -69,7 +69,7 @@ class Seen:
         return (run.present & (run.value > 0)) | (was(self.own.forwards) & ~(run.present & (run.value < 0)))
 
     @cached_property
-    def charge_nm(self) -> Num:
+    def added_error_nm(self) -> Num:
         """Greatest error of the run, nm: rate and floor of a measured run, the farthest run if none was measured."""
         own, config = self.own, self.own.config
         part = with_unit(abs_(own.run.value) * config.rate_ppm, NM) + config.floor_mm * NM_PER_MM
@@ -80,13 +80,13 @@ class Seen:
     @cached_property
     def wrong_nm(self) -> Num:
         """Greatest error of the run since the last edge, nm."""
-        return before(self.own.drift) + self.charge_nm
+        return before(self.own.drift) + self.added_error_nm
 
     @cached_property
     def blind_nm(self) -> Num:
         """Greatest run since the last amplitude, with this cycle's, nm."""
         measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * NM_PER_MM, NM)
-        return measured + before(self.own.unheard) + self.charge_nm
+        return measured + before(self.own.unheard) + self.added_error_nm
 
     @cached_property
     def late(self) -> Bool:

@@ -26,7 +26,7 @@ def properties(model: Guard) -> list[Property]:
     """Every property of the guard."""
     makers = (
         _safety,
-        _charged,
+        _added_error,
         _withheld,
         _gates,
         _course,
@@ -78,10 +78,10 @@ def _between_mm(low: Num, truth: Num, high: Num) -> Bool:
     return between(exact_to(low, NM), truth, exact_to(high, NM))
 
 
-def _charged(model: Guard) -> Iterator[Property]:
+def _added_error(model: Guard) -> Iterator[Property]:
     """Properties of the error bound of a fix, computed independently of the machine."""
     machine, own, step = model.machine, model.own, Step(model)
-    low, high = step.place - step.charge, step.place + step.charge
+    low, high = step.place - step.added_error, step.place + step.added_error
     yield for_all_inputs(
         "an interval begun by a fix covers the fix's whole error",
         machine.fired(*BEGINS).implies((own.low <= low) & (own.high >= high)),
@@ -223,8 +223,8 @@ def _carried(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "the place last known is carried",
         own.start_anew
-        | own.known_low.eq(ite(fills, maximum(least, step.place - step.charge), least))
-        & own.known_high.eq(ite(fills, minimum(most, step.place + step.charge), most)),
+        | own.known_low.eq(ite(fills, maximum(least, step.place - step.added_error), least))
+        & own.known_high.eq(ite(fills, minimum(most, step.place + step.added_error), most)),
         statement="a fix that fills a row narrows the place last known to its error; without one the place widens "
         "by a run at the highest speed, backwards only if that is permitted, also while no interval is "
         "stored",
@@ -299,8 +299,8 @@ def _stored(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a fix is compared with the last one near the way",
         own.start_anew
-        | own.near_low.eq(ite(by_itself, step.place - step.charge, least))
-        & own.near_high.eq(ite(by_itself, step.place + step.charge, most)),
+        | own.near_low.eq(ite(by_itself, step.place - step.added_error, least))
+        & own.near_high.eq(ite(by_itself, step.place + step.added_error, most)),
         statement="a fix that agrees with map and vehicle is stored with its error, also if it is withheld, and "
         "widens by a run at the highest speed",
     )

@@ -187,7 +187,7 @@ class Step:
         return exact_to(self.model.own.fix.value, NM)
 
     @cached_property
-    def charge(self) -> Num:
+    def added_error(self) -> Num:
         """Error bound of the fix, nm: its own error, a share of its distance off the track, and its age times the highest speed."""
         own, config = self.model.own, self.model.own.config
         off = exact_to(with_unit(own.offset * config.offset_charge_permille, UM), NM)
@@ -204,8 +204,8 @@ class Step:
         """Verdict on the delivery by map and vehicle alone."""
         own, config, told = self.model.own, self.model.own.config, self._named_fault
         reach = (2 * config.window_limit_mm + config.position_limit_mm) * NM_PER_MM
-        beside = (self.place + self.charge > reach) | (self.place - self.charge < -reach)
-        coarse = self.charge >= (config.tolerance_mm - 2) * NM_PER_MM + 1
+        beside = (self.place + self.added_error > reach) | (self.place - self.added_error < -reach)
+        coarse = self.added_error >= (config.tolerance_mm - 2) * NM_PER_MM + 1
         rows = (
             (own.fault.ne(NO_FAULT), told),
             (~own.fix.present, NOTHING),
@@ -233,7 +233,7 @@ class Step:
         """No place within the fix's error is one that the vehicle can have reached from its last known place."""
         least, most = self.known
         rolled = self.model.own.config.rollback_mm * NM_PER_MM
-        return (least - self.place > self.charge + rolled) | (self.place - most > self.charge)
+        return (least - self.place > self.added_error + rolled) | (self.place - most > self.added_error)
 
     @cached_property
     def fair(self) -> Num:
@@ -285,7 +285,7 @@ class Step:
     @cached_property
     def _apart(self) -> Bool:
         """No place within the fix's error is one where the vehicle can be by now."""
-        return (self.place - self.high > self.charge) | (self.low - self.place > self.charge)
+        return (self.place - self.high > self.added_error) | (self.low - self.place > self.added_error)
 
     @cached_property
     def _too_fast(self) -> Bool:
@@ -306,7 +306,7 @@ class Step:
         top, told = as_num(self._top, UM_S), self._least_told + error
         most = ite(~own.speed.present, top, minimum(told + error, top))
         least = ite(~own.speed.present, as_num(-error, UM_S), self._least_told)
-        low, high = maximum(self.place - self.charge, self.low), minimum(self.place + self.charge, self.high)
+        low, high = maximum(self.place - self.added_error, self.low), minimum(self.place + self.added_error, self.high)
         forth, back = self.slowest >= 0, self.fastest <= 0
         slow = [self.slowest, -most, ite(~forth, -top, least), ite(~self.due, -top, self.told_slowest(low))]
         fast = [self.fastest, most, ite(~back, top, -least), ite(~self.due, top, self.told_fastest(high))]
@@ -324,7 +324,7 @@ class Step:
     def follows(self) -> Bool:
         """The last fix near the way and this one can both be true."""
         least, most = self.near
-        return ~((self.place - most > self.charge) | (least - self.place > self.charge))
+        return ~((self.place - most > self.added_error) | (least - self.place > self.added_error))
 
     @cached_property
     def implausible(self) -> Bool:

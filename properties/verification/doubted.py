@@ -64,14 +64,14 @@ class Figures:
         return between(low - farthest_nm, self.own.truth, high + farthest_nm)
 
     @cached_property
-    def charged_run_mm(self) -> int:
+    def added_run_mm(self) -> int:
         """The run of a cycle at top speed, in whole millimetres."""
         return (self.own.config.max_speed_mm_s * self.own.config.period_ms + 999) // 1_000
 
     @cached_property
     def runs_nm(self) -> int:
         """Two runs at top speed, nm: the true one, and the one that the machine adds in whole millimetres."""
-        return self.own.config.max_speed_mm_s * self.own.config.period_ms * 1_000 + self.charged_run_mm * 1_000_000
+        return self.own.config.max_speed_mm_s * self.own.config.period_ms * 1_000 + self.added_run_mm * 1_000_000
 
     @cached_property
     def tolerance_nm(self) -> int:
@@ -246,7 +246,7 @@ def _cycles(figures: Figures) -> Iterator[Property]:
         statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
         "currency_cycles and one cycle",
     )
-    serves = own.config.place_doubt_limit_mm // (2 * figures.charged_run_mm)
+    serves = own.config.place_doubt_limit_mm // (2 * figures.added_run_mm)
     yield whatever_the_fibre_tells(
         "a place whose record is old",
         trusted.implies(train.record_ago <= serves),

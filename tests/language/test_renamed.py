@@ -177,7 +177,7 @@ def test_a_name_of_somebody_elses_is_not_corrected() -> None:
 
 
 def test_what_is_told_in_parts_now_names_both() -> None:
-    """The level of a solution, which the machine charges itself: with the machine's name, and only where there are the parts."""
+    """The level of a solution, whose error the machine adds itself: with the machine's name, and only where there are the parts."""
     parts = ["position.fix_dilution_permille", "position.fix_further_mm"]
     told = (
         "; 'position.fix_protection_mm' is replaced by 'position.fix_dilution_permille' and 'position.fix_further_mm'"

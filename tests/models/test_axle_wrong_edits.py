@@ -162,7 +162,7 @@ def test_the_right_record_keeps_it(claim: str) -> None:
     assert not _counter_lacks(claim)
 
 
-def test_a_change_of_speed_that_is_not_charged_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_change_of_speed_that_is_not_added_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The world reckons with traction and brake by itself: half of it in the machine loses a proof."""
     monkeypatch.setattr(AxleCounterConfig, "change_mm_s", 75)
     assert _counter_lacks("speed is true")

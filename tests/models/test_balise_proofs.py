@@ -1,4 +1,4 @@
-"""Proofs of the balise machine that would notice: each guard or charge, once broken, loses a property."""
+"""Proofs of the balise machine that would notice: each guard or added error, once broken, loses a property."""
 
 from __future__ import annotations
 
@@ -325,8 +325,8 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
     assert lost(made.machine, properties(made), broken)
 
 
-def test_a_floor_that_is_not_charged_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """MRK-4: of a unit that errs with time, what the law adds in every cycle is charged."""
+def test_a_floor_that_is_not_added_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MRK-4: of a unit that errs with time, what the law adds in every cycle is added."""
     monkeypatch.setattr(ErrorLaw, "growth_nm", _without_floor(None))
     made = build(parts(VARIANTS["radar"]))
     assert lost(made.machine, properties(made), "rejected telegrams change nothing")

@@ -268,7 +268,7 @@ EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "the row grows by two": (Judgement, "more", _row_by_two, "a row that does not agree begins anew"),
     "anything begins a row": (Judgement, "begins", _begins_by_anything, "a row begins with a fix that may be true"),
     "brakes are not reckoned with": (judgement, "moved", _brake_forgotten, "a fix that is withheld narrows nothing"),
-    "age is not charged": (box, "half_nm", _age_forgotten, "an interval begun by a fix covers the fix's whole error"),
+    "age is not added": (box, "half_nm", _age_forgotten, "an interval begun by a fix covers the fix's whole error"),
     "a receiver may contradict itself": (Judgement, "follows", _contradiction_forgiven, CONTRADICTS),
     "a vehicle runs farther than it can": (judgement, "near_now", _farther_than_run, COMPARED),
     "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "a stored interval that bounds nothing is dropped"),
@@ -305,7 +305,7 @@ SLOW = ("the row grows by two", "whatever is held is kept", "a jump costs no tru
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", [pytest.param(edit, marks=pytest.mark.slow if edit in SLOW else ()) for edit in EDITS])
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """MRK-D6: gates, charges and trust are claimed in figures of their own."""
+    """MRK-D6: gates, added errors and trust are claimed in figures of their own."""
     where, name, wrong, broken = EDITS[edit]
     monkeypatch.setattr(where, name, wrong(getattr(where, name)))
     made = build(parts(CONFIG))
@@ -447,7 +447,7 @@ def test_the_same_instant_moves_nothing() -> None:
 def test_wrong_configurations_are_refused() -> None:
     """Figures under which no fix could be passed on, an odd period, a window less than the tolerance or of no steps."""
     for figures, told in (
-        ({"fix_error_mm": 20_000}, "is charged 35000 mm"),
+        ({"fix_error_mm": 20_000}, "has an error bound of 35000 mm"),
         ({"period_ms": 101}, "period_ms must be even"),
         ({"window_limit_mm": 20_000}, "window_limit_mm must not be less"),
         ({"track_clearance_mm": 9_999}, "track_clearance_mm must not be less"),

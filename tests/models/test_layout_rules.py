@@ -115,7 +115,7 @@ def test_rules_hold_to_the_millimetre(bound: str) -> None:
 
 
 def error_nm(measured: int, fix: int, layout: LayoutConfig) -> int:
-    """The charged error after a measured distance."""
+    """The added error after a measured distance."""
     return int(evaluate([rules.odometry_error_nm(as_num(measured, MM), as_num(fix, MM), layout)], {})[0])
 
 
@@ -142,13 +142,13 @@ def worst_measured(true_mm: int, layout: LayoutConfig) -> int:
 
 @given(layouts())
 def test_the_longest_stretch_is_safe_and_no_shorter_than_need_be(figures: tuple[LayoutConfig, int]) -> None:
-    """Up to it the charged error of the worst measurement keeps the tolerance; a little beyond it does not."""
+    """Up to it the added error of the worst measurement keeps the tolerance; a little beyond it does not."""
     layout, fix = figures
     longest = int(evaluate([rules.longest_stretch_mm(as_num(fix, MM), layout)], {})[0])
     if longest >= 0:
         assert error_nm(worst_measured(longest, layout), fix, layout) <= layout.tolerance_mm * 10**6
     beyond = max(longest, 0) + 1
-    spare = PPM_PER_ONE  # one mm of measured distance, rounded down, is charged less than 1 mm
+    spare = PPM_PER_ONE  # one mm of measured distance, rounded down, adds less than 1 mm
     assert error_nm(worst_measured(beyond, layout) + 1, fix, layout) + spare > layout.tolerance_mm * 10**6
 
 

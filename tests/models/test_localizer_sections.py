@@ -120,7 +120,7 @@ def test_a_train_that_is_not_confirmed_has_no_far_end() -> None:
     assert "the far end is inside" in refuted(changed(ends.machine, "both ends known", when=ends.own.valid))
 
 
-def test_the_length_is_charged_with_its_tolerance() -> None:
+def test_the_length_is_used_with_its_tolerance() -> None:
     """The far end told with the front end's own margin may not hold it."""
     ends = small().ends
     [row] = [t for t in ends.machine.transitions if t.name == "both ends known"]

@@ -1,4 +1,4 @@
-"""A train that parts: whenever it does, no section is FREE over what it lost, and each charge for it is needed to the last unit."""
+"""A train that parts: whenever it does, no section is FREE over what it lost, and each addition for it is needed to the last unit."""
 
 from __future__ import annotations
 
@@ -95,9 +95,9 @@ def test_a_run_refutes_one_millimetre_less(monkeypatch: pytest.MonkeyPatch) -> N
 
 Wrong = Callable[..., object]
 OF_THE_ENDS: dict[str, tuple[str, Wrong]] = {
-    "the count's run is not charged": ("farthest", lambda own, _: own.own.longest + FIGURES.roll_back_mm),
-    "the length of the train is not charged": ("farthest", lambda own, right: right - own.own.longest),
-    "what rolls back is not charged": ("farthest", lambda _, right: right - FIGURES.roll_back_mm),
+    "the count's run is not added": ("farthest", lambda own, _: own.own.longest + FIGURES.roll_back_mm),
+    "the length of the train is not added": ("farthest", lambda own, right: right - own.own.longest),
+    "what rolls back is not added": ("farthest", lambda _, right: right - FIGURES.roll_back_mm),
     "the trailing low end is believed": ("low", lambda own, _: own.own.low - FIGURES.roll_back_mm),
     "the trailing high end is believed": ("high", lambda own, _: own.own.high + FIGURES.roll_back_mm),
     "the outer bound of the front is taken": ("low", lambda own, _: own.own.high - own.farthest),

@@ -116,9 +116,9 @@ EDITS: Edits = {
         Judgement, "balise_contradicts", lambda _c, _r: FALSE, "a balise far away is noticed"),
     "a true balise contradicts": (
         Judgement, "balise_contradicts", lambda c, _: c.zones.located & c.own.balise.read, "only a stray balise contradicts"),
-    "odometer error not charged": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
-    "blind cycles not charged": (Odometer, "growth", lambda o, right: ite(o.admitted, right, right * 0), "containment"),
-    "constant not charged": (Odometer, "constant_nm", lambda _o, _r: 0, "containment"),
+    "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
+    "blind cycles not added": (Odometer, "growth", lambda o, right: ite(o.admitted, right, right * 0), "containment"),
+    "constant not added": (Odometer, "constant_nm", lambda _o, _r: 0, "containment"),
     "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, "containment"),
     "silent odometer not noticed": (Odometer, "failed", lambda _o, _r: FALSE, "without an odometer nothing is reported"),
     "the lag of the other direction": (
@@ -147,25 +147,25 @@ OF_RADAR: Edits = {
         Judgement, "agrees", lambda c, _: c.reference_holds, "a radar that passes errs no more than the test can detect"),
     "self-test by the map alone": (
         Judgement, "agrees", lambda c, _: c.target.fix.meets(c.known), "the test is the prescribed distance"),
-    "the radar's scale not charged": (
+    "the radar's scale not added": (
         Situation, "bare", lambda now, right, _r, range_, _e: nearer(
             right, *2 * (with_unit(range_ * CONFIG.radar_scale_ppm, NM),)), "containment"),
-    "what the self-test left open not charged": (
+    "what the self-test left open not added": (
         Situation, "fix", lambda now, _, *echo: now.bare(*echo), "containment"),
-    "what the self-test left open charged on the wrong sides": (
+    "what the self-test left open added on the wrong sides": (
         Situation, "fix", lambda now, right, *_a: Interval(
             right.position, right.above - now.open[0] + now.open[1], right.below - now.open[1] + now.open[0]), "containment"),
-    "1 nm less charged ahead": (Situation, "fix", lambda _, right, *_a: nearer(right, 1, 0), "containment"),
-    "1 nm less charged behind": (Situation, "fix", lambda _, right, *_a: nearer(right, 0, 1), "containment"),
+    "1 nm less added ahead": (Situation, "fix", lambda _, right, *_a: nearer(right, 1, 0), "containment"),
+    "1 nm less added behind": (Situation, "fix", lambda _, right, *_a: nearer(right, 0, 1), "containment"),
     "1 nm less left open, measured too long": (
         Judgement, "left_open", lambda _, right: (right[0] - 1, right[1]), "containment"),
     "1 nm less left open, measured too short": (
         Judgement, "left_open", lambda _, right: (right[0], right[1] - 1), "containment"),
-    "nothing charged in the cycle of the test": (Judgement, "tested_fix", lambda c, _: c.target.bare, "containment"),
-    "nothing charged in the cycle of the test, and claimed": (
+    "nothing added in the cycle of the test": (Judgement, "tested_fix", lambda c, _: c.target.bare, "containment"),
+    "nothing added in the cycle of the test, and claimed": (
         Judgement, "tested_fix", lambda c, _: c.target.bare, "a test that passed makes nothing better known"),
     "drift 1 nm slower than it is": (ReflectorConfig, "drift_nm", lambda _, right: right - 1, "containment"),
-    "drift not charged": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "the error that a test left open grows by the drift"),
+    "drift not added": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "the error that a test left open grows by the drift"),
     "never out of date": (
         Judgement, "outdated", lambda _c, _r: FALSE, "precise only with a radar that is nearly right"),
     "always out of date": (
@@ -182,7 +182,7 @@ OF_RADAR: Edits = {
         > now.window.high - exact_to(r.place, NM) + now.lag[1] + now.law.strong_nm, "the target is never mistaken"),
     "no self-test alone enough": (
         Situation, "alone", lambda _n, _, _r: FALSE, "a self-test is ambiguous only if another reflector is in range"),
-    "the balise's one-off constant not charged in the wait": (
+    "the balise's one-off constant not added in the wait": (
         Judgement, "begins_at", lambda c, _: c.balise, "containment"),
     "a wait however coarse": (Judgement, "too_coarse", lambda _c, _r: FALSE, "containment"),
     "drift taken for a fault": (Judgement, "drifted", lambda c, _: c.anchored, "a sound radar raises no alarm"),
@@ -201,7 +201,7 @@ OF_RADAR: Edits = {
 @pytest.mark.slow
 @pytest.mark.parametrize("edit", OF_RADAR)
 def test_a_wrong_charge_for_the_radar_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
-    """The same of each charge, of either side, and of the guards of the self-test."""
+    """The same of each addition, of either side, and of the guards of the self-test."""
     owner, name, wrong, claim = OF_RADAR[edit]
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
