@@ -135,17 +135,17 @@ def _to_send(own: Parts) -> Bool:
 
 def _patterns(model: Emitter) -> Iterator[Property]:
     """Claim the verdict on a pattern, from its content and its time."""
-    own, config, told = model.own, model.own.config, model.own.last_verdict
+    own, config, outcome = model.own, model.own.config, model.own.last_verdict
     ours, off_place = _ours(own), _off_place(own)
     here = ours & own.place.present & ~off_place
     yield under_assumption(
         "a pattern that passes came through the chain",
-        told.eq(PASSED).implies(own.works),
+        outcome.eq(PASSED).implies(own.works),
         statement="in the cycle in which a pattern passes the whole chain works",
     )
     yield under_assumption(
         "a pattern passes when the emitter is to send, and only then",
-        told.eq(PASSED).iff(here & _to_send(own)) & told.eq(NOT_DUE).iff(here & ~_to_send(own)),
+        outcome.eq(PASSED).iff(here & _to_send(own)) & outcome.eq(NOT_DUE).iff(here & ~_to_send(own)),
         statement="the own pattern from its own place passes at the emitter's regular time or while a request is open; at "
         "any other time the verdict is that it is not due",
     )
@@ -153,7 +153,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     meanings |= {NO_PLACE: ours & ~own.place.present, ELSEWHERE: ours & own.place.present & off_place}
     yield for_all_inputs(
         "the verdict names why a pattern does not pass",
-        all_of(told.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
+        all_of(outcome.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
         statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the "
         "own one from elsewhere",
     )

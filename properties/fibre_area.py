@@ -88,7 +88,7 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         statement="the reported position contains the front of the train that the fibre follows",
     )
     told = of(report.machine)
-    low, high = told.num(report.own.told_low), told.num(report.own.told_high)
+    low, high = told.num(report.own.reported_low), told.num(report.own.reported_high)
     yield under_assumption(
         "the pattern lies between its ends",
         _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
@@ -370,7 +370,7 @@ def _added_error(model: FibreArea) -> Iterator[Property]:
     told = _told(model) & of.bool(model.report.machine.flag("integer"))
     long = seen.num(model.verification.own.kept_high)
     run = of.num(own.straight)
-    low, high = of.num(own.told_low), of.num(own.told_high)
+    low, high = of.num(own.reported_low), of.num(own.reported_high)
     front, rear = of.num(own.front_low), of.num(own.rear_high)
     most = figures.count_run_mm + figures.roll_back_mm
     yield for_all_inputs(
@@ -409,14 +409,14 @@ def _parted(model: FibreArea) -> Iterator[Property]:
 
 def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
     """Yield the conditions that the run in one direction grows while it goes on, and is zero from the cycle on in which it does not."""
-    told = model.composition.of(model.front.machine)
+    front = model.composition.of(model.front.machine)
     seen = model.composition.of(model.verification.machine)
-    heard = told.bool(model.front.own.run.present), told.num(model.front.own.run.value)
+    run_input = front.bool(model.front.own.run.present), front.num(model.front.own.run.value)
     yield (earlier_num(run) <= 0) | (run >= earlier_num(run)) | (run <= 0)
     yield (earlier_num(run) >= 0) | (run <= earlier_num(run)) | (run >= 0)
-    yield (run > 0).implies(heard[1] > 0)
-    yield (run < 0).implies(heard[1] < 0)
-    yield run.ne(0).implies(heard[0])
+    yield (run > 0).implies(run_input[1] > 0)
+    yield (run < 0).implies(run_input[1] < 0)
+    yield run.ne(0).implies(run_input[0])
     yield run.ne(0).implies(seen.bool(model.verification.own.associated))
     yield _leaves(model).implies(run.eq(0))
 

@@ -199,8 +199,8 @@ def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
     for train in model.area.own.slots:
         low, high = there.num(train.low), there.num(train.high)
         here = there.bool(train.present) & _overlaps(low, high, of.num(one.start), of.num(one.end))
-        heard = there.num(train.silent) <= one.config.mute_limit_cycles
-        yield here.implies(heard & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
+        recent = there.num(train.silent) <= one.config.mute_limit_cycles
+        yield here.implies(recent & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
 
 
 def _safety(model: Sections, one: Section) -> Iterator[Property]:

@@ -138,9 +138,9 @@ class Cycle:
         """The source whose upper end is the smallest."""
         return self._first([source.valid & source.high.eq(self.high) for source in self.own.sources])
 
-    def _first(self, told: Sequence[Bool]) -> Num:
+    def _first(self, conditions: Sequence[Bool]) -> Num:
         found: Num = Lit(0, self.own.named)
-        for index, one in reversed(list(enumerate(told, 1))):
+        for index, one in reversed(list(enumerate(conditions, 1))):
             found = ite(one, Lit(index, self.own.named), found)
         return found
 

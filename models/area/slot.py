@@ -147,11 +147,11 @@ class Slot:
         low, high = self.run_on
         whole = self.rear.present & self.front.present & (self.rear.value <= self.front.value)
         meets = (self.lowest <= high) & (low <= self.highest)
-        heard = self.rear.present | self.front.present
+        reported = self.rear.present | self.front.present
         verdict = ite(meets, ACCEPTED, CONTRADICTED)
         verdict = ite(self.age > self.reach.report_age_limit_ms, STALE, verdict)
         verdict = ite(self.trusted, ite(whole, verdict, INCOMPLETE), UNTRUSTED)
-        return ite(heard, ite(self.present, verdict, NOBODY), NO_REPORT)
+        return ite(reported, ite(self.present, verdict, NOBODY), NO_REPORT)
 
     @property
     def accepted(self) -> Bool:

@@ -344,15 +344,15 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
 
 def _alike(own: Parts) -> dict[str, Bool]:
     """Return the lemmas that machine and world store the same of the inputs."""
-    seen, told, odometer = own.world, own.national, own.odometer
+    seen, national, odometer = own.world, own.national, own.odometer
     found = {
         "the national accuracy is the one received": seen.national.eq(
-            ite(told.known, told.kept, own.config.default_accuracy_mm)
+            ite(national.known, national.kept, own.config.default_accuracy_mm)
         ),
         "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
         & own.heading.rolled.eq(seen.rolled),
     }
     if not own.config.checked_distance:
-        gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.heard)
+        gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.last_delivered)
         found["machine and world agree on the last odometer distance"] = gated
     return found

@@ -70,7 +70,7 @@ def build(own: Parts) -> Guard:
         outputs=_outputs(own, holding),
         transitions=[
             _new_start(own, judgement, table),
-            *(_heard(judgement, row) for row in (*_held(own, judgement, table), *_free(own, judgement, table))),
+            *(_recording_fix(judgement, row) for row in (*_held(own, judgement, table), *_free(own, judgement, table))),
         ],
         world=World(
             ghosts=own.declared.ghosts,
@@ -107,7 +107,7 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 # ------------------------------------------------------------------ the transition table
 
 
-def _heard(cycle: Judgement, row: Transition) -> Transition:
+def _recording_fix(cycle: Judgement, row: Transition) -> Transition:
     """Add to every other transition that it stores the fix as the last one near the way, and as the last known place, if it is one."""
     return replace(row, set=together(row.set, cycle.near_after, cycle.known_after))
 

@@ -17,7 +17,7 @@ from safeloc.models.guard.box import (
     narrowed,
     near_now,
     of_fix,
-    told,
+    speed_by_distance,
     usable,
 )
 from safeloc.models.guard.variables import (
@@ -85,8 +85,8 @@ class Judgement:
     def near_after(self) -> dict[Var, Expr]:
         """The updates that store this fix as the last one near the way, if it is one; otherwise the stored places are moved on."""
         own, fix, (low, high) = self.own, of_fix(self.own), self.near
-        heard = self.alone.eq(PASSED)
-        return {own.near_low: ite(heard, fix.low, low), own.near_high: ite(heard, fix.high, high)}
+        passes = self.alone.eq(PASSED)
+        return {own.near_low: ite(passes, fix.low, low), own.near_high: ite(passes, fix.high, high)}
 
     @property
     def known_after(self) -> dict[Var, Expr]:
@@ -122,11 +122,11 @@ def judge(own: Parts) -> Judgement:
     """Build the terms of one step."""
     before = held(own)
     ahead = moved(own, before.box)
-    with_fix = told(own, narrowed(own, ahead), before.anchor)
+    with_fix = speed_by_distance(own, narrowed(own, ahead), before.anchor)
     alone, known = _alone(own), known_now(own)
     fair = ite(alone.eq(PASSED), _fair(own, known), alone)
     verdict = _verdict(own, fair, ahead, with_fix.box)
-    coasted, fresh = told(own, ahead, before.anchor), begun(of_fix(own))
+    coasted, fresh = speed_by_distance(own, ahead, before.anchor), begun(of_fix(own))
     return Judgement(own, coasted, with_fix, fresh, verdict, alone, fair, near_now(own), known)
 
 

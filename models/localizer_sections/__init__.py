@@ -34,7 +34,7 @@ from safeloc.models.localizer_sections.train_seen import TrainSeen
 from safeloc.models.motion import Motion
 from safeloc.models.sections import Section, Sections, SectionsConfig, section, section_wires
 from safeloc.models.transmission import Transmission
-from safeloc.models.vocabulary.absent import heard_interval
+from safeloc.models.vocabulary.absent import wired_interval
 
 NAME = "localizer_sections"
 
@@ -148,8 +148,8 @@ class _Behind:
             area.limit_mm,
             near.period_ms,
             near.age_limit_ms,
-            train_seen.heard("front", limit, near.margin_limit_mm, self._moves.own.ghosts.truth),
-            train_seen.heard("far", limit, far.margin_limit_mm, self.ends.own.far),
+            train_seen.end_inputs("front", limit, near.margin_limit_mm, self._moves.own.ghosts.truth),
+            train_seen.end_inputs("far", limit, far.margin_limit_mm, self.ends.own.far),
         )
 
     # ---------------------------------------------------------------- wires
@@ -206,6 +206,6 @@ class _Behind:
         return wires
 
 
-def _interval(own: train_ends.Parts | transmission.Parts | train_seen.Heard, says: Machine) -> dict[Var, Expr]:
+def _interval(own: train_ends.Parts | transmission.Parts | train_seen.EndInputs, says: Machine) -> dict[Var, Expr]:
     """An interval that one machine hears of another."""
-    return dict(zip((own.position, own.below, own.above), heard_interval(says), strict=True))
+    return dict(zip((own.position, own.below, own.above), wired_interval(says), strict=True))

@@ -42,7 +42,7 @@ REQUIREMENTS = ("FVA-9", "FVA-18")
 
 
 @dataclass(frozen=True, eq=False)
-class Heard:
+class EndInputs:
     """An end's interval as the radio link gives it out, and its place (ghost); inputs, mm and nm."""
 
     valid: BoolVar
@@ -86,8 +86,8 @@ class Parts:
 
     limit_mm: int
     period_ms: int
-    front: Heard
-    far: Heard
+    front: EndInputs
+    far: EndInputs
     age: NumVar
     upwards: BoolVar
     known: BoolVar
@@ -110,9 +110,9 @@ class TrainSeen:
     own: Parts
 
 
-def heard(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> Heard:
+def end_inputs(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> EndInputs:
     """An end with fresh inputs."""
-    return Heard(
+    return EndInputs(
         boolean(f"{name}_valid"),
         number(f"{name}_position_mm", MM, -limit_mm, limit_mm),
         number(f"{name}_margin_below_mm", MM, 0, margin_mm),
@@ -122,7 +122,7 @@ def heard(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> Heard:
     )
 
 
-def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: Heard, far: Heard) -> Parts:
+def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: EndInputs, far: EndInputs) -> Parts:
     """Fresh variables; places up to `limit_mm`, reports up to `oldest_ms`."""
     return Parts(
         limit_mm,

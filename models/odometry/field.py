@@ -190,13 +190,13 @@ def readings(field: Field, front: Reader, rear: Reader) -> dict[Var, Expr]:
 
 
 def _reading(reader: Reader, field: Field, reads: BoolVar, place: Num, since: Num) -> dict[Var, Expr]:
-    said = (
+    options = (
         (reader.marker, with_unit(place, COUNT), 1),
         (reader.place, place, 0),
         (reader.accuracy, field.accuracy, 0),
         (reader.since, since, 0),
     )
     inputs: dict[Var, Expr] = {}
-    for option, value, absent in said:
+    for option, value, absent in options:
         inputs |= {option.present: reads, option.value: ite(reads, value, Lit(absent, option.value.unit))}
     return inputs

@@ -38,7 +38,7 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
 def _gated_alike(own: Parts, index: int) -> Bool:
     """The machine and the world store the same last distance of a unit, and the same number of cycles since then."""
     unit, seen = own.units[index], own.ghosts.units[index]
-    return unit.gap.eq(seen.silent) & unit.last.eq(seen.heard)
+    return unit.gap.eq(seen.silent) & unit.last.eq(seen.last_delivered)
 
 
 def _set_no_earlier(own: Parts, index: int, device: Device) -> Bool:

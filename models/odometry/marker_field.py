@@ -94,14 +94,14 @@ def _lemmas(whole: MarkerField) -> Iterator[tuple[str, Bool]]:
     own, says = whole.source.own, whole.says
     yield "the vehicle runs forward", says.bool(~own.backwards & own.rolled.eq(0))
     for unit in own.units:
-        yield f"{unit.name} heard", _heard(whole, unit)
+        yield f"{unit.name} heard", _delivered(whole, unit)
     for device, phase in zip(own.devices, (whole.field.phase_a, whole.field.phase_b), strict=True):
         yield from _measured(whole, device, phase)
     yield from _remembered(whole)
     yield from _paired(whole) if whole.arrangement.pairs else _unpaired(whole)
 
 
-def _heard(whole: MarkerField, unit: Unit) -> Bool:
+def _delivered(whole: MarkerField, unit: Unit) -> Bool:
     last = whole.says.num(unit.last).eq(whole.own.num(whole.field.last_step))
     return (whole.says.bool(unit.gap.eq(0)) & last) | whole.says.bool(unit.gap > unit.limits.gap_limit)
 

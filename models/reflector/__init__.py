@@ -169,7 +169,7 @@ def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
     reckoned = partial(_reckoned, own)
     track, anchor = own.track, own.anchor
     located = all_of([current.ne(lost), current.ne(view)])
-    on_map = named(own, own.ghosts.told) | named(own, own.ghosts.sought)
+    on_map = named(own, own.ghosts.announced) | named(own, own.ghosts.sought)
     return {
         "a dead-reckoned interval holds the truth": located.implies(reckoned(track.position, track.above, track.below)),
         "a measured interval holds the truth": current.eq(view).implies(track.interval.holds(truth)),

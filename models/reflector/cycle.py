@@ -226,8 +226,8 @@ def judge(own: Parts, zones: Zones) -> Judgement:
     better = balise.meets(predicted) & (widened.margin < predicted.margin)
     taken = own.balise.read & (~zones.located | better)
     held = choose(taken, widened, predicted)
-    told, prescribed = _prescribed(own)
-    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & told
+    named, prescribed = _prescribed(own)
+    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & named
     run = ite(started, own.balise.run, own.run + own.odometer.distance)
     reflector = choose(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
                        own.target.reflector)  # fmt: skip

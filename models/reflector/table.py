@@ -29,7 +29,7 @@ from safeloc.models.vocabulary.interval import Interval
 class _Groups:
     """Named groups of updates, of which rows are joined; no two groups of one row set the same variable.
 
-    heard          in every row: the odometer's gap, and the verdict on each echo
+    every_cycle    in every row: the odometer's gap, and the verdict on each echo
     drifting, tested, untested  open_long and open_short: with the drift of this cycle, as a self-test that passes leaves them, 0
     held, nowhere  track: the interval that counts without an echo, none
     unmeasured     range, range_error, lateral and recognised: no measurement in this cycle
@@ -44,7 +44,7 @@ class _Groups:
         self._own, self._cycle = own, cycle
         verdicts: Updates = {one.slot.last_verdict: one.verdict for one in cycle.target.judgements}
         further: Updates = {one.slot.last_verdict_next: one.verdict for one in cycle.ahead.judgements}
-        self.heard = together({own.odometer.gap: own.odometer.gap_after}, verdicts, further)
+        self.every_cycle = together({own.odometer.gap: own.odometer.gap_after}, verdicts, further)
         self.drifting = self._opened(cycle.open)
         self.tested = self._opened(cycle.left_open)
         self.untested = self._opened((as_num(0, NM), as_num(0, NM)))
@@ -68,7 +68,7 @@ class _Groups:
     @property
     def hold(self) -> Updates:
         """Odometry goes on from the last position, or from the balise; what the self-test left open is set beside it."""
-        return together(self.heard, self.held, self.unmeasured)
+        return together(self.every_cycle, self.held, self.unmeasured)
 
     @property
     def none_sought(self) -> Updates:
@@ -81,7 +81,7 @@ class _Groups:
         own = self._own
         zone = own.anchor.become(_to_run_on(self._cycle, by.bare))
         fresh: Updates = {own.found: place, own.recognised: True, own.error: NO_ERROR}
-        return together(self.heard, self.measured(by), zone, self.no_reference, self.counted_anew, fresh)
+        return together(self.every_cycle, self.measured(by), zone, self.no_reference, self.counted_anew, fresh)
 
     def unready(self, why: Lit) -> Updates:
         """Return the updates of the way into NOT_READY: odometry alone, and no self-test."""
@@ -90,7 +90,7 @@ class _Groups:
     def dropped(self, why: Num) -> Updates:
         """Return the updates of the way into DELOCALIZED: no position, and no balise is remembered."""
         gone: Updates = {self._own.error: why, self._own.procedure: 0}
-        return together(self.heard, self.nowhere, self.unmeasured, self.none_sought, gone)
+        return together(self.every_cycle, self.nowhere, self.unmeasured, self.none_sought, gone)
 
 
 def rows(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -164,7 +164,7 @@ def _measured(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ..
         groups.seen(cycle.target, own.target.position), groups.drifting, own.track.become(cycle.target.fix)
     )
     tracked = together(
-        groups.heard, groups.drifting, own.track.become(cycle.target.fix), groups.measured(cycle.target),
+        groups.every_cycle, groups.drifting, own.track.become(cycle.target.fix), groups.measured(cycle.target),
         own.anchor.become(cycle.anchor_after(_to_run_on(cycle, cycle.target.bare))), groups.counted_anew,
         {own.recognised: False, own.error: NO_ERROR},
     )  # fmt: skip

@@ -118,7 +118,7 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
 def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satellites") -> dict[Var, Expr]:
     """Wire each channel to the position machine: its standing, and, of the world, whether its signal keeps its bounds."""
     channels = selection.own.channels
-    wires: dict[Var, Expr] = {told: one.standing.eq(USABLE) for told, one in zip(own.usable, channels, strict=True)}
+    wires: dict[Var, Expr] = {input_: one.standing.eq(USABLE) for input_, one in zip(own.usable, channels, strict=True)}
     if trusted == "satellites":
         for number, one in enumerate(channels):
             compared, bounded = _true_of_signal(selection, one)

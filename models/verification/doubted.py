@@ -113,11 +113,11 @@ def _since_record(train: Doubted) -> dict[Var, Num]:
         train.width: ite(came, told, grown),
         train.record_ago: ite(came, 0, minimum(train.record_ago + 1, train.record_ago.high)),
         train.spread: spread,
-        train.untold_for: ite(_told_right(own, spread), as_num(0, COUNT), older),
+        train.untold_for: ite(_measured_right(own, spread), as_num(0, COUNT), older),
     }
 
 
-def _told_right(own: Parts, spread: Num) -> Bool:
+def _measured_right(own: Parts, spread: Num) -> Bool:
     """Return the condition that the fibre reported the train's count, or its length within tolerance and spread."""
     count = own.seen_count.present & own.next_axles.eq(own.seen_count.value)
     off = abs_(own.next_length - exact_to(own.seen_length.value, UM))

@@ -307,9 +307,9 @@ class Judgement:
 
 def _braking(own: Parts) -> Num:
     """Return the configured braking ability, or less if train control reports less."""
-    told = own.control_brake
+    brake = own.control_brake
     most = Lit(own.config.brake_mm_s2, MM_S2)
-    return ite(told.present, minimum(told.value, most), most)
+    return ite(brake.present, minimum(brake.value, most), most)
 
 
 def _scaled(cycles: Num, per_cycle: int, like: Num) -> Num:

@@ -44,7 +44,7 @@ def properties(model: Balise) -> list[Property]:
         _added_error,
         _facing,
         _resets,
-        _told_ahead,
+        _reflector_ahead,
         _rejection,
         linking_properties,
         refusal_properties,
@@ -230,7 +230,7 @@ def _resets(model: Balise) -> Iterator[Property]:
     )
 
 
-def _told_ahead(model: Balise) -> Iterator[Property]:
+def _reflector_ahead(model: Balise) -> Iterator[Property]:
     """Properties of the next reflector that a telegram gives, and of the place from where to search for it."""
     own, step = model.own, Step(model)
     told = own.reflector.known & ~earlier_bool(own.reflector.known)
@@ -244,10 +244,10 @@ def _told_ahead(model: Balise) -> Iterator[Property]:
         requirements=("RFL-9",),
     )
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
-        yield _told_of(model, name, distance)
+        yield _distance_of(model, name, distance)
 
 
-def _told_of(model: Balise, name: str, distance: Optional) -> Property:
+def _distance_of(model: Balise, name: str, distance: Optional) -> Property:
     machine, own, step = model.machine, model.own, Step(model)
     known, place = machine.flag(f"{name}_known"), machine.output(f"{name}_mm")
     valid, zero = machine.flag("valid"), as_num(0, MM)

@@ -60,13 +60,13 @@ def _narrower(model: Fibre) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "no resurrection",
-        (valid & before(machine.mode).ne(machine.modes[2])).implies(_told(model)),
+        (valid & before(machine.mode).ne(machine.modes[2])).implies(_gives_place(model)),
         statement="a place is known again only from an accepted reference, or from a complete code word",
         requirements=CODE,
     )
 
 
-def _told(model: Fibre) -> Bool:
+def _gives_place(model: Fibre) -> Bool:
     """Return the condition that an accepted reference, or the map's answer to a whole word, gives the place."""
     own, seen, counting = model.own, Seen(model.own), model.machine.modes[1]
     word = own.answer & before(own.read).eq(own.config.window) & before(own.band).eq(v.NORMAL)

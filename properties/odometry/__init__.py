@@ -199,10 +199,10 @@ def _rejection(model: Odometry) -> Iterator[Property]:
 
 
 def _ran_on(unit: Unit, other: Unit) -> Bool:
-    heard, other_heard = unit.last_verdict.eq(ADMITTED), other.last_verdict.eq(ADMITTED)
+    delivered, other_delivered = unit.last_verdict.eq(ADMITTED), other.last_verdict.eq(ADMITTED)
     if unit.limits.single_fault_safe:  # a lone distance moves nothing
-        heard = other_heard = heard & other_heard
-    moved = ite(heard, unit.step.value, ite(other_heard, other.step.value, as_num(0, MM)))
+        delivered = other_delivered = delivered & other_delivered
+    moved = ite(delivered, unit.step.value, ite(other_delivered, other.step.value, as_num(0, MM)))
     growth = unit.above - earlier_num(unit.above)
     return all_of(
         [
@@ -216,12 +216,12 @@ def _ran_on(unit: Unit, other: Unit) -> Bool:
 
 def _sensors(model: Odometry) -> Iterator[Property]:
     own, machine = model.own, model.machine
-    heard = any_of(unit.step.present for unit in own.units)
+    delivered = any_of(unit.step.present for unit in own.units)
     yield within(
         "silence delocalizes",
         own.config.gap_limit_cycles,
-        ~heard,
-        heard | ~machine.flag("valid"),
+        ~delivered,
+        delivered | ~machine.flag("valid"),
         statement="when no unit delivers a distance, the machine reports no position after the permitted gap at the "
         "latest",
         requirements=("MRK-D1",),
@@ -246,12 +246,12 @@ def _unchecked(model: Odometry, device: Device, unit: Unit) -> Property:
     own = model.own
     setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
     read = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in setting)
-    heard, dead = unit.last_verdict.eq(ADMITTED), all_of(~one.alive for one in device.units)
+    delivered, dead = unit.last_verdict.eq(ADMITTED), all_of(~one.alive for one in device.units)
     return within(
         f"{device.name} device loses its position without {unit.name}",
         own.config.lone_limit_cycles,
-        ~heard,
-        heard | dead | read,
+        ~delivered,
+        delivered | dead | read,
         statement="when one unit of a device delivers no distance that is admitted, the device has no position after the "
         "permitted time with the other unit alone, unless a reading sets it in that cycle",
         requirements=("MRK-D1", "MRK-D4"),

@@ -50,7 +50,7 @@ def ran(own: Parts) -> tuple[Num, Num]:
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class CycleEvidence:
     """The evidence of one cycle about a route that was possible before.
 
     low, high   bounds before the step of the true distance less the odometer's wander, nm

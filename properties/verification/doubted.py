@@ -197,11 +197,11 @@ def _values(figures: Figures) -> Iterator[Property]:
 def _control(figures: Figures) -> Iterator[Property]:
     """Claim that wrong data from train control are withheld."""
     own, trusted = figures.own, figures.trusted
-    said = own.control_count.present.implies(own.axles.eq(own.control_count.value))
+    stated = own.control_count.present.implies(own.axles.eq(own.control_count.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
     yield whatever_the_fibre_tells(
         "wrong data by train control withhold",
-        trusted.implies(said & long),
+        trusted.implies(stated & long),
         statement="a count by train control that is not the train's, or a length beyond tolerance and spread, withholds in the "
         "same cycle",
         requirements=CONTROL,
@@ -220,9 +220,9 @@ def _speed(figures: Figures) -> Iterator[Property]:
     )
 
 
-def _long(figures: Figures, said: Num) -> Bool:
+def _long(figures: Figures, stated: Num) -> Bool:
     slack = figures.train.spread + figures.own.config.length_tolerance_mm * 1_000
-    return between(-slack, figures.own.length - exact_to(said, UM), slack)
+    return between(-slack, figures.own.length - exact_to(stated, UM), slack)
 
 
 def _fast(figures: Figures) -> Bool:

@@ -241,7 +241,7 @@ def spoilt(part: str, row: str, **fields: object) -> FibreArea:
         "verification": verification_model.build(verification_model.parts(CONFIG.verification), place_kept=True),
         "report": report_model.build(
             report_model.parts(
-                CONFIG.parting, CONFIG.sections.area.reach, fibre_area.told_run(CONFIG.fibre), 10**13, 1_500_000
+                CONFIG.parting, CONFIG.sections.area.reach, fibre_area.reported_run(CONFIG.fibre), 10**13, 1_500_000
             )
         ),
         "area": area_model.build(slots, kept=slots.slots[:1], counted_out=slots.slots[:1]),

@@ -19,7 +19,7 @@ from safeloc.language.verdict import Proved
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.localizer import CHECKED, Localizer, LocalizerConfig, SourceName, compose_machines
 from safeloc.models.motion import MotionConfig, build, parts
-from safeloc.models.motion.simulate import told
+from safeloc.models.motion.simulate import reported
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
@@ -96,7 +96,7 @@ def test_who_rolls_away_is_covered_unless_standing_is_believed() -> None:
     zero = np.zeros_like(drive.step_nm)
     nothing = Distances("odometer", zero, np.ones(len(zero), dtype=np.bool_), zero)
     uncovered = [
-        uncovered_nm(told(motion, nothing, replace(nothing, name="check")), drive)
+        uncovered_nm(reported(motion, nothing, replace(nothing, name="check")), drive)
         for motion in (CHECKED, CREEPS, NOT_BELIEVED)
     ]
     constant = CHECKED.reported_law.constant_mm * 1_000_000
@@ -176,7 +176,7 @@ def _more(said: Distances) -> NDArray[np.int64]:
 def test_every_run_is_covered(faulty: str, kind: str | None) -> None:
     """Whichever unit fails, and however: beyond its added errors no run errs by more than the one-off constant."""
     for seed in range(5):
-        said = told(CHECKED, *measured(seed, faulty, kind))
+        said = reported(CHECKED, *measured(seed, faulty, kind))
         assert uncovered_nm(said) <= CHECKED.reported_law.constant_mm * 1_000_000
 
 
@@ -190,7 +190,7 @@ def test_lawful_units_are_never_refused() -> None:
     for seed in range(10):
         odometer, check = measured(seed, "odometer", None)
         both = odometer.present & check.present
-        assert (told(CHECKED, odometer, check).present == both).all()
+        assert (reported(CHECKED, odometer, check).present == both).all()
 
 
 # ------------------------------------------------------------------ cycles
