@@ -61,7 +61,7 @@ def _trusted(model: FibreArea) -> Bool:
     return model.composition.of(model.verification.machine).bool(model.verification.machine.flag("trusted"))
 
 
-def _told(model: FibreArea) -> Bool:
+def _reports(model: FibreArea) -> Bool:
     return model.composition.of(model.report.machine).bool(model.report.machine.flag("told"))
 
 
@@ -87,11 +87,11 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
         statement="the reported position contains the front of the train that the fibre follows",
     )
-    told = of(report.machine)
-    low, high = told.num(report.own.reported_low), told.num(report.own.reported_high)
+    of_report = of(report.machine)
+    low, high = of_report.num(report.own.reported_low), of_report.num(report.own.reported_high)
     yield under_assumption(
         "the pattern lies between its ends",
-        _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
+        _reports(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
         statement="from min safe rear to max safe front, the report to the area contains both ends of the pattern",
         requirements=(*CLAIM, *CLEAR),
     )
@@ -168,7 +168,9 @@ def _wired_in_range(model: FibreArea) -> Bool:
 
 
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
-    nothing = ~_trusted(model) & ~_told(model) & _of_slot(model).bool(model.area.own.slots[0].last_verdict.ne(ACCEPTED))
+    nothing = (
+        ~_trusted(model) & ~_reports(model) & _of_slot(model).bool(model.area.own.slots[0].last_verdict.ne(ACCEPTED))
+    )
     for name, (wrong, what, trace) in _wrong(model).items():
         yield for_all_inputs(
             f"{name} withholds",
@@ -310,13 +312,13 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
     counted = seen.bool(verified.associated & verified.seen_count.present)
     yield for_all_inputs(
         "only a trusted train narrows",
-        accepted.implies(_trusted(model) & _told(model) & (age <= limit)),
+        accepted.implies(_trusted(model) & _reports(model) & (age <= limit)),
         statement="the area narrows the train's interval only on a report that is trusted and fresh in that very cycle",
         requirements=CLEAR,
     )
     yield for_all_inputs(
         "only an axle count confirms integrity",
-        (integer & _told(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
+        (integer & _reports(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
     )
@@ -367,7 +369,7 @@ def _added_error(model: FibreArea) -> Iterator[Property]:
     """Claim, in figures of its own, the distance of the reported ends of a counted train."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
-    told = _told(model) & of.bool(model.report.machine.flag("integer"))
+    told = _reports(model) & of.bool(model.report.machine.flag("integer"))
     long = seen.num(model.verification.own.kept_high)
     run = of.num(own.straight)
     low, high = of.num(own.reported_low), of.num(own.reported_high)

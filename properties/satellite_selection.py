@@ -28,7 +28,7 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-D1"), unconditional
 
 def properties(model: Selection) -> list[Property]:
     """Every property of the selection machine."""
-    makers = (_kept_out, _healthy_stay, _told, _bounded)
+    makers = (_kept_out, _healthy_stay, _standing_is_reported, _bounded)
     found = [prop for one in model.own.channels for make in makers for prop in make(model, one)]
     return [*found, _subset(model), *_once(model), *_counted(model)]
 
@@ -70,16 +70,16 @@ def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
     )
     yield for_all_inputs(
         f"{name}: exclusion leaves no trace",
-        one.standing.eq(USABLE).iff(ready & ~_told_before(model, one) & ~violated(one, config, config.removal)),
+        one.standing.eq(USABLE).iff(ready & ~_reported_before(model, one) & ~violated(one, config, config.removal)),
         statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
         "exclusions count for nothing, as the list starts anew from all visible ones",
     )
 
 
-def _told(model: Selection, one: Channel) -> Iterator[Property]:
+def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
     """Why a satellite is not usable, and how long it has been followed."""
     config, name, now = model.own.config, f"channel {one.number}", one.standing
-    here = one.identity.present & ~_told_before(model, one)
+    here = one.identity.present & ~_reported_before(model, one)
     measured, ready = _measured(model, one), _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
     meanings = (
         (ABSENT, ~here),
@@ -175,7 +175,7 @@ def _identity(one: Channel) -> Num:
     return ite(~one.identity.present, as_num(0, COUNT), one.identity.value)
 
 
-def _told_before(model: Selection, one: Channel) -> Bool:
+def _reported_before(model: Selection, one: Channel) -> Bool:
     """An earlier channel receives the same satellite."""
     return any_of(
         other.identity.present & one.identity.value.eq(other.identity.value)
@@ -220,11 +220,11 @@ def _once(model: Selection) -> Iterator[Property]:
     """Of the first of two channels, since one of the two has to give way."""
     channels = model.own.channels
     for number, one in enumerate(channels[1:], 1):
-        told = one.identity.value
+        identity = one.identity.value
         yield for_all_inputs(
             f"channel {one.number}: no satellite twice",
             one.standing.eq(USABLE).implies(
-                all_of(~earlier.identity.present | earlier.identity.value.ne(told) for earlier in channels[:number])
+                all_of(~earlier.identity.present | earlier.identity.value.ne(identity) for earlier in channels[:number])
             ),
             statement="a satellite that an earlier channel receives as well is not usable in this one: the machine "
             "uses it once",

@@ -32,7 +32,7 @@ def properties(model: Sections) -> list[Property]:
             *_evidence(model, one),
             *_silence(model, one),
             *_rule(model, one),
-            *_told(model, one),
+            *_reported(model, one),
             *_timed(model, one),
         ]
     return found
@@ -157,7 +157,7 @@ def _rule(model: Sections, one: Section) -> Iterator[Property]:
     )
 
 
-def _told(model: Sections, one: Section) -> Iterator[Property]:
+def _reported(model: Sections, one: Section) -> Iterator[Property]:
     """Claim the evidence of the state, and its trust."""
     machine, name, config = one.machine, one.machine.name, one.config
     of = model.composition.of(machine)

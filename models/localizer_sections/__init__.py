@@ -181,21 +181,21 @@ class _Behind:
             own.front.next_truth: self._moves.own.ghosts.truth,
             own.far.next_truth: self.ends.own.far,
         }
-        for told, link in ((own.front, self._uplink.machine), (own.far, self.far_uplink.machine)):
-            wires |= {told.valid: link.flag("valid"), **_interval(told, link)}
+        for reported, link in ((own.front, self._uplink.machine), (own.far, self.far_uplink.machine)):
+            wires |= {reported.valid: link.flag("valid"), **_interval(reported, link)}
         return wires
 
     def _into_area(self) -> Mapping[Var, Expr]:
         """The links have widened the intervals by their age, so the area adds none."""
         train, seen = self.train, self.trackside.machine
-        told = seen.flag("told")
+        reported = seen.flag("told")
         wires: dict[Var, Expr] = {
-            train.rear.present: told,
-            train.front.present: told,
-            train.rear.value: ite(told, seen.output("low_mm"), 0),
-            train.front.value: ite(told, seen.output("high_mm"), 0),
+            train.rear.present: reported,
+            train.front.present: reported,
+            train.rear.value: ite(reported, seen.output("low_mm"), 0),
+            train.front.value: ite(reported, seen.output("high_mm"), 0),
             train.age: Lit(0, MS),
-            train.trusted: told,
+            train.trusted: reported,
             train.integer: seen.flag("integer"),
             train.downwards: seen.flag("downwards"),
             train.next_rear: train.true_rear,

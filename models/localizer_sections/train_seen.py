@@ -162,8 +162,8 @@ def build(own: Parts) -> TrainSeen:
             choices=[front.next_truth, far.next_truth],
             moves={front.truth: front.next_truth, far.truth: far.next_truth},
             clauses={
-                "a near end that comes holds the truth": _told_truly(front.holds(), "near"),
-                "a far end that comes holds the truth": _told_truly(far.holds(), "far"),
+                "a near end that comes holds the truth": _reported_truly(front.holds(), "near"),
+                "a far end that comes holds the truth": _reported_truly(far.holds(), "far"),
             },
         ),
         lemmas=_lemmas(own, current, table),
@@ -175,7 +175,7 @@ def build(own: Parts) -> TrainSeen:
     return TrainSeen(machine, own)
 
 
-def _told_truly(holds: Bool, end: str) -> Law:
+def _reported_truly(holds: Bool, end: str) -> Law:
     return Law(
         holds,
         f"The interval of the {end} end that the radio link reports holds that end.",
@@ -189,12 +189,12 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     silent, front_only, whole = table
     low, high = _bounds(own)
     last: Updates = {own.known: own.front.valid, own.known_age: ite(own.front.valid, own.age, 0)}
-    told = together(last, {own.low: low, own.high: high, own.downwards: ~own.upwards})
+    reported = together(last, {own.low: low, own.high: high, own.downwards: ~own.upwards})
     nothing = together(last, {own.low: as_num(0, MM), own.high: as_num(0, MM), own.downwards: FALSE})
     fits = between(-own.limit_mm, low, own.limit_mm) & between(-own.limit_mm, high, own.limit_mm)
-    yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, told, REQUIREMENTS, 0)
+    yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, reported, REQUIREMENTS, 0)
     yield Transition(
-        "new report of the front end", table, front_only, own.new & ~own.far.valid & fits, told, REQUIREMENTS, 0
+        "new report of the front end", table, front_only, own.new & ~own.far.valid & fits, reported, REQUIREMENTS, 0
     )
     yield Transition("new report beyond the line", table, silent, own.new & ~fits, nothing, REQUIREMENTS, 0)
     yield Transition("no new report", table, silent, TRUE, nothing, REQUIREMENTS, 1)
@@ -209,12 +209,12 @@ def _bounds(own: Parts) -> tuple[Num, Num]:
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    told, whole = current.ne(table[0]), current.eq(table[2])
+    reported, whole = current.ne(table[0]), current.eq(table[2])
     low, high = exact_to(own.low, NM), exact_to(own.high, NM)
     front, far, up = own.front.truth, own.far.truth, ~own.downwards
     return {
         "the believed end is the front end's": all_of(
-            [(told & up).implies(front <= high), (told & own.downwards).implies(low <= front)]
+            [(reported & up).implies(front <= high), (reported & own.downwards).implies(low <= front)]
         ),
         "a complete train's far end is inside": all_of(
             [(whole & up).implies(low <= far), (whole & own.downwards).implies(far <= high)]

@@ -308,8 +308,8 @@ def _prescribed_law(own: Parts) -> Law:
     by_hand = ~telegram.present & ~by_map.present if system else FALSE
     away, survey = ahead.position.value - balise.position.value, own.config.map_accuracy_mm
 
-    def agrees(told: Num) -> Bool:
-        return between(-survey, told - away, survey)
+    def agrees(place: Num) -> Bool:
+        return between(-survey, place - away, survey)
 
     agreeing = all_of([
         telegram.present.implies(agrees(telegram.value)),
@@ -338,7 +338,7 @@ def _map_law(own: Parts) -> Law:
     seen = own.ghosts
     entries = ((TRUE, seen.announced), (TRUE, seen.sought), (own.ahead.position.present, _next_announced(own)))
     return Law(
-        all_of(told.implies(_itself_or_clear(own, entry, *one)) for told, entry in entries for one in _echoes(own)),
+        all_of(known.implies(_itself_or_clear(own, entry, *one)) for known, entry in entries for one in _echoes(own)),
         "An echo with the minimum intensity shows its reflector's own model. The reflector of a map entry stands at the entry's "
         "place within the map's accuracy, and any other one of that model is at least the entry's clearance away.",
         ("map_accuracy_mm", "minimum_intensity_cdb"),

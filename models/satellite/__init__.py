@@ -110,8 +110,8 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
     own = parts(config, signals=trusted == "satellites")
     machine = build(own, trusted)
     wires = selection_wires(own, selection, trusted)
-    owed = [Clause(machine, SELECTED)] if trusted == "satellites" else []
-    whole = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=owed)
+    discharged = [Clause(machine, SELECTED)] if trusted == "satellites" else []
+    whole = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=discharged)
     return Satellite(selection, machine, own, whole)
 
 

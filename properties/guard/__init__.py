@@ -33,7 +33,7 @@ def properties(model: Guard) -> list[Property]:
         _carried,
         _new_start,
         _whole_fix,
-        _told,
+        _reported,
         _trust,
         _stored,
         _recovering,
@@ -246,7 +246,7 @@ def _new_start(model: Guard) -> Iterator[Property]:
     )
 
 
-def _told(model: Guard) -> Iterator[Property]:
+def _reported(model: Guard) -> Iterator[Property]:
     """Properties of the reason for which a delivery is withheld."""
     machine, own, step = model.machine, model.own, Step(model)
     lost = machine.modes[0]

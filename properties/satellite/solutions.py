@@ -118,18 +118,18 @@ def narrowed(model: Satellite) -> Iterator[Property]:
 def outcomes(model: Satellite) -> Iterator[Property]:
     """Properties of the verdict on a solution, and of the reason for none: in this order of reasons."""
     own, of = model.own, model.composition.of(model.machine)
-    told, located = of.num(own.last_verdict), earlier_bool(of.bool(model.machine.flag("valid")))
+    verdict, located = of.num(own.last_verdict), earlier_bool(of.bool(model.machine.flag("valid")))
     used = [of.bool(flag) for flag in own.used]
     foreign = [flag & standing.ne(USABLE) for flag, (_, standing) in zip(used, channels(model), strict=True)]
     few = _satellites(used) - SPARE[own.config.redundancy] < of.num(own.unknowns)
     coarse = most_off(model) >= exact_to(Lit(own.config.protection_limit_mm, MM), NM) + 1
-    apart = ite(meets(model), told.one_of(ACCEPTED, DRIFTED), told.eq(DISJOINT))
-    apart = ite(few, told.eq(TOO_FEW), ite(coarse, told.eq(TOO_COARSE), apart))
-    apart = ite(located, ite(any_of(foreign), told.eq(NOT_USABLE), apart), told.eq(NOT_LOCATED))
+    apart = ite(meets(model), verdict.one_of(ACCEPTED, DRIFTED), verdict.eq(DISJOINT))
+    apart = ite(few, verdict.eq(TOO_FEW), ite(coarse, verdict.eq(TOO_COARSE), apart))
+    apart = ite(located, ite(any_of(foreign), verdict.eq(NOT_USABLE), apart), verdict.eq(NOT_LOCATED))
     there = of.bool(own.fix.present)
     yield for_all_inputs(
         "a solution counts or has the first reason against it",
-        ite(there, apart, told.eq(NO_FIX)),
+        ite(there, apart, verdict.eq(NO_FIX)),
         statement="a solution counts, or has drifted away from odometry, where a position is known, all its satellites are "
         "usable and enough, it is not too coarse and meets the prediction; otherwise the first of these is the reason",
         requirements=("SAT-1", "SAT-5"),

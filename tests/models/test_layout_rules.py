@@ -17,7 +17,7 @@ from safeloc.models.layout_rules import LayoutConfig
 
 LAYOUT = LayoutConfig()
 OFFSET = LayoutConfig(sensor_offset_mm=2_000, antenna_offset_mm=5_000)
-UNIT = {rules.reflector_follows_balise: COUNT, rules.routes_told_apart: COUNT}
+UNIT = {rules.reflector_follows_balise: COUNT, rules.routes_distinguishable: COUNT}
 Rule = Callable[..., Bool]
 
 
@@ -67,20 +67,20 @@ BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], La
         LAYOUT,
     ),
     "distance": (rules.separable_by_distance, (60_501,), (60_500,), LAYOUT),
-    "neighbours": (rules.told_apart, (True, 157_001, 100_000, 3_000), (True, 157_000, 100_000, 3_000), LAYOUT),
+    "neighbours": (rules.distinguishable, (True, 157_001, 100_000, 3_000), (True, 157_000, 100_000, 3_000), LAYOUT),
     "neighbours, overlapping": (
-        rules.told_apart,
+        rules.distinguishable,
         (True, 60_501, 100_000, 3_000),
         (True, 60_500, 100_000, 3_000),
         LAYOUT,
     ),
-    "neighbours, models": (rules.told_apart, (False, 1, 100_000, 3_000), (True, 1, 100_000, 3_000), LAYOUT),
-    "across tracks": (rules.told_apart_across_tracks, (True, 60_501), (True, 60_500), LAYOUT),
+    "neighbours, models": (rules.distinguishable, (False, 1, 100_000, 3_000), (True, 1, 100_000, 3_000), LAYOUT),
+    "across tracks": (rules.distinguishable_across_tracks, (True, 60_501), (True, 60_500), LAYOUT),
     "branches": (rules.branch_models_differ, (False,), (True,), LAYOUT),
     "switch in view, far": (rules.switch_in_view, (98_000, 100_000, 3_000), (98_001, 100_000, 3_000), OFFSET),
     "switch in view, near": (rules.switch_in_view, (1_000, 100_000, 3_000), (999, 100_000, 3_000), OFFSET),
     "direction": (rules.direction_shows, (False,), (True,), LAYOUT),
-    "routes": (rules.routes_told_apart, (1,), (0,), LAYOUT),
+    "routes": (rules.routes_distinguishable, (1,), (0,), LAYOUT),
     "balise windows": (rules.expectation_windows_apart, (74_001, 12_000, 0), (74_000, 12_000, 0), LAYOUT),
     "stop view, far": (
         rules.stop_reflector_in_view,
@@ -183,8 +183,8 @@ def test_separable_echoes_fit_one_place(spacing: int, off: int, measured: int, g
 def test_told_apart_on_a_route_is_told_apart_across_tracks() -> None:
     """The rule for one route is the stricter one, for every spacing."""
     for spacing in range(0, 200_000, 500):
-        if holds(rules.told_apart, True, spacing, 100_000, 3_000):
-            assert holds(rules.told_apart_across_tracks, True, spacing)
+        if holds(rules.distinguishable, True, spacing, 100_000, 3_000):
+            assert holds(rules.distinguishable_across_tracks, True, spacing)
 
 
 def test_tolerance_must_leave_room() -> None:

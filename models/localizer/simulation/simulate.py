@@ -234,7 +234,7 @@ def _units_received(config: LocalizerConfig) -> tuple[str, ...]:
     return (first,) if config.motion.check is None else (first, second)
 
 
-def _owed(measured: Measured) -> tuple[str, ...]:
+def _check_inputs(measured: Measured) -> tuple[str, ...]:
     """Return the ghosts that all users of a checked odometer share; none without a check unit."""
     return CHECKED if measured.check is not None else ()
 
@@ -265,7 +265,7 @@ def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured:
             config.balise, seed=seed, motion=motion, groups=passed, routes=_routes(journey, motion), missed=0,
             foreign=0, faults=faults, measured=measured.reported,
         ),
-        _owed(measured),
+        _check_inputs(measured),
     )  # fmt: skip
 
 
@@ -286,7 +286,7 @@ def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measur
     return _named(
         "reflector",
         reflector_streams.simulate(config.reflector, seed=seed, scene=scene, motion=motion, measured=measured.reported),
-        _owed(measured),
+        _check_inputs(measured),
     )
 
 
