@@ -27,7 +27,7 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-D1"), unconditional
 
 
 def properties(model: Selection) -> list[Property]:
-    """Every property of the selection machine."""
+    """Return all properties of the selection machine."""
     makers = (_kept_out, _healthy_stay, _standing_is_reported, _bounded)
     found = [prop for one in model.own.channels for make in makers for prop in make(model, one)]
     return [*found, _subset(model), *_once(model), *_counted(model)]
@@ -77,7 +77,7 @@ def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
 
 
 def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
-    """Why a satellite is not usable, and how long it has been followed."""
+    """Claim the reason why a satellite is not usable, and how long it has been followed."""
     config, name, now = model.own.config, f"channel {one.number}", one.standing
     here = one.identity.present & ~_reported_before(model, one)
     measured, ready = _measured(model, one), _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
@@ -123,15 +123,15 @@ def _bounded(model: Selection, one: Channel) -> Iterator[Property]:
         yield always(
             f"channel {one.number}: a usable {name} is bounded",
             (usable & as_configured).implies((error < most) & (error > -most)),
-            statement=f"the {name} error of a usable satellite is below the threshold and what prediction and clock may "
-            "hide of it, all three together, and not below the threshold alone",
+            statement=f"the {name} error of a usable satellite is below the sum of the threshold and the greatest errors of "
+            f"prediction and clock; the threshold alone is no bound",
             requirements=("SAT-1", "SAT-4"),
             assumption=f"{LAW}; {BOUNDED}",
         )
 
 
 def violated(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:
-    """One of the compared quantities violates the criterion, from what was measured."""
+    """Return whether one of the compared quantities, as measured, violates the criterion."""
     return any_of(_violations(one, config, removal))
 
 
@@ -210,8 +210,8 @@ def _subset(model: Selection) -> Property:
     return for_all_inputs(
         "the strict criterion admits no more satellites",
         all_of(kept),
-        statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
-        "as well",
+        statement="every satellite that the strict criterion keeps (one violation removes) is also kept by the lax one (only both "
+        "together remove)",
         requirements=("SAT-4",),
     )
 

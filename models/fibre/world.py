@@ -283,7 +283,7 @@ def _entry_law(own: Parts, now: Passing) -> Law:
         "twice the tolerances of two edges, the run since the last amplitude, and the error of the run since the last edge. "
         "This holds while both runs are known within the tolerance.",
         ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
-        "[D] layout: what looks like the section expected, where it is expected, cannot be told from it",
+        "[D] layout: a change like that of the expected section, at its place, cannot be distinguished from it",
         "infrastructure",
         "audit of the line's sections; places of changes that no section explains are reported",
     )

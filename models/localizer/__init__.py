@@ -81,7 +81,7 @@ def compose_machines(
     only_own: bool = False,
     behind: Callable[[Motion, Machine, Transmission], More] = _no_more,
 ) -> Localizer:
-    """The localizer of a vehicle: its sources in declared order, then what counts, then what is done with it.
+    """Compose the localizer of a vehicle: its sources in declared order, the arbitration, then the machines that use the result.
 
     own      functions that make further sources (safeloc.models.localizer.own_source); `only_own`: and no shipped ones
     behind   from the movement, the restrictive state and the uplink: what another composition adds

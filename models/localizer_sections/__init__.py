@@ -87,7 +87,7 @@ class LocalizerSections:
 
 
 def compose_machines(config: LocalizerSectionsConfig | None = None) -> LocalizerSections:
-    """The localizer, and behind it the area and its sections."""
+    """Compose the localizer with the area and its sections behind it."""
     config = config or LocalizerSectionsConfig()
     made: list[_Behind] = []
 

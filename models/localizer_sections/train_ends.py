@@ -110,7 +110,7 @@ def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
 
 
 def build(own: Parts) -> TrainEnds:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("NOTHING", "FRONT_ONLY", "BOTH")
     current = current_mode(table)
     both, train = current.eq(table[2]), own.train

@@ -111,7 +111,7 @@ class TrainSeen:
 
 
 def end_inputs(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> EndInputs:
-    """An end with fresh inputs."""
+    """Return fresh inputs of one end."""
     return EndInputs(
         boolean(f"{name}_valid"),
         number(f"{name}_position_mm", MM, -limit_mm, limit_mm),
@@ -140,7 +140,7 @@ def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: EndInputs, far: 
 
 
 def build(own: Parts) -> TrainSeen:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("SILENT", "FRONT_ONLY", "WHOLE")
     current = current_mode(table)
     front, far = own.front, own.far

@@ -133,7 +133,7 @@ def field_over(limits: Limits) -> Field:
 
 
 def world(field: Field, limits: Limits, arrangement: Arrangement) -> Machine:
-    """The field as a machine: each step the vehicle runs `step_mm`, and the readers may pass a marker."""
+    """Return the field as a machine: in each step the vehicle runs `step_mm`, and the readers may pass a marker."""
     (running,) = modes("RUNNING")
     front = field.phase_a + field.step >= field.spacing
     rear = field.phase_b + field.step >= field.spacing
@@ -182,7 +182,7 @@ def _forward(field: Field, limits: Limits) -> Bool:
 
 
 def readings(field: Field, front: Reader, rear: Reader) -> dict[Var, Expr]:
-    """The readers' inputs as the field gives them: every marker is read, with the distance run since."""
+    """Return the readers' inputs from the field: every marker is read, with the distance run since."""
     return {
         **_reading(front, field, field.front_reads, field.place, field.phase_a),
         **_reading(rear, field, field.rear_reads, field.rear_place, field.phase_b),

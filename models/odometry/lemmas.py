@@ -11,7 +11,7 @@ from safeloc.models.odometry.world import lawful
 
 
 def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
-    """Every living unit holds the truth; the mode names a living device with the smaller margin."""
+    """Return the lemmas: the interval of every living unit contains the true position, and the mode names a living device with the smaller margin."""
     found: dict[str, Bool] = {}
     lost, candidate, *located = mode
     for index, unit in enumerate(own.units):

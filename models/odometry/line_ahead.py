@@ -34,7 +34,7 @@ class LineAhead:
 
 
 def compose_line(config: OdometryConfig | None = None) -> LineAhead:
-    """The odometry machine with its whole assumption, on a line ahead, without a turn."""
+    """Compose the odometry machine, with its whole assumption, and a line ahead without a turn."""
     model = build(parts(config or OdometryConfig()))
     source = replace(model, machine=replace(model.machine, world=_on_the_line(model)))
     line, wires = _line(source)

@@ -66,7 +66,7 @@ def compose_field(
     config: OdometryConfig = ONE_LAW,
     change: Callable[[Machine], Machine] | None = None,
 ) -> MarkerField:
-    """The field wired to the odometry machine: exact distances, and every reading.
+    """Wire the field to the odometry machine: exact distances, and every reading.
 
     change  what runs in the field instead of the machine itself, to show that a wrong one is noticed
     """

@@ -59,7 +59,7 @@ def world(own: Parts) -> World:
 
 
 def on_board(machine: Machine) -> Machine:
-    """The machine without its world: where something else takes its place."""
+    """Return the machine without its world, for compositions that give it another one."""
     ghosts = set(machine.world.variables)
     kept = {name: term for name, term in machine.lemmas.items() if ghosts.isdisjoint(variables([term]))}
     return replace(machine, world=World(), lemmas=kept)
@@ -83,7 +83,7 @@ def _after(own: Parts) -> Num:
 
 
 def measuring(own: Parts, index: int) -> Measuring:
-    """The unit as the world has it."""
+    """Return the unit as the world sees it: its law and its ghosts."""
     unit, seen, config = own.units[index], own.ghosts.units[index], own.config
     physics = Physics(
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
@@ -150,7 +150,7 @@ def _never_alone(own: Parts) -> dict[str, Law]:
 
 
 def reads(own: Parts, end: int) -> Bool:
-    """The reader gives a marker of this line, and it stood over it."""
+    """Return whether the reader reports a marker of this line over which it stood."""
     reader = own.readers[end]
     return reader.marker.present & reader.place.present & ~own.ghosts.readers[end].stray
 

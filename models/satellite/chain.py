@@ -147,7 +147,7 @@ class EpochChain:
         return dict(zip(self._code.state_names, self._state, strict=True))
 
     def step(self, cycle: Cycle) -> Outcome:
-        """One cycle. InputError for a reference or a run that the machine's inputs cannot hold."""
+        """Make one cycle. InputError for a reference or a run out of the range of the machine's inputs."""
         before = self.state
         predicted = ahead(before, self.config.satellite) if before["position.mode"] != UNLOCATED else None
         epoch, late = self._of_this_cycle(cycle.epoch)

@@ -38,7 +38,7 @@ def world(own: Parts, trusted: Trusted) -> World:
 
 
 def can_stop(own: Parts, place: Num, speed: Num) -> Bool:
-    """The vehicle can come to a stop before the coordinates end; without it the movement would have to end with them."""
+    """Return whether the vehicle can stop before the coordinates end; otherwise the movement would have to end with them."""
     at_rest = place + exact_to(speed * Lit(own.config.stopping_ms, MS), NM)
     return between(own.truth.low, at_rest, own.truth.high)
 
@@ -132,11 +132,11 @@ def _signals(own: Parts) -> dict[str, Law]:
         ),
         "signals are compared with a prediction and a clock as good as configured": Law(
             all_of(good | ~used for used, good in zip(own.used, own.compared, strict=True)),
-            "What the errors of prediction and clock make of a used satellite's difference is within both figures together.",
+            "The errors of prediction and clock change a used satellite's difference by no more than the sum of both figures.",
             stated,
             "[D] A T2, the state's own error, and that of a median of the clock",
             "supplier",
-            "the state's margin is told, and can be held against the figure in every cycle",
+            "the machine reports the state's margin, which can be compared with the figure in every cycle",
         ),
     }
 

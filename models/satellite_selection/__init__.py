@@ -67,12 +67,12 @@ class Selection:
 
 
 def machine(config: SelectionConfig | None = None) -> Machine:
-    """The selection machine (SAT-1 to SAT-4)."""
+    """Make the selection machine (SAT-1 to SAT-4)."""
     return build(parts(config or SelectionConfig())).machine
 
 
 def build(own: Parts) -> Selection:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("NONE_USABLE", "SOME_USABLE")
     outputs: dict[str, Expr] = {"usable": own.usable}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}

@@ -63,7 +63,7 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     yield under_assumption(
         "a length that is read is the true one",
         (counts & passed).implies(read_long.iff(long)),
-        statement="a section read as long is long, and one read as short is short, at whatever speed the end left it",
+        statement="a section read as long is long, and one read as short is short, at every speed at which the end can leave it",
         requirements=CODE,
     )
     yield under_assumption(

@@ -23,7 +23,7 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: Guard) -> list[Property]:
-    """Every property of the guard."""
+    """Return all properties of the guard."""
     makers = (
         _safety,
         _added_error,

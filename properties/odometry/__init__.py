@@ -27,7 +27,7 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(model: Odometry) -> list[Property]:
-    """Every property of the odometry machine."""
+    """Return all properties of the odometry machine."""
     makers = (_safety, _references, _window, _selection, _rejection, _sensors, _ages)
     return [prop for maker in makers for prop in maker(model)]
 

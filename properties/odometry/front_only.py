@@ -47,7 +47,7 @@ def properties(whole: Comparison) -> list[Property]:
 
 
 def line_properties(whole: LineAhead) -> list[Property]:
-    """The assumptions of the comparison hold on every line ahead."""
+    """Claim that the assumptions of the comparison hold on every line ahead."""
     source, says = whole.source, whole.says
     verdict = says.num(source.own.readers[0].verdict)
     return [

@@ -15,7 +15,7 @@ under_assumption = partial(always, requirements=SOURCES, assumption=GIVEN)
 
 
 def properties(whole: MarkerField) -> list[Property]:
-    """The run as a function of where the vehicle is, its worst value, and that this is attained."""
+    """Claim the run as a function of the vehicle's place, its worst value, and that this is attained."""
     return list(_gain(whole) if whole.arrangement.pairs else _no_gain(whole))
 
 

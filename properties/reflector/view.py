@@ -82,9 +82,9 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
             (own.track.position + machine.output("range_mm")).eq(place)
             & all_of((least <= side) & (side - least <= late) for side, least in sides)
         ),
-        statement="in the view zone the position is the reflector's place less the range; each margin consists of the errors of echo, "
-        "survey and scale, the systematic error that the last self-test did not exclude, with its drift, and the travel since "
-        "the frame; an earlier position never narrows it",
+        statement="in the view zone the position is the reflector's place less the range. Each margin is the sum of the errors of "
+        "echo, survey and scale, the systematic error that the last self-test left open, its drift, and the travel "
+        "since the frame. An earlier position never narrows it",
         requirements=("RFL-2", "RFL-3", "RFL-D2"),
     )
 

@@ -28,7 +28,7 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-5"), unconditional=
 
 
 def properties(model: Satellite) -> list[Property]:
-    """Every property of selection and position together, where solutions of usable satellites can be trusted."""
+    """Return all properties of selection and position together, for solutions of usable satellites that can be trusted."""
     makers = (
         _safety, _restart, _references, solutions, used, narrowed, outcomes, prediction, prediction_error, _coasting,
         threshold_rule, _anchor,

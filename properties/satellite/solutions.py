@@ -63,7 +63,7 @@ def used(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "a satellite that violates the criterion never counts",
         accepted.implies(all_of(~flag | ~violation for flag, violation in zip(used, bad, strict=True))),
-        statement="no satellite of a solution that counts violates the criterion by what was measured of it in this cycle",
+        statement="an accepted solution uses no satellite whose measurement of this cycle violates the criterion",
         requirements=("SAT-1", "SAT-4", "SAT-5"),
     )
     valid = [model.composition.of(model.selection.machine).bool(one.ephemeris) for one, _ in channels(model)]
@@ -109,8 +109,8 @@ def narrowed(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "a solution narrows to its protection level and no farther",
         of.bool(model.machine.fired("solution counts")).implies(all_of(ends)),
-        statement="a solution that counts leaves of the predicted interval what is within its protection level: its dilution "
-        "times threshold, prediction and clock error together, and the further error; the same of the speed",
+        statement="an accepted solution narrows the predicted interval to its own protection level and no farther: dilution times "
+        "the sum of threshold, prediction error and clock error, plus the further error; likewise for the speed",
         requirements=("SAT-4", "SAT-5"),
     )
 

@@ -132,8 +132,8 @@ def _place_at_any_time(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "a place at any time",
         trusted.implies(figures.within(limit)),
-        statement="whatever the fibre reported, and for how long, a trusted interval is no farther from the front than "
-        "place_doubt_limit_mm and the place tolerance",
+        statement="a trusted interval is never farther from the front than place_doubt_limit_mm plus the place tolerance, for "
+        "every sequence of fibre reports",
     )
     doubt = exact_to(figures.model.machine.output("place_doubt_mm"), NM)
     yield whatever_the_fibre_tells(
@@ -174,7 +174,7 @@ def _values(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "a wrong count withholds",
         (trusted & counted).implies(own.axles.eq(own.seen_count.value)),
-        statement="a count that is not the train's withholds in the same cycle, whatever else is right or wrong",
+        statement="a wrong count withdraws the position in the same cycle, also if other measurements are wrong",
     )
     yield whatever_the_fibre_tells(
         "a wrong length withholds",
