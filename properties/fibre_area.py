@@ -168,9 +168,8 @@ def _wired_in_range(model: FibreArea) -> Bool:
 
 
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
-    nothing = (
-        ~_trusted(model) & ~_reports(model) & _of_slot(model).bool(model.area.own.slots[0].last_verdict.ne(ACCEPTED))
-    )
+    not_accepted = _of_slot(model).bool(model.area.own.slots[0].last_verdict.ne(ACCEPTED))
+    nothing = ~_trusted(model) & ~_reports(model) & not_accepted
     for name, (wrong, what, trace) in _wrong(model).items():
         yield for_all_inputs(
             f"{name} withholds",
@@ -370,8 +369,7 @@ def _added_error(model: FibreArea) -> Iterator[Property]:
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
     told = _reports(model) & of.bool(model.report.machine.flag("integer"))
-    long = seen.num(model.verification.own.kept_high)
-    run = of.num(own.straight)
+    long, run = seen.num(model.verification.own.kept_high), of.num(own.straight)
     low, high = of.num(own.reported_low), of.num(own.reported_high)
     front, rear = of.num(own.front_low), of.num(own.rear_high)
     most = figures.count_run_mm + figures.roll_back_mm

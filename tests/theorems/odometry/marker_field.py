@@ -19,10 +19,10 @@ from safeloc.language.terms import Substitution
 from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry.distance_device import Device, Unit
-from safeloc.models.odometry.field import LONGEST_VEHICLE_MM, SHORTER, Arrangement, Field, field_over, readings, world
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.models.odometry.world import on_board
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from tests.theorems.odometry.field import LONGEST_VEHICLE_MM, SHORTER, Arrangement, Field, field_over, readings, world
 
 ONE_LAW = OdometryConfig(
     first_unit=ErrorLaw(kind="wheel"),

@@ -7,7 +7,7 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, ite, maximum
 from safeloc.language.spec import Property, always, reachable
-from safeloc.models.odometry.marker_field import MarkerField
+from tests.theorems.odometry.marker_field import MarkerField
 
 GIVEN = "forward run, exact measurement, both readers read every marker, one error law for all units"
 SOURCES = ("MRK-D5", "MRK-D3", "MRK-1")
