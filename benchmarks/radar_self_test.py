@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.language.nodes import Value
-from safeloc.models.reflector.simulate import Scene, said, simulate
+from safeloc.models.reflector.simulate import Scene, outputs_along, simulate
 from safeloc.models.reflector.variables import ERROR, ReflectorConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault
@@ -86,7 +86,7 @@ def driven(radar: Radar, *, seed: int = 1) -> Outcome:
     """One run."""
     scene = Scene(clutter=0.0, pauses=0.0, dropout=0.0, disturbances=radar.wrong)
     stream = simulate(radar.config, seed=seed, scene=scene, legs=[Leg(SPEED_MM_S, CYCLES // 10)])
-    reports = said(radar.config, stream)
+    reports = outputs_along(radar.config, stream)
     missed = [_missed_mm(one, step) for one, step in zip(reports, stream, strict=True) if one["precise"]]
     margins = [max(one["margin_above_mm"], one["margin_below_mm"]) for one in reports if one["precise"]]
     errors = frozenset(str(ERROR[int(one["error"])].label) for one in reports)

@@ -2,8 +2,8 @@
 
 python -m benchmarks.satellite_integrity RECORDINGS [DIAGRAMS]
 
-Every recording and disturbance goes through the chain twice: as it is, where a level charges threshold, prediction and clock error of a
-usable signal; and as it was, where it charged the threshold alone. DIAGRAMS is a folder for the Stanford diagrams of both.
+Every recording and disturbance goes through the chain twice: as it is, where a level contains threshold, prediction and clock error of a
+usable signal; and as it was, where it contained the threshold alone. DIAGRAMS is a folder for the Stanford diagrams of both.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from safeloc.sensing.satellite.solution import Solution
 from safeloc.simulation.faults import Fault
 
 HEADS = (
-    "recording", "alert limit, m", "charged, m", "level, m: 50 %", "cycles", "available", "withheld", "misleading",
+    "recording", "alert limit, m", "added error, m", "level, m: 50 %", "cycles", "available", "withheld", "misleading",
     "hazardous", "longest unseen, s", "prediction or clock beyond its figure",
 )  # fmt: skip
 PHONE: dict[str, tuple[Fault, ...]] = {
@@ -36,15 +36,15 @@ PHONE: dict[str, tuple[Fault, ...]] = {
 
 
 class ThresholdAlone(EpochChain):
-    """The chain as it was: a level charges the threshold of each used signal, and nothing for prediction and clock."""
+    """The chain as it was: a level contains the threshold of each used signal, and nothing for prediction and clock."""
 
     def _fix(self, solution: Solution, predicted: Ahead, offset_s: float) -> StepValues:
         made, chosen = super()._fix(solution, predicted, offset_s), self.config.satellite.selection
-        for dilution, further, charged in (
+        for dilution, further, added in (
             ("fix_dilution_permille", "fix_further_mm", chosen.range_threshold_mm / 1_000),
             ("fix_speed_dilution_permille", "fix_speed_further_um_s", chosen.speed_threshold_mm_s),
         ):
-            more = math.ceil(int(made[f"position.{dilution}"]) * charged)
+            more = math.ceil(int(made[f"position.{dilution}"]) * added)
             made |= {f"position.{dilution}": 0, f"position.{further}": int(made[f"position.{further}"]) + more}
         return made
 
@@ -60,8 +60,8 @@ class Trial:
     chain_of: type[EpochChain]
 
     @property
-    def charged_mm(self) -> int:
-        """What a level charges for each used signal, the map's error with it."""
+    def added_mm(self) -> int:
+        """Return the error that a level adds for each used signal, with the map's error."""
         chosen, beside = self.recording.config.satellite.selection, self.recording.config.map_error_mm
         return (chosen.range_threshold_mm if self.chain_of is ThresholdAlone else chosen.usable_range_error_mm) + beside
 
@@ -70,7 +70,7 @@ class Trial:
         state = "before" if self.chain_of is ThresholdAlone else "after"
         healthy_m = self.recording.config.satellite.selection.range_noise_mm / 1_000
         name = f"{self.recording.name}: {self.name}, {state}"
-        tally = Tally(name, healthy_m, self.charged_mm / 1_000, hidden_m(self.recording.config))
+        tally = Tally(name, healthy_m, self.added_mm / 1_000, hidden_m(self.recording.config))
         tally.add(told(self.recording, self.known, self.disturbances, self.chain_of))
         return tally
 
@@ -90,7 +90,7 @@ def cells(trial: Trial, tally: Tally) -> list[str]:
     counts, levels = tally.all_reports().counts(config.tolerance_mm), quantiles(tally.levels_mm)
     regions = [f"{counts[region]} ({100 * counts[region] / tally.cycles:.1f} %)" for region in REGIONS]
     return [
-        tally.name, f"{config.tolerance_mm / 1_000:.0f}", f"{trial.charged_mm / 1_000:.1f}",
+        tally.name, f"{config.tolerance_mm / 1_000:.0f}", f"{trial.added_mm / 1_000:.1f}",
         "" if levels is None else f"{levels[0]:.1f}", str(tally.cycles), *regions,
         f"{tally.longest_unseen * config.period_ms / 1_000:.0f}", str(tally.uncompared),
     ]  # fmt: skip

@@ -141,8 +141,8 @@ def as_told(
     off_m = _differences_m(outcome, config.satellite.selection.channels)
     level_mm = 0
     if fix is not None:
-        charged_mm = int(inputs["position.fix_dilution_permille"]) * config.satellite.selection.usable_range_error_mm
-        level_mm = math.ceil(charged_mm / 1_000) + int(inputs["position.fix_further_mm"])
+        added_mm = int(inputs["position.fix_dilution_permille"]) * config.satellite.selection.usable_range_error_mm
+        level_mm = math.ceil(added_mm / 1_000) + int(inputs["position.fix_further_mm"])
     return Told(
         truth_mm,
         (position - below, position, position + above) if outputs["position.valid"] else None,

@@ -5,7 +5,7 @@ the term; the audit calls it with variables and evaluates the term on the figure
 Lengths are mm along the track in direction of travel; comparisons read `actual <= required` or `actual < required`.
 
     layout = LayoutConfig()
-    assumption = told_apart(same_model, spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
+    assumption = distinguishable(same_model, spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
 """
 
 from __future__ import annotations
@@ -160,7 +160,7 @@ def separable_by_distance(spacing_mm: Num, layout: LayoutConfig) -> Bool:
     return as_num(errors, MM) < spacing_mm
 
 
-def told_apart(
+def distinguishable(
     same_model: Bool, spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num, layout: LayoutConfig
 ) -> Bool:
     """Require that no echo of one of two neighbours on a route can be taken for the other's (RFL-8, RFL-10).
@@ -170,10 +170,10 @@ def told_apart(
     """
     overlap = zones_overlap(spacing_mm, next_view_from_mm, previous_view_to_mm)
     alone = alone_in_search_window(spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
-    return told_apart_across_tracks(same_model, spacing_mm, layout) & (~same_model | overlap | alone)
+    return distinguishable_across_tracks(same_model, spacing_mm, layout) & (~same_model | overlap | alone)
 
 
-def told_apart_across_tracks(same_model: Bool, spacing_mm: Num, layout: LayoutConfig) -> Bool:
+def distinguishable_across_tracks(same_model: Bool, spacing_mm: Num, layout: LayoutConfig) -> Bool:
     """Require two reflectors beside different tracks to differ in model or to be separable by distance (RFL-10)."""
     return ~same_model | separable_by_distance(spacing_mm, layout)
 
@@ -196,7 +196,7 @@ def direction_shows(same_model: Bool) -> Bool:
     return ~same_model
 
 
-def routes_told_apart(faults_to_confuse: Num, layout: LayoutConfig) -> Bool:
+def routes_distinguishable(faults_to_confuse: Num, layout: LayoutConfig) -> Bool:
     """Require that one route looks like another only with more missed or misread reflectors than have to be tolerated (RFL-D6)."""
     return as_num(layout.route_faults_withstood, COUNT) < faults_to_confuse
 

@@ -48,12 +48,12 @@ def _safety(model: Arbitration) -> Iterator[Property]:
     silent = all_of(own_var.eq(0) for own_var in (own.position, own.below, own.above, own.lag))
     yield _free(
         "no part of a withheld position is reported",
-        given | (silent & _nothing_told(model.machine)),
+        given | (silent & _nothing_reported(model.machine)),
         "while a position is withheld the machine reports no part of it",
     )
 
 
-def _nothing_told(machine: Machine) -> Bool:
+def _nothing_reported(machine: Machine) -> Bool:
     ends = [machine.output(name).eq(NO_POSITION_MM) for name in ("min_safe_front_mm", "max_safe_front_mm")]
     return no_interval(machine) & all_of(ends)
 

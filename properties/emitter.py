@@ -67,7 +67,7 @@ def _request(model: Emitter) -> Iterator[Property]:
         "request is answered",
         config.answer_cycles,
         own.requested & works,
-        ~works | own.judged.eq(PASSED),
+        ~works | own.last_verdict.eq(PASSED),
         statement="an unanswered request ends the tested state within its time and one cycle",
         requirements=REQUIREMENTS,
         unconditional=True,
@@ -79,7 +79,7 @@ def _tested(model: Emitter) -> Iterator[Property]:
     """Claim that only the own pattern makes a chain tested."""
     machine, own = model.machine, model.own
     _, tested, _ = machine.modes
-    mode, works, passed = machine.mode, machine.flag("chain_tested"), own.judged.eq(PASSED)
+    mode, works, passed = machine.mode, machine.flag("chain_tested"), own.last_verdict.eq(PASSED)
     yield for_all_inputs(
         "only the own pattern passes",
         passed.implies(_ours(own) & own.place.present & ~_off_place(own)),
@@ -92,7 +92,7 @@ def _tested(model: Emitter) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "foreign patterns do not pass",
-        own.judged.one_of(FOREIGN, NOT_DUE, NO_PLACE).implies(
+        own.last_verdict.one_of(FOREIGN, NOT_DUE, NO_PLACE).implies(
             ~machine.fired("pattern passes", "first pattern passes", "enough patterns pass")
         ),
         statement="another emitter's pattern, and the own one when it is not due or without its place, renew nothing",
@@ -135,17 +135,17 @@ def _to_send(own: Parts) -> Bool:
 
 def _patterns(model: Emitter) -> Iterator[Property]:
     """Claim the verdict on a pattern, from its content and its time."""
-    own, config, told = model.own, model.own.config, model.own.judged
+    own, config, outcome = model.own, model.own.config, model.own.last_verdict
     ours, off_place = _ours(own), _off_place(own)
     here = ours & own.place.present & ~off_place
     yield under_assumption(
         "a pattern that passes came through the chain",
-        told.eq(PASSED).implies(own.works),
+        outcome.eq(PASSED).implies(own.works),
         statement="in the cycle in which a pattern passes the whole chain works",
     )
     yield under_assumption(
         "a pattern passes when the emitter is to send, and only then",
-        told.eq(PASSED).iff(here & _to_send(own)) & told.eq(NOT_DUE).iff(here & ~_to_send(own)),
+        outcome.eq(PASSED).iff(here & _to_send(own)) & outcome.eq(NOT_DUE).iff(here & ~_to_send(own)),
         statement="the own pattern from its own place passes at the emitter's regular time or while a request is open; at "
         "any other time the verdict is that it is not due",
     )
@@ -153,7 +153,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     meanings |= {NO_PLACE: ours & ~own.place.present, ELSEWHERE: ours & own.place.present & off_place}
     yield for_all_inputs(
         "the verdict names why a pattern does not pass",
-        all_of(told.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
+        all_of(outcome.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
         statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the "
         "own one from elsewhere",
     )
@@ -166,7 +166,7 @@ def _times(model: Emitter) -> Iterator[Property]:
     one_less = ite(awaited > 0, awaited - 1, as_num(0, COUNT))
     yield for_all_inputs(
         "the time to the next pattern counts down",
-        ite(own.judged.eq(PASSED), left.eq(config.due_cycles), left.eq(one_less)),
+        ite(own.last_verdict.eq(PASSED), left.eq(config.due_cycles), left.eq(one_less)),
         statement="the next pattern is awaited for the due time after one that passed, and one cycle less in each other cycle",
     )
 
@@ -175,7 +175,7 @@ def _failures(model: Emitter) -> Iterator[Property]:
     """Claim the failure of a chain as reported."""
     machine, own = model.machine, model.own
     *_, failed = machine.modes
-    mode, elsewhere = machine.mode, own.judged.eq(ELSEWHERE)
+    mode, elsewhere = machine.mode, own.last_verdict.eq(ELSEWHERE)
     yield for_all_inputs(
         "a failed chain is reported",
         machine.flag("failed").iff(mode.eq(failed)),
@@ -192,7 +192,7 @@ def _in_time(model: Emitter) -> Iterator[Property]:
     """Claim the reasons for a failure, and the patterns that show a tested chain."""
     machine, own = model.machine, model.own
     _, tested, failed = machine.modes
-    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    mode, passed, elsewhere = machine.mode, own.last_verdict.eq(PASSED), own.last_verdict.eq(ELSEWHERE)
     in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
     yield under_assumption(
         "a chain fails for a reason",
@@ -211,7 +211,7 @@ def _recovery(model: Emitter) -> Iterator[Property]:
     """Claim the conditions under which a failed chain is tested again."""
     machine, own, config = model.machine, model.own, model.own.config
     _, tested, failed = machine.modes
-    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    mode, passed, elsewhere = machine.mode, own.last_verdict.eq(PASSED), own.last_verdict.eq(ELSEWHERE)
     so_far = ite(before(mode).eq(failed) & (_awaited(model) > 0), before(own.passes), as_num(0, COUNT))
     nothing_counts = mode.ne(failed) | before(mode).ne(failed) | elsewhere
     yield for_all_inputs(

@@ -61,7 +61,7 @@ def _trusted(model: FibreArea) -> Bool:
     return model.composition.of(model.verification.machine).bool(model.verification.machine.flag("trusted"))
 
 
-def _told(model: FibreArea) -> Bool:
+def _reports(model: FibreArea) -> Bool:
     return model.composition.of(model.report.machine).bool(model.report.machine.flag("told"))
 
 
@@ -87,11 +87,11 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
         statement="the reported position contains the front of the train that the fibre follows",
     )
-    told = of(report.machine)
-    low, high = told.num(report.own.told_low), told.num(report.own.told_high)
+    of_report = of(report.machine)
+    low, high = of_report.num(report.own.reported_low), of_report.num(report.own.reported_high)
     yield under_assumption(
         "the pattern lies between its ends",
-        _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
+        _reports(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
         statement="from min safe rear to max safe front, the report to the area contains both ends of the pattern",
         requirements=(*CLAIM, *CLEAR),
     )
@@ -168,7 +168,8 @@ def _wired_in_range(model: FibreArea) -> Bool:
 
 
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
-    nothing = ~_trusted(model) & ~_told(model) & _of_slot(model).bool(model.area.own.slots[0].judged.ne(ACCEPTED))
+    not_accepted = _of_slot(model).bool(model.area.own.slots[0].last_verdict.ne(ACCEPTED))
+    nothing = ~_trusted(model) & ~_reports(model) & not_accepted
     for name, (wrong, what, trace) in _wrong(model).items():
         yield for_all_inputs(
             f"{name} withholds",
@@ -304,23 +305,23 @@ def _leaves(model: FibreArea) -> Bool:
 def _narrowed(model: FibreArea) -> Iterator[Property]:
     """Claim the conditions under which the train's interval becomes narrower."""
     slot, of = model.area.own.slots[0], _of_slot(model)
-    judged, integer = of.bool(slot.judged.eq(ACCEPTED)), of.bool(slot.integer)
+    accepted, integer = of.bool(slot.last_verdict.eq(ACCEPTED)), of.bool(slot.integer)
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
     verified, seen = model.verification.own, model.composition.of(model.verification.machine)
     counted = seen.bool(verified.associated & verified.seen_count.present)
     yield for_all_inputs(
         "only a trusted train narrows",
-        judged.implies(_trusted(model) & _told(model) & (age <= limit)),
+        accepted.implies(_trusted(model) & _reports(model) & (age <= limit)),
         statement="the area narrows the train's interval only on a report that is trusted and fresh in that very cycle",
         requirements=CLEAR,
     )
     yield for_all_inputs(
         "only an axle count confirms integrity",
-        (integer & _told(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
+        (integer & _reports(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
     )
-    yield from _charged(model)
+    yield from _added_error(model)
     yield from _parted(model)
     yield from _counted_out(model)
 
@@ -363,14 +364,13 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
     )
 
 
-def _charged(model: FibreArea) -> Iterator[Property]:
+def _added_error(model: FibreArea) -> Iterator[Property]:
     """Claim, in figures of its own, the distance of the reported ends of a counted train."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
-    told = _told(model) & of.bool(model.report.machine.flag("integer"))
-    long = seen.num(model.verification.own.kept_high)
-    run = of.num(own.straight)
-    low, high = of.num(own.told_low), of.num(own.told_high)
+    told = _reports(model) & of.bool(model.report.machine.flag("integer"))
+    long, run = seen.num(model.verification.own.kept_high), of.num(own.straight)
+    low, high = of.num(own.reported_low), of.num(own.reported_high)
     front, rear = of.num(own.front_low), of.num(own.rear_high)
     most = figures.count_run_mm + figures.roll_back_mm
     yield for_all_inputs(
@@ -409,14 +409,14 @@ def _parted(model: FibreArea) -> Iterator[Property]:
 
 def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
     """Yield the conditions that the run in one direction grows while it goes on, and is zero from the cycle on in which it does not."""
-    told = model.composition.of(model.front.machine)
+    front = model.composition.of(model.front.machine)
     seen = model.composition.of(model.verification.machine)
-    heard = told.bool(model.front.own.run.present), told.num(model.front.own.run.value)
+    run_input = front.bool(model.front.own.run.present), front.num(model.front.own.run.value)
     yield (earlier_num(run) <= 0) | (run >= earlier_num(run)) | (run <= 0)
     yield (earlier_num(run) >= 0) | (run <= earlier_num(run)) | (run >= 0)
-    yield (run > 0).implies(heard[1] > 0)
-    yield (run < 0).implies(heard[1] < 0)
-    yield run.ne(0).implies(heard[0])
+    yield (run > 0).implies(run_input[1] > 0)
+    yield (run < 0).implies(run_input[1] < 0)
+    yield run.ne(0).implies(run_input[0])
     yield run.ne(0).implies(seen.bool(model.verification.own.associated))
     yield _leaves(model).implies(run.eq(0))
 

@@ -171,7 +171,7 @@ def _other_trains(model: FibreHandover) -> Iterator[Property]:
     yield for_all_inputs(
         "no data of a train are kept after it is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
-        statement="after a train is gone, none of its data are kept for the next one",
+        statement="when a train has gone, the machine discards all its data",
     )
     counted = taking.own.associated & taking.own.seen_count.present
     yield for_all_inputs(

@@ -11,12 +11,12 @@ from safeloc.language.terms import Substitution
 
 
 def in_step(machine: Machine, term: Bool) -> Bool:
-    """A truth-valued term as it was in the step."""
+    """Return a truth-valued term with its value in the step."""
     return _before(machine).bool(term)
 
 
 def num_in_step(machine: Machine, term: Num) -> Num:
-    """A numeric term as it was in the step."""
+    """Return a numeric term with its value in the step."""
     return _before(machine).num(term)
 
 

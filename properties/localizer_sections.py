@@ -35,7 +35,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: LocalizerSections) -> list[Property]:
-    """Every property of the localizer and of the sections, and those of both together."""
+    """Return all properties of the localizer, of the sections, and of both together."""
     parts = [
         *localizer_properties.properties(whole.localizer),
         *sections_properties.properties(whole.area_and_sections),
@@ -141,11 +141,11 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
     )
     link = whole.localizer.uplink.machine
     landed = whole.composition.of(link).bool(link.fired("report arrives"))
-    others = all_of(there.bool(train.judged.ne(ACCEPTED)) for train in slots[1:])
+    others = all_of(there.bool(train.last_verdict.ne(ACCEPTED)) for train in slots[1:])
     counted = all_of(~there.bool(train.leaves) for train in slots)
     swept = there.bool(whole.area.machine.fired("counters are clear", "everything loose is pushed out"))
     yield for_all_inputs(
         f"{name} is not cleared by a silent uplink",
         (~landed & others & counted & ~swept & ~earlier_bool(free)).implies(~free),
-        statement="while no report of this train arrives, nothing but what counters and other trains tell makes a section clear",
+        statement="while no report of this train arrives, only axle counters and reports of other trains can clear a section",
     )

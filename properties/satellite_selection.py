@@ -27,8 +27,8 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-D1"), unconditional
 
 
 def properties(model: Selection) -> list[Property]:
-    """Every property of the selection machine."""
-    makers = (_kept_out, _healthy_stay, _told, _bounded)
+    """Return all properties of the selection machine."""
+    makers = (_kept_out, _healthy_stay, _standing_is_reported, _bounded)
     found = [prop for one in model.own.channels for make in makers for prop in make(model, one)]
     return [*found, _subset(model), *_once(model), *_counted(model)]
 
@@ -70,16 +70,16 @@ def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
     )
     yield for_all_inputs(
         f"{name}: exclusion leaves no trace",
-        one.standing.eq(USABLE).iff(ready & ~_told_before(model, one) & ~violated(one, config, config.removal)),
+        one.standing.eq(USABLE).iff(ready & ~_reported_before(model, one) & ~violated(one, config, config.removal)),
         statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
         "exclusions count for nothing, as the list starts anew from all visible ones",
     )
 
 
-def _told(model: Selection, one: Channel) -> Iterator[Property]:
-    """Why a satellite is not usable, and how long it has been followed."""
+def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
+    """Claim the reason why a satellite is not usable, and how long it has been followed."""
     config, name, now = model.own.config, f"channel {one.number}", one.standing
-    here = one.identity.present & ~_told_before(model, one)
+    here = one.identity.present & ~_reported_before(model, one)
     measured, ready = _measured(model, one), _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
     meanings = (
         (ABSENT, ~here),
@@ -123,15 +123,15 @@ def _bounded(model: Selection, one: Channel) -> Iterator[Property]:
         yield always(
             f"channel {one.number}: a usable {name} is bounded",
             (usable & as_configured).implies((error < most) & (error > -most)),
-            statement=f"the {name} error of a usable satellite is below the threshold and what prediction and clock may "
-            "hide of it, all three together, and not below the threshold alone",
+            statement=f"the {name} error of a usable satellite is below the sum of the threshold and the greatest errors of "
+            f"prediction and clock; the threshold alone is no bound",
             requirements=("SAT-1", "SAT-4"),
             assumption=f"{LAW}; {BOUNDED}",
         )
 
 
 def violated(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:
-    """One of the compared quantities violates the criterion, from what was measured."""
+    """Return whether one of the compared quantities, as measured, violates the criterion."""
     return any_of(_violations(one, config, removal))
 
 
@@ -175,7 +175,7 @@ def _identity(one: Channel) -> Num:
     return ite(~one.identity.present, as_num(0, COUNT), one.identity.value)
 
 
-def _told_before(model: Selection, one: Channel) -> Bool:
+def _reported_before(model: Selection, one: Channel) -> Bool:
     """An earlier channel receives the same satellite."""
     return any_of(
         other.identity.present & one.identity.value.eq(other.identity.value)
@@ -210,8 +210,8 @@ def _subset(model: Selection) -> Property:
     return for_all_inputs(
         "the strict criterion admits no more satellites",
         all_of(kept),
-        statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
-        "as well",
+        statement="every satellite that the strict criterion keeps (one violation removes) is also kept by the lax one (only both "
+        "together remove)",
         requirements=("SAT-4",),
     )
 
@@ -220,11 +220,11 @@ def _once(model: Selection) -> Iterator[Property]:
     """Of the first of two channels, since one of the two has to give way."""
     channels = model.own.channels
     for number, one in enumerate(channels[1:], 1):
-        told = one.identity.value
+        identity = one.identity.value
         yield for_all_inputs(
             f"channel {one.number}: no satellite twice",
             one.standing.eq(USABLE).implies(
-                all_of(~earlier.identity.present | earlier.identity.value.ne(told) for earlier in channels[:number])
+                all_of(~earlier.identity.present | earlier.identity.value.ne(identity) for earlier in channels[:number])
             ),
             statement="a satellite that an earlier channel receives as well is not usable in this one: the machine "
             "uses it once",

@@ -10,7 +10,7 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.terms import Substitution
 from safeloc.language.units import UM
 from safeloc.models.area import um
-from safeloc.models.area.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
+from safeloc.models.area.judgement import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
 
@@ -32,7 +32,7 @@ def properties(model: Sections) -> list[Property]:
             *_evidence(model, one),
             *_silence(model, one),
             *_rule(model, one),
-            *_told(model, one),
+            *_reported(model, one),
             *_timed(model, one),
         ]
     return found
@@ -107,7 +107,7 @@ def _widens(of: Substitution, one: Slot) -> Bool:
     """Return the condition that both bounds move outward without an accepted report or an event (except at the ends of the world)."""
     limit, present = one.reach.limit_mm, of.bool(one.present)
     low, high = of.num(one.low), of.num(one.high)
-    quiet = of.bool(one.judged.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
+    quiet = of.bool(one.last_verdict.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
     lower = (low <= earlier_num(low)) | low.eq(-limit)
     higher = (high >= earlier_num(high)) | high.eq(limit)
     return quiet.implies(lower & higher)
@@ -119,14 +119,14 @@ def _aged(of: Substitution, one: Slot) -> Bool:
     run = with_unit(one.age * one.reach.max_speed_mm_s, UM)
     lowest = maximum(earlier_num(low), of.num(um(one.rear.value) - run))
     highest = minimum(earlier_num(high), of.num(um(one.front.value) + run))
-    accepted = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & one.present)
+    accepted = of.bool(one.last_verdict.eq(ACCEPTED) & ~one.enters & one.present)
     return accepted.implies((low <= lowest) & (high >= highest))
 
 
 def _leads(of: Substitution, one: Slot) -> Bool:
     low, high = of.num(one.low), of.num(one.high)
     parted = one.present & ~one.integer if one.integrity_is_trusted else one.present
-    split = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & parted)
+    split = of.bool(one.last_verdict.eq(ACCEPTED) & ~one.enters & parted)
     lower, higher = low <= earlier_num(low), high >= earlier_num(high)
     return (split & of.bool(~one.downwards)).implies(lower) & (split & of.bool(one.downwards)).implies(higher)
 
@@ -135,7 +135,7 @@ def _confirmed(of: Substitution, one: Slot, trusted: bool) -> Bool:
     waited, present = of.num(one.unconfirmed), of.bool(one.present)
     stays = earlier_bool(present) & present & of.bool(~one.enters)
     longer = (waited > earlier_num(waited)) | waited.eq(one.unconfirmed.high)
-    word = of.bool(one.judged.eq(ACCEPTED) & one.integer)
+    word = of.bool(one.last_verdict.eq(ACCEPTED) & one.integer)
     return stays.implies(longer | (word & waited.eq(0)) if trusted else longer)
 
 
@@ -157,7 +157,7 @@ def _rule(model: Sections, one: Section) -> Iterator[Property]:
     )
 
 
-def _told(model: Sections, one: Section) -> Iterator[Property]:
+def _reported(model: Sections, one: Section) -> Iterator[Property]:
     """Claim the evidence of the state, and its trust."""
     machine, name, config = one.machine, one.machine.name, one.config
     of = model.composition.of(machine)
@@ -199,8 +199,8 @@ def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
     for train in model.area.own.slots:
         low, high = there.num(train.low), there.num(train.high)
         here = there.bool(train.present) & _overlaps(low, high, of.num(one.start), of.num(one.end))
-        heard = there.num(train.silent) <= one.config.mute_limit_cycles
-        yield here.implies(heard & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
+        recent = there.num(train.silent) <= one.config.mute_limit_cycles
+        yield here.implies(recent & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
 
 
 def _safety(model: Sections, one: Section) -> Iterator[Property]:
@@ -255,7 +255,7 @@ def _silence(model: Sections, one: Section) -> Iterator[Property]:
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     free = of.bool(one.machine.flag("clear"))
     slots = model.area.own.slots
-    silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
+    silent = all_of(there.bool(train.last_verdict.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine
     quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))
     yield for_all_inputs(

@@ -92,12 +92,12 @@ class _Before:
     @property
     def narrow(self) -> Bool:
         """Within the limit on either side, when widened by its age."""
-        charged = with_unit(self.age * self.config.run_mm, MM)
+        added_error = with_unit(self.age * self.config.run_mm, MM)
         widths = (before(self.slot.below), before(self.slot.above))
-        return all_of(width <= self.config.margin_limit_mm - charged for width in widths)
+        return all_of(width <= self.config.margin_limit_mm - added_error for width in widths)
 
     def is_in(self, slot: Slot) -> Bool:
-        """The slot keeps this report, one cycle older."""
+        """Return whether the slot still holds this report, one cycle older."""
         numbers = ((slot.position, self.slot.position), (slot.below, self.slot.below), (slot.above, self.slot.above))
         same = all_of(now.eq(before(then)) for now, then in numbers)
         return slot.there & slot.valid.iff(was(self.slot.valid)) & same & slot.age.eq(self.age)

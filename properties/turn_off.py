@@ -197,10 +197,10 @@ def _backs_off(model: TurnOff) -> Iterator[Property]:
 def _announced(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     idle, ahead, *_ = machine.modes
-    told = own.switch.present & own.measured & (own.high < own.switch.value)
+    passed = own.switch.present & own.measured & (own.high < own.switch.value)
     yield for_all_inputs(
         "a switch in view is watched",
-        (told & before(machine.mode).eq(idle)).implies(machine.mode.eq(ahead) & own.here.eq(own.switch.value)),
+        (passed & before(machine.mode).eq(idle)).implies(machine.mode.eq(ahead) & own.here.eq(own.switch.value)),
         statement="from IDLE the machine begins to watch a switch that surely lies ahead and whose reflector the radar measures",
     )
     yield for_all_inputs(

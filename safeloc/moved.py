@@ -9,6 +9,11 @@ from types import ModuleType
 
 MOVED = {
     "safeloc.antecedents": "safeloc.language.antecedents",
+    "safeloc.assurance.mutation.claim_judging": "safeloc.assurance.mutation.judge_claim_mutant",
+    "safeloc.assurance.mutation.judging": "safeloc.assurance.mutation.judge_machine_mutant",
+    "safeloc.assurance.mutation.whole_judging": "safeloc.assurance.mutation.judge_composition_mutant",
+    "safeloc.assurance.mutation.world_judging": "safeloc.assurance.mutation.judge_world_mutant",
+    "safeloc.assurance.splits.live": "safeloc.assurance.splits.live_splits",
     "safeloc.audit": "safeloc.railway.audit",
     "safeloc.backends": "safeloc.codegen",
     "safeloc.border": "safeloc.runtime.border",
@@ -62,11 +67,8 @@ MOVED = {
     "safeloc.models.localizer_sections_streams": "safeloc.models.localizer_sections.simulate",
     "safeloc.models.localizer_sky": "safeloc.models.localizer.simulation.sky",
     "safeloc.models.localizer_streams": "safeloc.models.localizer.simulation.simulate",
-    "safeloc.models.marker_field": "safeloc.models.odometry.marker_field",
     "safeloc.models.motion_streams": "safeloc.models.motion.simulate",
     "safeloc.models.odometry.error_law": "safeloc.models.vocabulary.error_law",
-    "safeloc.models.odometry_front_only": "safeloc.models.odometry.front_only",
-    "safeloc.models.odometry_line_ahead": "safeloc.models.odometry.line_ahead",
     "safeloc.models.odometry_parts": "safeloc.models.odometry",
     "safeloc.models.odometry_streams": "safeloc.models.odometry.simulate",
     "safeloc.models.reflector_parts": "safeloc.models.reflector",
@@ -101,11 +103,10 @@ MOVED = {
     "safeloc.properties.balise_layout": "safeloc.properties.balise.layout",
     "safeloc.properties.balise_linking": "safeloc.properties.balise.linking",
     "safeloc.properties.balise_step": "safeloc.properties.balise.step",
-    "safeloc.properties.marker_field": "safeloc.properties.odometry.marker_field",
     "safeloc.properties.odometry_faults": "safeloc.properties.odometry.faults",
-    "safeloc.properties.odometry_front_only": "safeloc.properties.odometry.front_only",
     "safeloc.properties.verification_mismatch": "safeloc.properties.verification.mismatch",
     "safeloc.provers": "safeloc.proof.provers",
+    "safeloc.railway.guard.told": "safeloc.railway.guard.judgement_data",
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",
     "safeloc.requirements": "safeloc.assurance.requirements",
@@ -118,6 +119,7 @@ MOVED = {
     "safeloc.runtime.embedding.period": "safeloc.runtime.embedding.cycle_length",
     "safeloc.runtime.reported": "safeloc.reported",
     "safeloc.runtime.service.pace": "safeloc.runtime.service.clock_lag",
+    "safeloc.sensing.fibre.runs": "safeloc.sensing.fibre.shaken_stretches",
     "safeloc.service": "safeloc.runtime.service",
     "safeloc.shipped.localizer": "safeloc.models.localizer.target",
     "safeloc.shipped.making": "safeloc.target",
@@ -144,7 +146,22 @@ _A_FILE_EACH = (
     "it is gone. Each machine's entry stands in target.py of its folder, such as safeloc.models.emitter.target; "
     "safeloc.shipped.ENTRIES has all of them."
 )
+_A_THEOREM = "it is gone. The machines of theorems about odometry are no part of the package; they stand in tests/theorems/odometry/ of the repository."
+_THEOREMS = (
+    "models.marker_field",
+    "models.odometry.field",
+    "models.odometry.front_only",
+    "models.odometry.line_ahead",
+    "models.odometry.marker_field",
+    "models.odometry_front_only",
+    "models.odometry_line_ahead",
+    "properties.marker_field",
+    "properties.odometry.front_only",
+    "properties.odometry.marker_field",
+    "properties.odometry_front_only",
+)
 GONE = {
+    **{f"safeloc.{name}": _A_THEOREM for name in _THEOREMS},
     "safeloc.codegen.runtime": "to_fsm and to_async_fsm are gone. Controller(target).follow(model) of "
     "safeloc.runtime.embedding lets a host's object follow the machine, behind the border (docs/embedding.md).",
     "safeloc.shipped.fibre": _A_FILE_EACH,

@@ -12,12 +12,12 @@ from typing import Literal
 
 from safeloc.errors import InputError, ModelError
 from safeloc.language.nodes import Value
-from safeloc.language.renamed import refuse_old_keywords, renamed
+from safeloc.language.renamed import check_keywords, renamed
 
 Standing = Literal["contained", "WRONG", "INVALID"]
 
 
-@refuse_old_keywords(ModelError, {"under": "below", "over": "above"})
+@check_keywords(ModelError, {"under": "below", "over": "above"})
 @dataclass(frozen=True)
 class Reported:
     """Names of outputs: the interval is [position - below, position + above] in mm while `valid` equals `valid_is`.

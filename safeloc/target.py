@@ -43,7 +43,7 @@ class Target:
     simulate  simulation, if there is one: seed -> steps of simulated sensors
     pictures  drawings of its recorded runs in a report
     silent    machines that may get no input in a step: the assumption also holds if all their inputs are absent
-    said      record name -> input name, for each input whose records have another name
+    input_of_record  record name -> input name, for each input whose records have another name
     spec      the requested name, as on the command line
     unasked   the reason why there is no property, if there is none: the name looked for, the file, and the remedy
     given     of a user's machine: the content of its configuration file
@@ -62,7 +62,7 @@ class Target:
     simulate: Simulate | None = None
     pictures: tuple[Picture, ...] = ()
     silent: tuple[str, ...] = ()
-    said: Mapping[str, str] = field(default_factory=dict)
+    input_of_record: Mapping[str, str] = field(default_factory=dict)
     spec: str = ""
     unasked: str = ""
     given: Mapping[str, Any] | None = None
@@ -130,8 +130,8 @@ class Entry(Generic[AnyConfig]):
         names = {machine.name for machine in target.machines}
         inputs = {var.name for var in target.system.inputs}
         silent = tuple(name for name in self.silent if name in names)
-        said = {record: name for record, name in self.records_of.items() if name in inputs}
-        return replace(target, silent=silent, said=said, witnesses=witnesses_of(self.name))
+        input_of_record = {record: name for record, name in self.records_of.items() if name in inputs}
+        return replace(target, silent=silent, input_of_record=input_of_record, witnesses=witnesses_of(self.name))
 
 
 def recorded(name: str) -> tuple[Path, ...]:

@@ -101,7 +101,7 @@ def test_what_hosts_are_told_is_there(name: str) -> None:
     """In its defaults a target has every machine and every input that its entry names; a wrong name would be passed over."""
     target, entry = load_target(name), ENTRIES[name]
     assert entry.silent == target.silent
-    assert entry.records_of == target.said
+    assert entry.records_of == target.input_of_record
 
 
 def test_a_localizer_with_fewer_sources_has_fewer_silent_machines() -> None:

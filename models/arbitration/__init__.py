@@ -124,7 +124,7 @@ def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
         yield Transition("sources contradict each other", carried, lost, clash, named, REQUIREMENTS, 1)
     yield Transition("tolerance exceeded", carried, lost, ~cycle.tolerable, drop(TOLERANCE), REQUIREMENTS, 2)
     yield Transition("distance and position disagree", carried, lost, lags, drop(SENSOR_FAILURE), REQUIREMENTS, 3)
-    kept = _told(own, cycle, cycle.lag)
+    kept = _stored_interval(own, cycle, cycle.lag)
     for source, target in zip(own.sources, given, strict=True):
         others, leads = tuple(mode for mode in given if mode is not target), cycle.leads(source)
         yield Transition(f"{source.name} goes on leading", target, target, leads, kept, REQUIREMENTS, 4)
@@ -137,7 +137,7 @@ def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
 def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
     """Transitions out of the mode in which nothing is reported."""
     lost, *given = cycle.table
-    begun = _told(own, cycle, as_num(0, MM))
+    begun = _stored_interval(own, cycle, as_num(0, MM))
     for source, target in zip(own.sources, given, strict=True):
         begins = cycle.usable & cycle.referred & cycle.leads(source)
         yield Transition(f"{source.name} leads first", lost, target, begins, begun, REQUIREMENTS, 0)
@@ -149,7 +149,7 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
     yield Transition("nothing to report", lost, lost, set=_nothing(own), requirements=REQUIREMENTS, rank=2)
 
 
-def _told(own: Parts, cycle: Cycle, lag: Num) -> Updates:
+def _stored_interval(own: Parts, cycle: Cycle, lag: Num) -> Updates:
     """The interval that all valid sources have in common is reported."""
     nobody = Lit(0, own.named)
     return {

@@ -69,11 +69,11 @@ class Cycle:
         return found
 
     def steadiest(self, source: Source) -> Bool:
-        """It states an interval, and no other has a smaller margin."""
+        """Return whether the source states an interval, and no other has a smaller margin."""
         return source.valid & source.margin.eq(self.least)
 
     def led_by(self, source: Source) -> Bool:
-        """It led before the cycle."""
+        """Return whether the source led before the cycle."""
         return self.mode.eq(self.table[1 + self.own.sources.index(source)])
 
     @cached_property
@@ -87,7 +87,7 @@ class Cycle:
         return any_of(self.led_by(source) & source.valid for source in self.own.sources)
 
     def leads(self, source: Source) -> Bool:
-        """It leads after the cycle: the smallest margin; of equals the one that led, or else the first declared."""
+        """Return whether the source leads after the cycle: it has the smallest margin; of equal ones the one that led, or else the first declared."""
         earlier = self.own.sources[: self.own.sources.index(source)]
         comes_first = ~any_of(self.steadiest(one) for one in earlier)
         return self.steadiest(source) & ite(self.lead_lasts, self.led_by(source), comes_first)
@@ -131,21 +131,21 @@ class Cycle:
         return maximum(self.own.lag + (self.low - before) - self.estimated, 0)
 
     def highest_low(self) -> Num:
-        """The source whose lower end is the greatest, as a member of the enumeration."""
+        """Return the source with the greatest lower end, as a member of the enumeration."""
         return self._first([source.valid & source.low.eq(self.low) for source in self.own.sources])
 
     def lowest_high(self) -> Num:
-        """The source whose upper end is the smallest."""
+        """Return the source with the smallest upper end."""
         return self._first([source.valid & source.high.eq(self.high) for source in self.own.sources])
 
-    def _first(self, told: Sequence[Bool]) -> Num:
+    def _first(self, conditions: Sequence[Bool]) -> Num:
         found: Num = Lit(0, self.own.named)
-        for index, one in reversed(list(enumerate(told, 1))):
+        for index, one in reversed(list(enumerate(conditions, 1))):
             found = ite(one, Lit(index, self.own.named), found)
         return found
 
     def why_withdrawn(self) -> Num:
-        """Why the source that led states nothing any more."""
+        """Return the reason why the source that led states no interval any more."""
         found: Num = NO_REFERENCE
         for source in self.own.sources:
             found = ite(self.led_by(source) & source.reason.ne(LOCATED), source.reason, found)

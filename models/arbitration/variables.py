@@ -97,7 +97,7 @@ class Source:
         return maximum(self.below, self.above)
 
     def holds(self, truth: Num) -> Bool:
-        """The truth lies in its interval."""
+        """Return whether the source's interval contains the true position."""
         return between(exact_to(self.low, NM), truth, exact_to(self.high, NM))
 
 

@@ -164,7 +164,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 
 def _verdicts(own: Parts) -> Updates:
-    return {one.judged: one.verdict for one in own.slots}
+    return {one.last_verdict: one.verdict for one in own.slots}
 
 
 def _trains(own: Parts) -> Updates:
@@ -228,5 +228,5 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
     outputs: dict[str, Expr] = {"swept": current.eq(table[1]), "events_rejected": own.rejected}
     for one in own.slots:
         name = f"train_{one.number}"
-        outputs |= {f"{name}_in_area": one.present, f"{name}_accepted": one.judged.eq(ACCEPTED)}
+        outputs |= {f"{name}_in_area": one.present, f"{name}_accepted": one.last_verdict.eq(ACCEPTED)}
     return outputs

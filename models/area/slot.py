@@ -48,7 +48,7 @@ class Reach:
     report_age_limit_ms: int
     limit_mm: int
 
-    def charge_mm(self, age_ms: Num) -> Num:
+    def added_error_mm(self, age_ms: Num) -> Num:
         """Return the greatest run since a report, mm rounded up."""
         return with_unit(floor_div(with_unit(age_ms, MM) * self.max_speed_mm_s + 999, 1_000), MM)
 
@@ -85,7 +85,7 @@ class Slot:
     unconfirmed: NumVar
     below: BoolVar
     above: BoolVar
-    judged: NumVar
+    last_verdict: NumVar
     there: BoolVar
     true_rear: NumVar
     true_front: NumVar
@@ -121,19 +121,19 @@ class Slot:
         return self.accepted & self.integer if self.integrity_is_trusted else FALSE
 
     @property
-    def charge(self) -> Num:
+    def added_error(self) -> Num:
         """Greatest run since the measurement, mm."""
-        return self.reach.charge_mm(self.age)
+        return self.reach.added_error_mm(self.age)
 
     @property
     def lowest(self) -> Num:
         """Lower bound from the report, now, mm."""
-        return self.rear.value - self.charge
+        return self.rear.value - self.added_error
 
     @property
     def highest(self) -> Num:
         """Upper bound from the report, now, mm."""
-        return self.front.value + self.charge
+        return self.front.value + self.added_error
 
     @property
     def run_on(self) -> tuple[Num, Num]:
@@ -147,11 +147,11 @@ class Slot:
         low, high = self.run_on
         whole = self.rear.present & self.front.present & (self.rear.value <= self.front.value)
         meets = (self.lowest <= high) & (low <= self.highest)
-        heard = self.rear.present | self.front.present
+        reported = self.rear.present | self.front.present
         verdict = ite(meets, ACCEPTED, CONTRADICTED)
         verdict = ite(self.age > self.reach.report_age_limit_ms, STALE, verdict)
         verdict = ite(self.trusted, ite(whole, verdict, INCOMPLETE), UNTRUSTED)
-        return ite(heard, ite(self.present, verdict, NOBODY), NO_REPORT)
+        return ite(reported, ite(self.present, verdict, NOBODY), NO_REPORT)
 
     @property
     def accepted(self) -> Bool:

@@ -88,19 +88,19 @@ def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
     """Return the outputs: the record in the cycle in which it is ready, otherwise zeros."""
     sound = done & own.flaw.eq(SOUND)
 
-    def told(term: Num) -> Num:
+    def if_ready(term: Num) -> Num:
         return ite(sound, term, 0)
 
     return {
         "record_ready": done,
         "record_sound": sound,
-        "record_axles": told(own.count),
-        "record_length_low_um": told(own.length_low),
-        "record_length_high_um": told(own.length_high),
-        "record_speed_low_mm_s": told(own.low_speed),
-        "record_speed_high_mm_s": told(own.high_speed),
-        "record_run_low_um": told(own.run_low),
-        "record_run_high_um": told(own.run_high),
+        "record_axles": if_ready(own.count),
+        "record_length_low_um": if_ready(own.length_low),
+        "record_length_high_um": if_ready(own.length_high),
+        "record_speed_low_mm_s": if_ready(own.low_speed),
+        "record_speed_high_mm_s": if_ready(own.high_speed),
+        "record_run_low_um": if_ready(own.run_low),
+        "record_run_high_um": if_ready(own.run_high),
         "record_direction": own.came,
         "record_flaw": own.flaw,
     }
@@ -112,8 +112,8 @@ def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     spoilt, idle, passing, done = table
     free, counted = (idle, done), cycle.counted & ~own.fault
-    speeds_told = own.slow.present & own.fast.present & (own.slow.value <= own.fast.value)
-    onward, flaws = counted & cycle.onward, _flaws(own, cycle, counted, speeds_told)
+    both_speeds = own.slow.present & own.fast.present & (own.slow.value <= own.fast.value)
+    onward, flaws = counted & cycle.onward, _flaws(own, cycle, counted, both_speeds)
     wrong, flaw = any_of(when for when, _ in flaws), first_of(*flaws, default=SOUND)
     nothing, ran = _nothing(own), _ran(own, cycle)
     found: Updates = {own.flaw: ite(cycle.length_known, SOUND, LENGTH_UNKNOWN)}
@@ -122,10 +122,10 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
         "head at fault", (idle, passing, done), spoilt, own.fault,
         together(nothing, {own.flaw: HEAD_FAULT}), REQUIREMENTS, 0)  # fmt: skip
     yield Transition(
-        "first axle without a speed", free, spoilt, counted & ~speeds_told,
+        "first axle without a speed", free, spoilt, counted & ~both_speeds,
         together(nothing, {own.flaw: NO_SPEED}), REQUIREMENTS, 1)  # fmt: skip
     yield Transition(
-        "first axle", free, passing, counted & speeds_told,
+        "first axle", free, passing, counted & both_speeds,
         together(_first(own), {own.flaw: SOUND}), REQUIREMENTS, 1)  # fmt: skip
     yield Transition(
         "passage spoilt", passing, spoilt, wrong, together(nothing, {own.flaw: flaw}), REQUIREMENTS, 1)  # fmt: skip
@@ -136,17 +136,17 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("no train", free, idle, TRUE, together(nothing, {own.flaw: SOUND}), REQUIREMENTS, 4)
 
 
-def _flaws(own: Parts, cycle: Cycle, counted: Bool, speeds_told: Bool) -> list[tuple[Bool, Lit]]:
+def _flaws(own: Parts, cycle: Cycle, counted: Bool, both_speeds: Bool) -> list[tuple[Bool, Lit]]:
     """Return each reason to give no record of this passage; the first that holds is reported."""
     onward = counted & cycle.onward
     long = (own.length_high > own.config.length_limit_mm * UM_PER_MM) | cycle.lost
-    agrees = speeds_told & (cycle.measured[0] <= cycle.measured[1])
+    agrees = both_speeds & (cycle.measured[0] <= cycle.measured[1])
     full = own.count + own.number > own.config.axle_limit
     return [
         (long, TOO_LONG),
         (counted & ~cycle.onward, TURNED),
         (onward & cycle.maybe_another, MAYBE_ANOTHER_TRAIN),
-        (onward & ~speeds_told, NO_SPEED),
+        (onward & ~both_speeds, NO_SPEED),
         (onward & ~agrees, SPEED_CONTRADICTED),
         (onward & full, TOO_MANY),
     ]

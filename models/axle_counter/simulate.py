@@ -113,8 +113,8 @@ class _Train:
         run, steps = -self._first_nm, Steps()
         for cycle, speed in enumerate(self._passage.speeds):
             way = speed * self._config.period_ms * UM_PER_MM
-            told = self._told(run, run + way, speed) | self._truth(cycle, run, run + way, speed)
-            changed = {**told, **self._passage.faults.get(cycle, {})}
+            inputs = self._inputs(run, run + way, speed) | self._truth(cycle, run, run + way, speed)
+            changed = {**inputs, **self._passage.faults.get(cycle, {})}
             steps.append({name: value for name, value in changed.items() if value is not None})
             run += way
         return steps
@@ -123,7 +123,7 @@ class _Train:
         """Return the places of the axles that pass within the cycle, upwards or back."""
         return [place for place in self._behind if min(before, after) < place <= max(before, after)]
 
-    def _told(self, before: int, after: int, speed: int) -> dict[str, Cell]:
+    def _inputs(self, before: int, after: int, speed: int) -> dict[str, Cell]:
         axles = self._axles(before, after)
         if not axles:
             return _without_truth(_quiet(self._config, speed, over=False))

@@ -46,7 +46,7 @@ def world(own: Parts) -> World:
 def _head_laws(own: Parts) -> dict[str, Bool | Law]:
     count = ite(own.axle.eq(NO_AXLE), 0, own.number)
     way = own.axle.eq(UP).implies(own.axle_speed > 0) & own.axle.eq(DOWN).implies(own.axle_speed < 0)
-    told = own.axle.ne(NO_AXLE) & own.slow.present & own.fast.present
+    measured = own.axle.ne(NO_AXLE) & own.slow.present & own.fast.present
     slow, fast = exact_to(own.slow.value, UM_S), exact_to(own.fast.value, UM_S)
     return {
         "a head without a fault counts every axle": Law(
@@ -57,7 +57,7 @@ def _head_laws(own: Parts) -> dict[str, Bool | Law]:
             check="counts of neighbouring counters and of the fibre compared",
         ),
         "a head without a fault measures the axle's speed": Law(
-            (told & ~own.fault).implies(between(slow, abs_(own.axle_speed), fast)),
+            (measured & ~own.fault).implies(between(slow, abs_(own.axle_speed), fast)),
             "Where both bounds of an axle's speed are reported, the axle's speed lies between them, whatever its direction.",
             source="[D] spacing of the channels and time of a sample",
             owner="supplier",

@@ -48,11 +48,13 @@ def train(axles: int, way: str, side: str, *, sweeps: bool = False) -> list[Even
     whole, rest = divmod(axles, AXLES_A_CYCLE)
     counts = [*[AXLES_A_CYCLE] * whole, *([rest] if rest else [])]
     last = len(counts) - 1
-    told = [Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)]
+    passages = [
+        Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)
+    ]
     if sweeps:
         over = 0 if way == "in" else last
-        told[over] = replace(told[over], sweep=f"{way}_{side}".upper())
-    return told
+        passages[over] = replace(passages[over], sweep=f"{way}_{side}".upper())
+    return passages
 
 
 def through(axles: int, cycles: int = 12, *, sweeps: bool = False) -> list[Event]:
@@ -68,9 +70,11 @@ def swept(config: AxleSectionConfig) -> list[Event]:
 
 def happened(events: Events) -> Steps:
     """Return one step per cycle, with the axles that really passed, unless some axles were not reported."""
-    told = all(event.unseen == 0 for event in events)
+    all_seen = all(event.unseen == 0 for event in events)
     steps = [_step(event) for event in events for _ in range(event.cycles)]
-    return steps if told else [{name: value for name, value in step.items() if "true" not in name} for step in steps]
+    return (
+        steps if all_seen else [{name: value for name, value in step.items() if "true" not in name} for step in steps]
+    )
 
 
 def _step(event: Event) -> dict[str, Cell]:

@@ -38,7 +38,7 @@ def world(own: Parts) -> World:
 def _clauses(own: Parts) -> dict[str, Bool | Law]:
     return {
         "a head without a fault counts every axle": Law(
-            (~own.fault).implies(_told_truly(own)),
+            (~own.fault).implies(_counts_are_true(own)),
             "As long as neither head is at fault, every axle that passes a head is reported once, in its cycle and with its direction.",
             source="[M] the safety case of the axle counter",
             owner="supplier",
@@ -86,10 +86,10 @@ def _sweep_laws(own: Parts) -> dict[str, Bool | Law]:
     }
 
 
-def _told_truly(own: Parts) -> Bool:
+def _counts_are_true(own: Parts) -> Bool:
     """Return the condition that at each head, in each direction, the reported axles are those that really passed it."""
-    told, true = (*own.into, *own.out), (*own.true_into, *own.true_out)
-    return all_of(one.eq(other) for one, other in zip(told, true, strict=True))
+    counted, true = (*own.into, *own.out), (*own.true_into, *own.true_out)
+    return all_of(one.eq(other) for one, other in zip(counted, true, strict=True))
 
 
 def _axles_after(own: Parts) -> Num:

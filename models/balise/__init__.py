@@ -42,7 +42,7 @@ from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.balise import variables as v
-from safeloc.models.balise.judgement import Judged
+from safeloc.models.balise.judgement import Judgement
 from safeloc.models.balise.linking import EMPTY, NO_REACTION, NOT_LOCATED, NOTHING, Record, Slot
 from safeloc.models.balise.reckoning import as_reckoned
 from safeloc.models.balise.variables import Ahead, BaliseConfig, Parts, parts
@@ -65,7 +65,7 @@ class Balise:
 
     machine: Machine
     own: Parts
-    judged: Judged
+    judgement: Judgement
 
 
 def build(own: Parts) -> Balise:
@@ -74,30 +74,30 @@ def build(own: Parts) -> Balise:
     mode = modes("DELOCALIZED", *waits, "LOCATED")
     current = current_mode(mode)
     located = current.eq(mode[-1])
-    judged = Judged(own, located, current.eq(mode[1]) if waits else FALSE)
+    judgement = Judgement(own, located, current.eq(mode[1]) if waits else FALSE)
     made = Machine(
         name="balise",
         modes=mode,
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs=_outputs(own, located),
-        transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
+        transitions=[*_located(own, judgement, mode), *_unlocated(own, judgement, mode)],
         world=world(own),
         lemmas=_lemmas(own, current, mode),
-        definitions=_definitions(judged),
+        definitions=_definitions(judgement),
         doc=(
             "Position of the front end from balise groups and an odometer between them. What is assumed of odometer, antenna and "
             "map stands in the laws of its world. Nothing is assumed of a telegram that is corrupted or incomplete, or of a group "
             "passed the wrong way; a group that is not where the map has it is far off."
         ),
     )
-    return Balise(made, own, judged)
+    return Balise(made, own, judgement)
 
 
 # ------------------------------------------------------------------ the transition table
 
 
-def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the mode that reports a position."""
     lost, located = mode[0], mode[-1]
     every = together(_seen(own, cycle), _linking_outcome(own, cycle))
@@ -110,7 +110,7 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
     def drop(reason: Lit) -> Updates:
         return together(every, _no_linking(own), _no_position(own), {own.memory.reason: reason})
 
-    def judged(*verdicts: Lit) -> Bool:
+    def verdict_is(*verdicts: Lit) -> Bool:
         return rejected & cycle.verdict.one_of(*verdicts)
 
     def stay(name: str, when: Bool, updates: Updates, requirements: tuple[str, ...], rank: int) -> Transition:
@@ -118,7 +118,7 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
 
     after = ~cycle.usable(cycle.narrowed) & accepted | ~cycle.usable(cycle.run_on) & ~accepted
     yield Transition("sensors failed", located, lost, own.odometer.failed, drop(SENSOR_FAILURE), ("RFL-D4",), 0)
-    yield Transition("contradiction", located, lost, judged(v.CONTRADICTED), drop(CONTRADICTION), ("RFL-D4",), 1)
+    yield Transition("contradiction", located, lost, verdict_is(v.CONTRADICTED), drop(CONTRADICTION), ("RFL-D4",), 1)
     yield Transition("tolerance exceeded", located, lost, after, drop(TOLERANCE), ("RFL-D4",), 2)
     yield Transition(
         "announced groups disagree in a row", located, lost, cycle.refuted, drop(CONTRADICTION), ("RFL-D4",), 3
@@ -129,8 +129,8 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
     if own.config.free_references:
         free = accepted & ~cycle.announced
         yield stay("group without linking resets the position", free, reset, ("RFL-5", "RFL-9"), 3)
-    outside, unfit = judged(v.TOO_EARLY, v.TOO_LATE), judged(v.INCOMPLETE, v.MISMATCH)
-    yield stay("group passed in the wrong direction", judged(v.WRONG_DIRECTION), kept, ("RFL-D4",), 4)
+    outside, unfit = verdict_is(v.TOO_EARLY, v.TOO_LATE), verdict_is(v.INCOMPLETE, v.MISMATCH)
+    yield stay("group passed in the wrong direction", verdict_is(v.WRONG_DIRECTION), kept, ("RFL-D4",), 4)
     yield stay("group found outside its window", outside, kept, ("RFL-D4",), 4)
     yield stay("group incomplete or not as announced", unfit, kept, ("RFL-D4",), 4)
     yield stay("expected group missed", cycle.missed, kept, ("RFL-D4",), 5)
@@ -138,7 +138,7 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
     yield stay("run on", TRUE, kept, ("RFL-D4",), 7)
 
 
-def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report nothing."""
     lost, located = mode[0], mode[-1]
     every = together(_seen(own, cycle), _no_linking(own), _no_linking_outcome(own))
@@ -162,7 +162,7 @@ def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
 # ------------------------------------------------------------------ groups of updates: what the transitions set
 
 
-def _seen(own: Parts, cycle: Judged) -> Updates:
+def _seen(own: Parts, cycle: Judgement) -> Updates:
     """Set by every transition: distance, direction of running, national value, and the verdict on the telegram."""
     _, direction = own.heading.after(own.odometer.distance)
     received, national = own.national.received, own.national
@@ -173,7 +173,7 @@ def _seen(own: Parts, cycle: Judged) -> Updates:
     return together(own.odometer.listen(), direction, accuracy, {own.memory.verdict: cycle.verdict})
 
 
-def _linking(own: Parts, cycle: Judged) -> Updates:
+def _linking(own: Parts, cycle: Judgement) -> Updates:
     """The announced groups without those that are done with, and the groups that were given up."""
     memory, linking = own.memory, own.linking
     groups = linking.after(cycle.left, cycle.announcement)
@@ -197,19 +197,19 @@ def _stores(slot: Slot, group: Record) -> Updates:
     }  # fmt: skip
 
 
-def _linking_outcome(own: Parts, cycle: Judged) -> Updates:
+def _linking_outcome(own: Parts, cycle: Judgement) -> Updates:
     """The verdict on the announcement, the number of groups given up, and the reaction."""
     memory = own.memory
-    return {own.linking.judged: cycle.announcement, memory.ended: cycle.ended, memory.reaction: cycle.reaction}
+    return {own.linking.last_verdict: cycle.announcement, memory.ended: cycle.ended, memory.reaction: cycle.reaction}
 
 
 def _no_linking_outcome(own: Parts) -> Updates:
     """An announcement is refused, and there is no reaction."""
     refused = ite(own.linking.offered.silent, NOTHING, NOT_LOCATED)
-    return {own.linking.judged: refused, own.memory.ended: as_num(0, COUNT), own.memory.reaction: NO_REACTION}
+    return {own.linking.last_verdict: refused, own.memory.ended: as_num(0, COUNT), own.memory.reaction: NO_REACTION}
 
 
-def _group_counts(own: Parts, cycle: Judged) -> Updates:
+def _group_counts(own: Parts, cycle: Judgement) -> Updates:
     """The group that was read sets the interval; its telegram gives the next reflector."""
     read, memory, here = own.read, own.memory, cycle.place
     group: Updates = {
@@ -227,7 +227,7 @@ def _group_counts(own: Parts, cycle: Judged) -> Updates:
     )
 
 
-def _run_since_group(own: Parts, cycle: Judged) -> Updates:
+def _run_since_group(own: Parts, cycle: Judgement) -> Updates:
     """The run since the last group grows by the distance; a reflector that was passed is forgotten."""
     memory, passed = own.memory, cycle.run_on.low
     run: Updates = {
@@ -260,16 +260,16 @@ def _lies(one: Ahead, known: Bool, place: Num) -> Updates:
 # ------------------------------------------------------------------ terms of the table
 
 
-def _definitions(cycle: Judged) -> dict[str, Expr]:
+def _definitions(cycle: Judgement) -> dict[str, Expr]:
     """Name the terms of the table."""
     named: dict[str, Expr] = {
-        "telegram judged": cycle.verdict,
+        "verdict on the telegram": cycle.verdict,
         "telegram accepted": cycle.accepted,
         "expected group missed": cycle.missed,
         "announced groups given up": cycle.ended,
         "announced group disagrees": cycle.disagrees,
         "linking reaction": cycle.reaction,
-        "announcement judged": cycle.announcement,
+        "verdict on the announcement": cycle.announcement,
         "backwards": cycle.backwards,
         "odometer admitted": cycle.own.odometer.admitted,
         "place of the group": cycle.place,
@@ -301,9 +301,9 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
         "run_measured": valid & memory.measured,
         "reference_accepted": valid & memory.verdict.eq(v.ACCEPTED),
         "reason": memory.reason,
-        "odometer": own.odometer.judged,
+        "odometer": own.odometer.last_verdict,
         "telegram": memory.verdict,
-        "linking": own.linking.judged,
+        "linking": own.linking.last_verdict,
         "reaction": memory.reaction,
         "missed_in_row": memory.missed,
         "refused_in_row": memory.refused,
@@ -344,15 +344,15 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
 
 def _alike(own: Parts) -> dict[str, Bool]:
     """Return the lemmas that machine and world store the same of the inputs."""
-    seen, told, odometer = own.world, own.national, own.odometer
+    seen, national, odometer = own.world, own.national, own.odometer
     found = {
         "the national accuracy is the one received": seen.national.eq(
-            ite(told.known, told.kept, own.config.default_accuracy_mm)
+            ite(national.known, national.kept, own.config.default_accuracy_mm)
         ),
         "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
         & own.heading.rolled.eq(seen.rolled),
     }
     if not own.config.checked_distance:
-        gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.heard)
+        gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.last_delivered)
         found["machine and world agree on the last odometer distance"] = gated
     return found

@@ -85,7 +85,7 @@ def _groups(route: Route, inventory: Inventory | None, reaction: Reaction) -> It
 
 
 def _group(met: Met, found: BaliseGroup, reaction: Reaction) -> Group:
-    told = next((one for one in found.telegram_reflectors if one.direction == met.direction), None)
+    named = next((one for one in found.telegram_reflectors if one.direction == met.direction), None)
     return Group(
         found.country * GROUPS_OF_A_COUNTRY + found.identity + 1,
         met.position_mm,
@@ -94,6 +94,6 @@ def _group(met: Met, found: BaliseGroup, reaction: Reaction) -> Group:
         found.location_accuracy_mm,
         reaction,
         found.linked,
-        None if told is None else told.distance_mm,
-        None if told is None else told.search_from_mm,
+        None if named is None else named.distance_mm,
+        None if named is None else named.search_from_mm,
     )

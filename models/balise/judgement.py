@@ -49,7 +49,7 @@ class Sighting:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """One cycle with all verdicts. `located`: the mode reports a position; `candidate`: the mode stores an unconfirmed first group."""
 
     own: v.Parts

@@ -205,13 +205,13 @@ def national(declared: Declared, default_mm: int) -> National:
 class Linking:
     """The announced groups, nearest first; no group is stored behind an empty place.
 
-    offered   inputs: the announcement of the cycle
-    judged    state: the verdict on it
+    offered       inputs: the announcement of the cycle
+    last_verdict  state: the verdict on it
     """
 
     slots: tuple[Slot, ...]
     offered: Announcement
-    judged: NumVar
+    last_verdict: NumVar
 
     def advanced(self, by: Sequence[Bool]) -> list[Record]:
         """Return the records without the first `n + 1`, where `by[n]` holds; all of them where none holds."""

@@ -219,13 +219,13 @@ class _Run:
                 "odometer_next_wander_nm": self._wander, "truth_mm": truth // NM_PER_MM}  # fmt: skip
 
     def _odometer(self, number: int) -> dict[str, Cell]:
-        told: dict[str, Cell] = (
+        inputs: dict[str, Cell] = (
             {"odometer_more_nm": self._distances.more(number)} if self._config.checked_distance else {}
         )
         self._wander = int(self._distances.wander_nm[number])
         if not self._distances.present[number]:
-            return told
-        return {**told, "odometer_mm": int(self._distances.step_mm[number])}
+            return inputs
+        return {**inputs, "odometer_mm": int(self._distances.step_mm[number])}
 
     def _set_route(self, groups: Sequence[Group]) -> None:
         """Let the map announce these groups from now on."""

@@ -232,7 +232,7 @@ class Ghosts:
 
     truth, true_step        the front end, and its run in the cycle
     wander, next_wander     the one-off part of the odometer's error, before the cycle and, freely chosen, after it
-    heard, silent           the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
+    last_delivered, silent  the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
     backwards, rolled       the direction of running as measured, and the distance run against it without a break, mm
     national                the national location accuracy, as last received, mm
     doubted                 the identity of the last group that lay far from its place, until another group serves; 0: none
@@ -245,15 +245,15 @@ class Ghosts:
         limits, half, most = config.limits, config.odometer.wander_nm, LARGEST_ACCURACY_MM
         self.truth = declared.ghost(moved.truth, first=ANY)
         self.wander = declared.ghost(moved.wander, first=ANY)
-        told = number("national_accuracy_told_mm", MM, 0, most)
-        self.national = declared.ghost(told, first=config.default_accuracy_mm)
+        received = number("national_accuracy_told_mm", MM, 0, most)
+        self.national = declared.ghost(received, first=config.default_accuracy_mm)
         self.doubted = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
-        self.heard = number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm)
+        self.last_delivered = number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm)
         self.silent = number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1)
         if not config.checked_distance:
-            declared.ghost(self.heard, first=0)
+            declared.ghost(self.last_delivered, first=0)
             declared.ghost(self.silent, first=config.gap_limit_cycles + 1)
         since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
         apart = _line_nm(config) + since + (config.antenna_mm + config.detection_mm) * NM_PER_MM

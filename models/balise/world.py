@@ -87,7 +87,9 @@ def physics(config: BaliseConfig) -> Physics:
 
 def measuring(own: Parts) -> Measuring:
     """Return the world's view of the odometer, where the machine reads it directly."""
-    return Measuring(own.odometer.law, own.odometer.step, own.world.heard, own.world.silent, physics(own.config))
+    return Measuring(
+        own.odometer.law, own.odometer.step, own.world.last_delivered, own.world.silent, physics(own.config)
+    )
 
 
 def can_be_run(own: Parts) -> Bool:

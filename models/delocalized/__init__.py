@@ -28,7 +28,7 @@ from safeloc.language.machine import ANY, Machine, Transition, current_mode, mod
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
-from safeloc.models.vocabulary.absent import heard_interval, margin_if, position_if
+from safeloc.models.vocabulary.absent import margin_if, position_if, wired_interval
 from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, REASON, TOLERANCE
 
 
@@ -68,7 +68,7 @@ class Parts:
 
     def reads(self, source: Machine) -> dict[Var, Expr]:
         """Return the wires of these inputs to the outputs of a source."""
-        position, below, above = heard_interval(source)
+        position, below, above = wired_interval(source)
         return {
             self.valid: source.flag("valid"),
             self.reference: source.flag("reference_accepted"),

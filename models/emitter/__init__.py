@@ -71,14 +71,14 @@ def build(own: Parts) -> Emitter:
         outputs={
             "chain_tested": tested,
             "failed": current.eq(table[2]),
-            "heard": own.judged,
-            "foreign_heard": own.judged.eq(FOREIGN),
+            "heard": own.last_verdict,
+            "foreign_heard": own.last_verdict.eq(FOREIGN),
             "next_due_in_cycles": own.config.due_cycles - own.since,
         },
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas=lemmas(own),
-        definitions={"pattern judged": verdict(own), "a pattern may come": due(own), "overdue": overdue(own)},
+        definitions={"verdict on the pattern": verdict(own), "a pattern may come": due(own), "overdue": overdue(own)},
         doc=(
             "Function check of the fibre chain by an emitter with its own bit pattern. Assumed: nothing else "
             "makes this pattern at this place while the emitter is to send, so a pattern received then shows "
@@ -118,4 +118,4 @@ def _clocks(own: Parts) -> Updates:
     fresh: Num = ite(own.requested, as_num(1, COUNT), zero)
     asked = ite(own.asked >= own.config.answer_cycles, fresh, ite(open_request, own.asked + 1, zero))
     passes = heard.eq(PASSED)
-    return {own.since: ite(passes, zero, waited), own.asked: ite(passes, zero, asked), own.judged: heard}
+    return {own.since: ite(passes, zero, waited), own.asked: ite(passes, zero, asked), own.last_verdict: heard}

@@ -46,7 +46,7 @@ def may_send(own: Parts) -> Bool:
     return any_of([own.silent.eq(0), own.may_answer > 0])
 
 
-def told_from_its_place(own: Parts) -> Bool:
+def sends_from_its_place(own: Parts) -> Bool:
     """Return the condition that the front end reports this emitter's pattern, from within its error around the emitter's place."""
     config = own.config
     there = between(
@@ -56,7 +56,7 @@ def told_from_its_place(own: Parts) -> Bool:
 
 
 def _comes_through(own: Parts) -> Bool:
-    return may_send(own) & told_from_its_place(own)
+    return may_send(own) & sends_from_its_place(own)
 
 
 def _asked(own: Parts) -> Num:

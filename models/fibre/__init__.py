@@ -104,53 +104,53 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     waiting, counting, located, faulted = table
-    heard, no_signal = _heard(own, cycle), _signal(own, v.NO_SIGNAL)
+    every_cycle, no_signal = _every_cycle(own, cycle), _signal(own, v.NO_SIGNAL)
     referred: Updates = {own.base: own.reference_place, own.count: own.reference_count, own.counted: FALSE}
     lost: Updates = {own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
     normal = cycle.band.eq(v.NORMAL)
     yield Transition(
         "reference accepted", table, located, own.reference & normal,
-        together(heard, no_signal, _no_run(own), _no_word(own), referred, {own.why: v.LOCATED}), COUNTS, 0)  # fmt: skip
+        together(every_cycle, no_signal, _no_run(own), _no_word(own), referred, {own.why: v.LOCATED}), COUNTS, 0)  # fmt: skip
     yield Transition(
         "pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide,
-        together(heard, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own), lost), SEEN, 1)  # fmt: skip
+        together(every_cycle, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own), lost), SEEN, 1)  # fmt: skip
     yield from _located(own, cycle, located, faulted)
     yield from _counting(own, cycle, waiting, counting, located)
     yield Transition(
         "first signal", waiting, counting, cycle.enters & ~cycle.late,
-        together(heard, _entered(own, cycle, cycle.one), _no_word(own), _no_place(own), {own.why: v.ONLY_COUNTING}),
+        together(every_cycle, _entered(own, cycle, cycle.one), _no_word(own), _no_place(own), {own.why: v.ONLY_COUNTING}),
         (*SEEN, *COUNTS), 3)  # fmt: skip
-    yield Transition("no signal yet", waiting, waiting, TRUE, together(heard, no_signal), SEEN, 6)
-    yield Transition("error stays", faulted, faulted, TRUE, together(heard, no_signal), CHECKED, 6)
+    yield Transition("no signal yet", waiting, waiting, TRUE, together(every_cycle, no_signal), SEEN, 6)
+    yield Transition("error stays", faulted, faulted, TRUE, together(every_cycle, no_signal), CHECKED, 6)
 
 
 def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[Transition]:
     """Yield the rows of LOCATED: the count identifies the section."""
-    heard, edge = _heard(own, cycle), _from_edge(own, cycle)
+    every_cycle, edge = _every_cycle(own, cycle), _from_edge(own, cycle)
     _, near, far, _, long = own.next_to(cycle.forwards)
     error: Updates = {own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL), own.why: cycle.flaw}
     entered: Updates = {own.base: near, own.far: far, own.long: long}
     yield Transition(
         "error", located, faulted, cycle.error,
-        together(heard, _no_run(own), _no_word(own), _no_place(own), _no_count(own), error),
+        together(every_cycle, _no_run(own), _no_word(own), _no_place(own), _no_count(own), error),
         (*CHECKED, *CODE, *COUNTS), 2)  # fmt: skip
     yield Transition(
         "section counted", located, located, cycle.enters,
-        together(heard, _entered(own, cycle, own.count + cycle.one), entered), (*SEEN, *COUNTS), 3)  # fmt: skip
+        together(every_cycle, _entered(own, cycle, own.count + cycle.one), entered), (*SEEN, *COUNTS), 3)  # fmt: skip
     yield Transition(
         "section passed", located, located, cycle.leaves & ~cycle.turned_back,
-        together(heard, edge, {own.signal: v.PASSED, own.base: own.far}), (*SEEN, *CODE), 3)  # fmt: skip
+        together(every_cycle, edge, {own.signal: v.PASSED, own.base: own.far}), (*SEEN, *CODE), 3)  # fmt: skip
     yield Transition(
         "section left again", located, located, cycle.leaves & cycle.turned_back,
-        together(heard, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}), (*SEEN, *COUNTS), 3)  # fmt: skip
+        together(every_cycle, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}), (*SEEN, *COUNTS), 3)  # fmt: skip
     yield Transition(
         "run on", located, located, TRUE,
-        together(heard, _run_on(own, cycle), {own.signal: v.NO_SIGNAL}), CHECKED, 6)  # fmt: skip
+        together(every_cycle, _run_on(own, cycle), {own.signal: v.NO_SIGNAL}), CHECKED, 6)  # fmt: skip
 
 
 def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Lit) -> Iterator[Transition]:
     """Yield the rows of COUNTING: the section is not identified yet."""
-    heard, edge, on = _heard(own, cycle), _from_edge(own, cycle), _run_on(own, cycle)
+    every_cycle, edge, on = _every_cycle(own, cycle), _from_edge(own, cycle), _run_on(own, cycle)
     no_signal, passed = _signal(own, v.NO_SIGNAL), _signal(own, v.PASSED)
     turns = own.counted & cycle.forwards.iff(~own.upwards)
     turned: Updates = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
@@ -158,30 +158,30 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
     whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
     yield Transition(
         "no end of the section", counting, waiting, cycle.endless | (cycle.enters & cycle.full),
-        together(heard, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own),
+        together(every_cycle, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own),
                  {own.why: v.NO_END_OF_SECTION}), SEEN, 2)  # fmt: skip
     yield Transition(
         "signal counted", counting, counting, cycle.enters,
-        together(heard, _entered(own, cycle, own.count + cycle.one), turned), (*SEEN, *COUNTS), 3)  # fmt: skip
+        together(every_cycle, _entered(own, cycle, own.count + cycle.one), turned), (*SEEN, *COUNTS), 3)  # fmt: skip
     yield Transition(
         "symbol read", counting, counting, cycle.read,
-        together(heard, edge, passed, {own.word: cycle.word, own.read: cycle.word_length}), CODE, 3)  # fmt: skip
+        together(every_cycle, edge, passed, {own.word: cycle.word, own.read: cycle.word_length}), CODE, 3)  # fmt: skip
     yield Transition(
         "section left again, uncounted", counting, counting, cycle.leaves & cycle.turned_back,
-        together(heard, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}, _no_word(own)),
+        together(every_cycle, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}, _no_word(own)),
         COUNTS, 3)  # fmt: skip
     yield Transition(
         "symbol not read", counting, counting, cycle.leaves & ~cycle.turned_back,
-        together(heard, edge, passed, _no_word(own)), CODE, 4)  # fmt: skip
+        together(every_cycle, edge, passed, _no_word(own)), CODE, 4)  # fmt: skip
     yield Transition(
-        "code word found", counting, located, whole, together(heard, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
-    yield Transition("count on", counting, counting, TRUE, together(heard, on, no_signal), COUNTS, 6)
+        "code word found", counting, located, whole, together(every_cycle, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
+    yield Transition("count on", counting, counting, TRUE, together(every_cycle, on, no_signal), COUNTS, 6)
 
 
 # ------------------------------------------------------------------ groups of updates
 
 
-def _heard(own: Parts, cycle: Cycle) -> Updates:
+def _every_cycle(own: Parts, cycle: Cycle) -> Updates:
     """Set amplitude band, direction, and how long run and amplitude have been absent: in every row."""
     return {own.band: cycle.band, own.forwards: cycle.forwards, own.gap: cycle.gap, own.unheard: cycle.unheard}
 
@@ -255,7 +255,7 @@ def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
     of_map = [seen.of_map, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
     onwards = ite(own.upwards, own.base < own.far, own.far < own.base)
-    told = [own.long.iff(seen.long), onwards]
+    as_read = [own.long.iff(seen.long), onwards]
     return {
         "a section can be uncounted": (inside & (counting | located)).implies(
             abs_(cycle.uncounted) <= own.config.section_limit
@@ -266,7 +266,7 @@ def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
         "the run's error bound equals the world's": (counting | located).implies(own.drift.eq(seen.wrong)),
         "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),
         "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.base, NM))),
-        "the section entered is the map's": (located & inside).implies(all_of([*of_map, *told])),
+        "the section entered is the map's": (located & inside).implies(all_of([*of_map, *as_read])),
         "the world tracks the difference of the counts": (located & inside).implies(
             seen.ahead_by.eq(seen.count - own.count)
         ),

@@ -87,8 +87,8 @@ class PositionCode:
         return [(read, number) for read, number, step in self.faulty() if self._misleads(read, (number, step))]
 
     def _misleads(self, read: Word, truth: tuple[int, int]) -> bool:
-        told = self.decode(read)
-        return told is not None and told != truth
+        windows_of_word = self.decode(read)
+        return windows_of_word is not None and windows_of_word != truth
 
 
 def make_code(sections: int, window: int = 6, reach: int = 2, *, strict: bool = True) -> PositionCode:
@@ -117,7 +117,7 @@ class _Search:
     def __init__(self, window: int, reach: int, strict: bool) -> None:
         self.row: list[Symbol] = []
         self._window, self._reach, self._strict = window, reach, strict
-        self._told: list[dict[Word, tuple[int, int]]] = []
+        self._windows: list[dict[Word, tuple[int, int]]] = []
         self._wrong: list[list[tuple[Word, tuple[int, int]]]] = []
 
     def push(self, symbol: Symbol) -> bool:
@@ -125,7 +125,7 @@ class _Search:
         if symbol in self.row[max(0, len(self.row) - self._reach) :]:
             return False
         self.row.append(symbol)
-        if not self._told_apart():
+        if not self._distinguishable():
             self.row.pop()
             return False
         return True
@@ -133,20 +133,20 @@ class _Search:
     def pop(self) -> None:
         """Remove the last symbol."""
         self.row.pop()
-        self._told.pop()
+        self._windows.pop()
         self._wrong.pop()
 
-    def _told_apart(self) -> bool:
+    def _distinguishable(self) -> bool:
         """Add the windows and readings of the new symbol if no two are confused; return whether they were added."""
-        told, wrong = self._new_windows(), self._new_readings() if self._strict else []
-        if told is None or any(word in known for known in self._told for word in told):
+        windows_of_word, wrong = self._new_windows(), self._new_readings() if self._strict else []
+        if windows_of_word is None or any(word in known for known in self._windows for word in windows_of_word):
             return False
-        known = [*self._told, told]
+        known = [*self._windows, windows_of_word]
         if any(self._misleads(one, known) for one in wrong) or any(
-            self._misleads(one, [told]) for old in self._wrong for one in old
+            self._misleads(one, [windows_of_word]) for old in self._wrong for one in old
         ):
             return False
-        self._told.append(told)
+        self._windows.append(windows_of_word)
         self._wrong.append(wrong)
         return True
 
@@ -158,8 +158,8 @@ class _Search:
         """Return the windows that end with the new symbol, read either way; None if both are the same word."""
         first = len(self.row) - self._window
         windows = list(_windows(tuple(self.row[max(first, 0) :]), self._window))
-        told = {word: (last + max(first, 0), step) for word, (last, step) in windows}
-        return told if len(told) == len(windows) else None
+        windows_of_word = {word: (last + max(first, 0), step) for word, (last, step) in windows}
+        return windows_of_word if len(windows_of_word) == len(windows) else None
 
     def _new_readings(self) -> list[tuple[Word, tuple[int, int]]]:
         """Return the readings with an error that contain the new symbol, read either way."""

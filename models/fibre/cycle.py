@@ -62,7 +62,7 @@ class Cycle:
     # -------------------------------------------------------------- the run
 
     @cached_property
-    def charge(self) -> Num:
+    def added_error(self) -> Num:
         """Greatest error of this cycle's run, nm; without a measured run, the run at the highest speed."""
         own, config = self.own, self.own.config
         rate = abs_(own.run.value) * Lit(config.rate_ppm, PPM)
@@ -77,7 +77,7 @@ class Cycle:
     @cached_property
     def drift(self) -> Num:
         """Greatest error of that run, nm."""
-        return self.own.drift + self.charge
+        return self.own.drift + self.added_error
 
     @cached_property
     def slack(self) -> Num:
@@ -88,7 +88,7 @@ class Cycle:
     def fresh(self) -> Num:
         """Greatest run since the last amplitude, nm: the end may have passed an edge anywhere in it."""
         own = self.own
-        return own.unheard + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
+        return own.unheard + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.added_error
 
     @cached_property
     def edge_slack(self) -> Num:

@@ -107,7 +107,7 @@ class _Run:
         true_run = speed_mm_s * self.config.period_ms * 1_000
         self.truth_nm += true_run
         inside = self._section(self.truth_nm // NM_PER_MM)
-        inputs = self._heard(true_run, inside) | self._map() | self._references(number)
+        inputs = self._inputs(true_run, inside) | self._map() | self._references(number)
         ghosts = self._ghosts(inside, speed_mm_s >= 0, true_run, number == 0 and self.drive.referred)
         self.inside = inside
         self.state, _ = self.code.step(self.state, self.code.read(inputs))
@@ -123,18 +123,18 @@ class _Run:
         stuck = self.drive.stuck_mm is not None and self.drive.stuck_mm[0] <= front_mm <= self.drive.stuck_mm[1]
         return -1 if false or stuck else 0
 
-    def _heard(self, true_run_nm: int, inside: int) -> dict[str, Cell]:
+    def _inputs(self, true_run_nm: int, inside: int) -> dict[str, Cell]:
         rises = self.sections[inside - 1].symbol.rises if inside > 0 else True
         level = (RAISED_CDB if rises else -RAISED_CDB) if inside else 0
         amplitude = level + int(self.rng.integers(-NOISE_CDB, NOISE_CDB, endpoint=True))
         run_mm = true_run_nm // NM_PER_MM
         error = int(self.rng.uniform(-0.8, 0.8) * self.config.rate_ppm * abs(run_mm) / 1e6)
-        heard: dict[str, Cell] = {"amplitude_cdb": amplitude, "run_mm": run_mm + error}
+        inputs: dict[str, Cell] = {"amplitude_cdb": amplitude, "run_mm": run_mm + error}
         front = self.truth_nm // NM_PER_MM
         if self.drive.flight_off_mm is not None:
-            heard["flight_position_mm"] = front + self.drive.flight_off_mm + int(self.rng.integers(-8_000, 8_000))
+            inputs["flight_position_mm"] = front + self.drive.flight_off_mm + int(self.rng.integers(-8_000, 8_000))
         near = [place for place in self.drive.points_mm if abs(place - front) <= 10_000]
-        return heard | ({"reflecting_point_mm": near[0]} if near else {})
+        return inputs | ({"reflecting_point_mm": near[0]} if near else {})
 
     def _map(self) -> dict[str, Cell]:
         """Return the map's sections next to the count that the machine reports."""

@@ -102,18 +102,18 @@ class Passing:
     @cached_property
     def band(self) -> Num:
         """The amplitude's band: beside sections, or in one; without an amplitude, the last band."""
-        told, was = self.own.amplitude, self.own.ghosts.band
-        return ite(told.present, ite(was.eq(v.NORMAL), self._from_beside, self._from_within), was)
+        amplitude, was = self.own.amplitude, self.own.ghosts.band
+        return ite(amplitude.present, ite(was.eq(v.NORMAL), self._from_beside, self._from_within), was)
 
     @cached_property
     def _from_beside(self) -> Num:
-        told, least = self.own.amplitude.value, self.own.config.change_cdb
-        return ite(told + least <= 0, v.LOWERED, ite(told < least, v.NORMAL, v.RAISED))
+        amplitude, least = self.own.amplitude.value, self.own.config.change_cdb
+        return ite(amplitude + least <= 0, v.LOWERED, ite(amplitude < least, v.NORMAL, v.RAISED))
 
     @cached_property
     def _from_within(self) -> Num:
-        told, most, was = self.own.amplitude.value, self.own.config.return_cdb, self.own.ghosts.band
-        beside = ite(was.eq(v.RAISED), told <= most, told + most >= 0)
+        amplitude, most, was = self.own.amplitude.value, self.own.config.return_cdb, self.own.ghosts.band
+        beside = ite(was.eq(v.RAISED), amplitude <= most, amplitude + most >= 0)
         return ite(beside, v.NORMAL, was)
 
     @cached_property
@@ -146,10 +146,10 @@ class Passing:
     @cached_property
     def error_nm(self) -> Num:
         """Greatest error of this cycle's run, nm: 1 ppm of n mm is n nm."""
-        config, told = self.own.config, self.own.run
-        rate, floor = with_unit(told.value * config.rate_ppm, NM), config.floor_mm * NM_PER_MM
-        moved = ite(told.value < 0, floor - rate, ite(told.value > 0, floor + rate, as_num(0, NM)))
-        return ite(told.present, moved, Lit(self.farthest_nm, NM))
+        config, run = self.own.config, self.own.run
+        rate, floor = with_unit(run.value * config.rate_ppm, NM), config.floor_mm * NM_PER_MM
+        moved = ite(run.value < 0, floor - rate, ite(run.value > 0, floor + rate, as_num(0, NM)))
+        return ite(run.present, moved, Lit(self.farthest_nm, NM))
 
     @cached_property
     def upwards(self) -> Bool:
@@ -170,9 +170,9 @@ class Passing:
     @cached_property
     def wrong_after(self) -> Num:
         """The same after this cycle's edge, which may lie anywhere since the last amplitude, or after its reference."""
-        told = ite(self.edge, self.unheard, self.wrong)
+        error = ite(self.edge, self.unheard, self.wrong)
         referred = self.own.reference & self.band.eq(v.NORMAL)
-        return minimum(ite(referred, as_num(0, NM), told), self.own.ghosts.wrong.high)
+        return minimum(ite(referred, as_num(0, NM), error), self.own.ghosts.wrong.high)
 
     # -------------------------------------------------------------- the map
 
@@ -283,7 +283,7 @@ def _entry_law(own: Parts, now: Passing) -> Law:
         "twice the tolerances of two edges, the run since the last amplitude, and the error of the run since the last edge. "
         "This holds while both runs are known within the tolerance.",
         ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
-        "[D] layout: what looks like the section expected, where it is expected, cannot be told from it",
+        "[D] layout: a change like that of the expected section, at its place, cannot be distinguished from it",
         "infrastructure",
         "audit of the line's sections; places of changes that no section explains are reported",
     )
@@ -336,10 +336,10 @@ def _code_law(own: Parts, now: Passing) -> Law:
     seen = own.ghosts
     near = between(-own.config.reach, seen.ahead_by, own.config.reach)
     was_long = now.beyond(own.config.long_mm * NM_PER_MM - 1)
-    as_told = (was_long & seen.long) | (~was_long & ~seen.long)
+    as_measured = (was_long & seen.long) | (~was_long & ~seen.long)
     passed = now.leaves & seen.real & seen.of_map & now.along.ne(0)
     return Law(
-        (passed & near).implies(ite(seen.ahead_by.eq(0), as_told, ~as_told)),
+        (passed & near).implies(ite(seen.ahead_by.eq(0), as_measured, ~as_measured)),
         "If the section that was entered has the number that the map was asked for, it has the length of the map's entry. A "
         "section of another number within the reach of the code has the other length.",
         ("reach",),

@@ -68,11 +68,11 @@ from safeloc.models.emitter import Emitter, EmitterConfig
 from safeloc.models.fibre import Fibre, FibreConfig
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry, entry
-from safeloc.models.fibre_area.parting import PartingConfig, ToldRun
+from safeloc.models.fibre_area.parting import PartingConfig, ReportedRun
 from safeloc.models.fibre_area.report import Report
 from safeloc.models.sections import Section, SectionsConfig, section, section_wires
 from safeloc.models.verification import Verification, VerificationConfig
-from safeloc.models.vocabulary.absent import heard_interval
+from safeloc.models.vocabulary.absent import wired_interval
 
 
 class FibreAreaConfig(Config):
@@ -135,15 +135,15 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
     return joined(config, *machines, cuts)
 
 
-def told_run(fibre: FibreConfig) -> ToldRun:
+def reported_run(fibre: FibreConfig) -> ReportedRun:
     """Return limit and error law of a pattern's measured run."""
-    return ToldRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
+    return ReportedRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
 
 
 def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_model.Parts:
     long = config.verification.length_limit_mm
     return report_model.parts(
-        config.parting, config.sections.area.reach, told_run(config.fibre), pattern_limit_um, long
+        config.parting, config.sections.area.reach, reported_run(config.fibre), pattern_limit_um, long
     )
 
 
@@ -173,7 +173,7 @@ def joined(
 
 def ends(fibre: Fibre) -> tuple[Num, Num]:
     """Return bounds of one end of the train, as its machine reports them."""
-    position, below, above = heard_interval(fibre.machine)
+    position, below, above = wired_interval(fibre.machine)
     return position - below, position + above
 
 
@@ -185,7 +185,7 @@ def _verification_wires(
     located = front.machine.flag("valid") & rear.machine.flag("valid")
     (front_low, front_high), (rear_low, rear_high) = ends(front), ends(rear)
     near, far = front_low - rear_high, front_high - rear_low
-    position, below, above = heard_interval(front.machine)
+    position, below, above = wired_interval(front.machine)
     usable = all_of(
         [
             located,
@@ -210,9 +210,9 @@ def _verification_wires(
         own.leaves: entry_.leaves,
         own.next_truth: front.own.ghosts.truth,
     }
-    told = {own.place.value: position, own.place_above: above, own.place_below: below}
-    told |= {own.ends_low.value: near, own.ends_high.value: far}
-    return {**wires, **{var: _if(usable, term) for var, term in told.items()}}
+    seen = {own.place.value: position, own.place_above: above, own.place_below: below}
+    seen |= {own.ends_low.value: near, own.ends_high.value: far}
+    return {**wires, **{var: _if(usable, term) for var, term in seen.items()}}
 
 
 def _report_wires(
@@ -247,16 +247,16 @@ def _report_wires(
 
 def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
     """Return the wires of the area: the report of slot 1, its event, and the train's true ends."""
-    slot, own, told = area.own.slots[0], report.own, report.machine.flag("told")
+    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("told")
     return {
         slot.event: entry_.passed_on,
         slot.next_all_out: entry_.next_inside.eq(0),
-        slot.rear.present: told,
-        slot.front.present: told,
+        slot.rear.present: reported,
+        slot.front.present: reported,
         slot.rear.value: report.machine.output("low_mm"),
         slot.front.value: report.machine.output("high_mm"),
         slot.age: own.age,
-        slot.trusted: told,
+        slot.trusted: reported,
         slot.integer: report.machine.flag("integer"),
         slot.downwards: report.machine.flag("downwards"),
         slot.next_rear: own.next_rear,

@@ -85,12 +85,12 @@ class Entry:
     @property
     def passed_on(self) -> Num:
         """The event for the area: a train that left a part behind has not left."""
-        told_out = self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
-        return ite(told_out & ~self.left, NO_EVENT, self.event)
+        leaving = self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
+        return ite(leaving & ~self.left, NO_EVENT, self.event)
 
 
 @dataclass(frozen=True, eq=False)
-class Heard:
+class EntryInputs:
     """The inputs, and the balance of axles before the cycle."""
 
     event: NumVar
@@ -102,7 +102,7 @@ class Heard:
     in_part: BoolVar
 
     @property
-    def told_out(self) -> Bool:
+    def leaving(self) -> Bool:
         """The counters report that the running part of the train has left."""
         return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
 
@@ -119,13 +119,13 @@ class Heard:
     @property
     def counted(self) -> Bool:
         """The balance is sure after the cycle."""
-        told = self.axles_in.present & self.axles_out.present & between(0, self.balance, self.inside.high)
-        return (self.enters | self.sure) & told
+        counted_now = self.axles_in.present & self.axles_out.present & between(0, self.balance, self.inside.high)
+        return (self.enters | self.sure) & counted_now
 
     @property
     def complete(self) -> Bool:
         """Every axle that came in is out."""
-        return self.told_out & self.counted & self.balance.eq(0)
+        return self.leaving & self.counted & self.balance.eq(0)
 
 
 def entry(wait_cycles: int, axle_limit: int) -> Entry:
@@ -146,7 +146,7 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
     truly = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
     next_truly = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
     current = current_mode(table)
-    heard = Heard(event, comes, axles_in, axles_out, inside, sure, in_part)
+    entry = EntryInputs(event, comes, axles_in, axles_out, inside, sure, in_part)
     machine = Machine(
         name="entry",
         modes=table,
@@ -162,12 +162,12 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
             "left": left,
             "left_in_part": in_part,
         },
-        transitions=list(_table(table, heard, waited, due, source, left)),
+        transitions=list(_table(table, entry, waited, due, source, left)),
         world=World(
             ghosts=declared.ghosts,
             choices=declared.choices,
             moves={truly: next_truly},
-            clauses=_clauses(heard, truly, next_truly),
+            clauses=_clauses(entry, truly, next_truly),
         ),
         lemmas={
             "nothing is due from nobody but once": (due & source.eq(NOBODY)).implies(current.eq(table[3])),
@@ -179,9 +179,9 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
     return Entry(machine, event, comes, axles_in, axles_out, waited, due, source, *balance)
 
 
-def _clauses(heard: Heard, truly: NumVar, next_truly: NumVar) -> dict[str, Law]:
-    came, went = heard.axles_in, heard.axles_out
-    there = ite(heard.event.one_of(ENTERS_LOW, ENTERS_HIGH), 0, truly)
+def _clauses(entry: EntryInputs, truly: NumVar, next_truly: NumVar) -> dict[str, Law]:
+    came, went = entry.axles_in, entry.axles_out
+    there = ite(entry.event.one_of(ENTERS_LOW, ENTERS_HIGH), 0, truly)
     return {
         "undisturbed counters count every axle": Law(
             (came.present & went.present).implies((next_truly - there).eq(came.value - went.value)),
@@ -195,28 +195,28 @@ def _clauses(heard: Heard, truly: NumVar, next_truly: NumVar) -> dict[str, Law]:
 
 
 def _table(
-    table: tuple[Lit, ...], heard: Heard, waited: NumVar, due: BoolVar, source: NumVar, left: BoolVar
+    table: tuple[Lit, ...], entry: EntryInputs, waited: NumVar, due: BoolVar, source: NumVar, left: BoolVar
 ) -> Iterator[Transition]:
-    outside, awaited, told, missing = table
+    outside, awaited, referenced, missing = table
     stays: Updates = {
-        heard.inside: ite(heard.counted, heard.balance, as_num(0, COUNT)),
-        heard.sure: heard.counted,
+        entry.inside: ite(entry.counted, entry.balance, as_num(0, COUNT)),
+        entry.sure: entry.counted,
         left: FALSE,
-        heard.in_part: ~heard.enters & (heard.in_part | heard.told_out),
+        entry.in_part: ~entry.enters & (entry.in_part | entry.leaving),
     }
-    gone: Updates = {heard.inside: 0, heard.sure: TRUE, left: TRUE, heard.in_part: FALSE}
+    gone: Updates = {entry.inside: 0, entry.sure: TRUE, left: TRUE, entry.in_part: FALSE}
     not_due: Updates = {due: False, source: NOBODY}
-    answered = together(stays, {waited: 0, due: True, source: heard.comes})
+    answered = together(stays, {waited: 0, due: True, source: entry.comes})
     overdue = together(stays, {waited: 0, due: True, source: NOBODY})
     waits = together(stays, not_due, {waited: waited + 1})
     same = together(stays, not_due, {waited: 0})
     left_now = together(gone, not_due, {waited: 0})
-    came = heard.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
-    yield Transition("train leaves", table, outside, heard.complete, left_now, REQUIREMENTS, 0)
-    yield Transition("reference comes", table, told, came, answered, REQUIREMENTS, 1)
-    yield Transition("train enters", table, awaited, heard.enters, same, REQUIREMENTS, 2)
+    came = entry.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
+    yield Transition("train leaves", table, outside, entry.complete, left_now, REQUIREMENTS, 0)
+    yield Transition("reference comes", table, referenced, came, answered, REQUIREMENTS, 1)
+    yield Transition("train enters", table, awaited, entry.enters, same, REQUIREMENTS, 2)
     yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, REQUIREMENTS, 3)
     yield Transition("wait for the reference", awaited, awaited, TRUE, waits, REQUIREMENTS, 4)
     yield Transition("train is not here", outside, outside, TRUE, same, REQUIREMENTS, 4)
-    yield Transition("reference is known", told, told, TRUE, same, REQUIREMENTS, 4)
+    yield Transition("reference is known", referenced, referenced, TRUE, same, REQUIREMENTS, 4)
     yield Transition("reference is missing", missing, missing, TRUE, same, REQUIREMENTS, 4)

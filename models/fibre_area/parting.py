@@ -39,7 +39,7 @@ class PartingConfig(Config):
 
 
 @dataclass(frozen=True)
-class ToldRun:
+class ReportedRun:
     """The measured run of a pattern: its limit in a cycle (mm), and its error law (ppm of the run, and mm)."""
 
     limit_mm: int
@@ -59,7 +59,7 @@ class Parts:
     run               its measured run in this cycle; `told_run`: limit and error law of that
     age               age of the pattern's reading
     straight          its run in one direction so far, at least, without a pause: above 0 upwards
-    told, told_low, told_high  the report to the area
+    reported, reported_low, reported_high  the report to the area
 
     Ghosts; places in um at the time of the pattern's reading:
 
@@ -74,13 +74,18 @@ class Parts:
     """
 
     def __init__(
-        self, config: PartingConfig, reach: Reach, told_run: ToldRun, pattern_limit_um: int, length_limit_mm: int
+        self,
+        config: PartingConfig,
+        reach: Reach,
+        reported_run: ReportedRun,
+        pattern_limit_um: int,
+        length_limit_mm: int,
     ) -> None:
         self.declared = declared = Declared()
         limit, far, oldest = reach.limit_mm, reach.limit_mm * UM_PER_MM, 2 * reach.report_age_limit_ms
         most, step, straight = config.since_limit_um, reach.cycle_mm * UM_PER_MM, config.straight_limit_mm
         pattern, body = pattern_limit_um, pattern_limit_um + most
-        self.config, self.reach, self.told_run = config, reach, told_run
+        self.config, self.reach, self.reported_run = config, reach, reported_run
         self.trusted = declared.sensor(boolean("train_trusted"))
         self.counted = declared.sensor(boolean("count_matches_now"))
         self.gone = declared.sensor(boolean("train_gone"))
@@ -92,12 +97,12 @@ class Parts:
         self.longest = declared.sensor(number("longest_mm", MM, 0, length_limit_mm))
         self.upwards = declared.sensor(boolean("runs_upwards"))
         self.downwards = declared.sensor(boolean("runs_downwards"))
-        self.run = declared.sensor(number("run_mm", MM, -told_run.limit_mm, told_run.limit_mm))
+        self.run = declared.sensor(number("run_mm", MM, -reported_run.limit_mm, reported_run.limit_mm))
         self.age = declared.sensor(number("reading_age_ms", MS, 0, oldest))
         self.straight = declared.state(number("run_one_way_mm", MM, -straight, straight), first=0)
-        self.told = declared.state(boolean("trusted_now"), first=False)
-        self.told_low = declared.state(number("reported_low_mm", MM, -limit, limit), first=0)
-        self.told_high = declared.state(number("reported_high_mm", MM, -limit, limit), first=0)
+        self.reported = declared.state(boolean("trusted_now"), first=False)
+        self.reported_low = declared.state(number("reported_low_mm", MM, -limit, limit), first=0)
+        self.reported_high = declared.state(number("reported_high_mm", MM, -limit, limit), first=0)
         self.rear_is = declared.ghost(boolean("rear_is_the_trains"), first=False)
         self.front_is = declared.ghost(boolean("front_is_the_trains"), first=False)
         self.since = declared.ghost(number("run_since_whole_um", UM, 0, most), first=most)
@@ -139,6 +144,8 @@ class Parts:
         return with_unit(self.age * self.reach.max_speed_mm_s, UM)
 
 
-def parts(config: PartingConfig, reach: Reach, told_run: ToldRun, pattern_limit_um: int, length_limit_mm: int) -> Parts:
+def parts(
+    config: PartingConfig, reach: Reach, reported_run: ReportedRun, pattern_limit_um: int, length_limit_mm: int
+) -> Parts:
     """Return fresh variables for one train up to `length_limit_mm` long; its pattern lies within `pattern_limit_um`."""
-    return Parts(config, reach, told_run, pattern_limit_um, length_limit_mm)
+    return Parts(config, reach, reported_run, pattern_limit_um, length_limit_mm)

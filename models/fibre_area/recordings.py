@@ -1,10 +1,12 @@
 """Recordings of stays with a detector within its bounds: one without trouble, and named ones.
 
-`python -m safeloc.models.fibre_area.recordings` writes them; a test checks that they come out the same.
+`python -m safeloc.models.fibre_area.recordings` writes those that ship, `... recordings FOLDER` those that are made on demand. Tests
+check that the former come out the same, and the latter with the same digest.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -41,18 +43,18 @@ UNTRUSTED_ON_THE_WAY_BACK = replace(TURNED_BACK, counted_every=5, emitter_dead=(
 NAMED: Mapping[str, Journey] = {
     "late-record": LATE_RECORD,
     "service": SERVICE,
-    "split": SPLIT,
-    "turned-back": TURNED_BACK,
     "turned-back-untrusted": UNTRUSTED_ON_THE_WAY_BACK,
     "missed-section": Journey(cycles=90, front_missed=(1,)),
 }
-"""By the end of the recording's name."""
+"""The recordings that ship, by the end of their name."""
+ON_DEMAND: Mapping[str, Journey] = {"split": SPLIT, "turned-back": TURNED_BACK}
+"""Recordings that do not ship: each of their transitions is also taken in one that does."""
 
 
-def write(folder: Path) -> list[Path]:
+def write(folder: Path, journeys: Mapping[str, Journey] = NAMED) -> list[Path]:
     """Write the recordings anew; return their paths."""
     paths = list[Path]()
-    for name, journey in NAMED.items():
+    for name, journey in journeys.items():
         paths.append(folder / f"fibre_area-{name}.jsonl.gz")
         steps = simulate_journey(CONFIG, seed=1, journey=journey)
         write_steps(paths[-1], steps, machine="fibre_area", first=first_state(CONFIG, journey), short=True)
@@ -60,4 +62,7 @@ def write(folder: Path) -> list[Path]:
 
 
 if __name__ == "__main__":
-    write(FOLDER)
+    if sys.argv[1:]:
+        write(Path(sys.argv[1]), ON_DEMAND)
+    else:
+        write(FOLDER)

@@ -63,8 +63,8 @@ class Believed:
     @cached_property
     def run(self) -> Num:
         """Least run of the train in the cycle: the measured run less its greatest error, mm rounded down."""
-        told, size = self.own.told_run, ite(self.down, -self.own.run, self.own.run)
-        sure = with_unit(size * (PPM_PER_ONE - told.rate_ppm), NM) - told.floor_mm * NM_PER_MM
+        bounds, size = self.own.reported_run, ite(self.down, -self.own.run, self.own.run)
+        sure = with_unit(size * (PPM_PER_ONE - bounds.rate_ppm), NM) - bounds.floor_mm * NM_PER_MM
         return maximum(floor_to(sure, MM), 0)
 
     @cached_property
@@ -130,9 +130,9 @@ def build(own: Parts) -> Report:
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs={
-            "told": own.told & current.ne(neither),
-            "low_mm": own.told_low,
-            "high_mm": own.told_high,
+            "told": own.reported & current.ne(neither),
+            "low_mm": own.reported_low,
+            "high_mm": own.reported_high,
             "integer": current.eq(whole),
             "downwards": current.eq(low),
         },
@@ -166,20 +166,30 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     neither, whole, high, low = table
     now = Believed(own)
-    untold: Updates = {own.straight: now.straight, own.told: FALSE, own.told_low: 0, own.told_high: 0}
-    told: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: own.low, own.told_high: own.high}
-    charged: Updates = {own.straight: now.straight, own.told: TRUE, own.told_low: now.low, own.told_high: now.high}
+    withhold: Updates = {own.straight: now.straight, own.reported: FALSE, own.reported_low: 0, own.reported_high: 0}
+    follow: Updates = {
+        own.straight: now.straight,
+        own.reported: TRUE,
+        own.reported_low: own.low,
+        own.reported_high: own.high,
+    }
+    complete: Updates = {
+        own.straight: now.straight,
+        own.reported: TRUE,
+        own.reported_low: now.low,
+        own.reported_high: now.high,
+    }
 
     def row(
         name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, good: Bool, says: Updates, rank: int
     ) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
-        yield Transition(f"{name}, not reported", source, target, when & ~good, untold, REQUIREMENTS, rank)
+        yield Transition(f"{name}, not reported", source, target, when & ~good, withhold, REQUIREMENTS, rank)
 
-    yield from row("count matches", table, whole, own.counted, now.good_whole, charged, 0)
+    yield from row("count matches", table, whole, own.counted, now.good_whole, complete, 0)
     led_up, led_down = now.up & now.led_high(own.straight), now.down & now.led_low(own.straight)
-    yield from row("runs up since it was complete", whole, high, led_up, now.good, told, 1)
-    yield from row("runs down since it was complete", whole, low, led_down, now.good, told, 1)
-    yield from row("runs up still", high, high, now.up, now.good, told, 1)
-    yield from row("runs down still", low, low, now.down, now.good, told, 1)
-    yield Transition("may be in parts", table, neither, TRUE, untold, REQUIREMENTS, 2)
+    yield from row("runs up since it was complete", whole, high, led_up, now.good, follow, 1)
+    yield from row("runs down since it was complete", whole, low, led_down, now.good, follow, 1)
+    yield from row("runs up still", high, high, now.up, now.good, follow, 1)
+    yield from row("runs down still", low, low, now.down, now.good, follow, 1)
+    yield Transition("may be in parts", table, neither, TRUE, withhold, REQUIREMENTS, 2)

@@ -94,9 +94,9 @@ def _length(own: Parts) -> Law:
 
 
 def _run(own: Parts, up: Bool, down: Bool) -> Law:
-    told, step = own.told_run, exact_to(own.step, NM)
-    off = with_unit(own.run * told.rate_ppm, NM)
-    short, floor = exact_to(own.run, NM), told.floor_mm * NM_PER_MM
+    bounds, step = own.reported_run, exact_to(own.step, NM)
+    off = with_unit(own.run * bounds.rate_ppm, NM)
+    short, floor = exact_to(own.run, NM), bounds.floor_mm * NM_PER_MM
     far = (step + floor >= short - off) & (own.step >= 0)
     near = (step - floor <= short - off) & (own.step <= 0)
     return Law(

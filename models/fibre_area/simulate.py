@@ -52,7 +52,7 @@ class Journey:
     referred: bool = True
     counted_every: int = 3
     split: int | None = None
-    told_after_mm: int | None = None
+    counted_after_mm: int | None = None
     emitter_dead: tuple[int, int] | None = None
     front_missed: tuple[int, ...] = ()
     rear_missed: tuple[int, ...] = ()
@@ -219,7 +219,7 @@ class _World:
     def _axles(self) -> int:
         """Return the detector's count: it contains lost axles until the train has run on."""
         journey = self._journey
-        after = self._config.parting.count_run_mm if journey.told_after_mm is None else journey.told_after_mm
+        after = self._config.parting.count_run_mm if journey.counted_after_mm is None else journey.counted_after_mm
         return journey.axles - (LOST_AXLES if self._run_since_mm > after else 0)
 
     def _truth(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:

@@ -27,7 +27,7 @@ from safeloc.models.fibre_handover.border import build as build_border
 from safeloc.models.fibre_handover.border import parts as border_parts
 from safeloc.models.fibre_handover.speaker import Speaker, speaker
 from safeloc.models.verification import Verification, VerificationConfig, build, parts
-from safeloc.models.vocabulary.absent import heard_interval
+from safeloc.models.vocabulary.absent import wired_interval
 
 
 class FibreHandoverConfig(Config):
@@ -61,7 +61,7 @@ class FibreHandover:
 
 def interval(verified: Verification) -> tuple[Num, Num]:
     """Return bounds of the front, as a verification reports them."""
-    position, below, above = heard_interval(verified.machine)
+    position, below, above = wired_interval(verified.machine)
     return position - below, position + above
 
 
@@ -94,16 +94,16 @@ def joined(
 
 def _taking_wires(giving: Verification, between: Border, taking: Verification) -> dict[Var, Expr]:
     """Return the wires of the taking area: its reference is the record that the giving area still trusts; ghosts: the same train."""
-    own, said = taking.own, giving.machine
+    own, giver = taking.own, giving.machine
     return {
         own.due: between.own.due,
         own.source: between.own.source,
-        own.sound: between.own.sound & said.flag("handover_trusted"),
-        own.record_count: said.output("handover_axles"),
-        own.record_low: said.output("handover_length_low_mm"),
-        own.record_high: said.output("handover_length_high_mm"),
-        own.record_place_low: said.output("handover_place_low_mm"),
-        own.record_place_high: said.output("handover_place_high_mm"),
+        own.sound: between.own.sound & giver.flag("handover_trusted"),
+        own.record_count: giver.output("handover_axles"),
+        own.record_low: giver.output("handover_length_low_mm"),
+        own.record_high: giver.output("handover_length_high_mm"),
+        own.record_place_low: giver.output("handover_place_low_mm"),
+        own.record_place_high: giver.output("handover_place_high_mm"),
         own.leaves: between.own.gone,
         own.next_truth: giving.own.truth,
         own.next_axles: giving.own.axles,

@@ -31,7 +31,7 @@ from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.language.world import World
 from safeloc.models.guard import law
 from safeloc.models.guard.box import Box, Held, become, begun, tolerable, usable
-from safeloc.models.guard.judgement import Judged, judge
+from safeloc.models.guard.judgement import Judgement, judge
 from safeloc.models.guard.variables import PASSED, UNCONFIRMED, GuardConfig, Parts, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
@@ -49,7 +49,7 @@ class Guard:
 
     machine: Machine
     own: Parts
-    judged: Judged
+    judgement: Judgement
 
     @property
     def holding(self) -> Bool:
@@ -60,7 +60,7 @@ class Guard:
 def build(own: Parts) -> Guard:
     """Build the machine over the given variables."""
     table = modes("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
-    current, judged = current_mode(table), judge(own)
+    current, judgement = current_mode(table), judge(own)
     holding, recovering = current.one_of(*table[2:]), current.eq(table[1])
     made = Machine(
         name="guard",
@@ -69,8 +69,8 @@ def build(own: Parts) -> Guard:
         state=own.declared.states,
         outputs=_outputs(own, holding),
         transitions=[
-            _new_start(own, judged, table),
-            *(_heard(judged, row) for row in (*_held(own, judged, table), *_free(own, judged, table))),
+            _new_start(own, judgement, table),
+            *(_recording_fix(judgement, row) for row in (*_held(own, judgement, table), *_free(own, judgement, table))),
         ],
         world=World(
             ghosts=own.declared.ghosts,
@@ -81,7 +81,7 @@ def build(own: Parts) -> Guard:
             "the machine's anchor is a definition; no law of receiver or vehicle reads the machine",
         ),
         lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]), recovering)},
-        definitions=_definitions(judged),
+        definitions=_definitions(judgement),
         doc=(
             "Passes on those of a receiver's positions that map and motion allow, each with the interval along the way that "
             "contains the vehicle. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "
@@ -90,7 +90,7 @@ def build(own: Parts) -> Guard:
             "quality flags. A receiver that errs along the track, slowly enough for a vehicle, for that many fixes, is not noticed."
         ),
     )
-    return Guard(made, own, judged)
+    return Guard(made, own, judgement)
 
 
 def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
@@ -107,15 +107,17 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 # ------------------------------------------------------------------ the transition table
 
 
-def _heard(cycle: Judged, row: Transition) -> Transition:
+def _recording_fix(cycle: Judgement, row: Transition) -> Transition:
     """Add to every other transition that it stores the fix as the last one near the way, and as the last known place, if it is one."""
     return replace(row, set=together(row.set, cycle.near_after, cycle.known_after))
 
 
-def _new_start(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Transition:
+def _new_start(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Transition:
     """Return the transition of the host's new start: it forgets everything known before, and uses no fix of the same step."""
-    judged = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
-    nothing = together(become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.judged: judged})
+    verdict = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
+    nothing = together(
+        become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.last_verdict: verdict}
+    )
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
 
 
@@ -127,7 +129,7 @@ def _nowhere(own: Parts) -> Updates:
     }  # fmt: skip
 
 
-def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _held(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions while an interval is stored that contains the truth."""
     lost, _, passing, probation = table
     both, config = (passing, probation), own.config
@@ -135,14 +137,14 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     full, none = as_num(config.confirmations, COUNT), as_num(0, COUNT)
     kept = usable(config, coasted.box)
 
-    def coast(agreed: Num, judged: Num) -> Updates:
-        return together(become(own, coasted), {own.agreed: agreed, own.judged: judged})
+    def coast(agreed: Num, verdict: Num) -> Updates:
+        return together(become(own, coasted), {own.agreed: agreed, own.last_verdict: verdict})
 
-    passed = together(become(own, narrow), {own.agreed: full, own.judged: PASSED})
+    passed = together(become(own, narrow), {own.agreed: full, own.last_verdict: PASSED})
     goes_on = cycle.agrees & cycle.follows
     yield Transition("fix passed on", passing, passing, goes_on, passed, REQUIREMENTS, 0)
     yield Transition("receiver believed again", probation, passing, goes_on & cycle.confirmed, passed, REQUIREMENTS, 0)
-    lose = together(become(own, _nothing()), {own.agreed: none, own.judged: _withheld(cycle)})
+    lose = together(become(own, _nothing()), {own.agreed: none, own.last_verdict: _withheld(cycle)})
     yield Transition("window given up", both, lost, ~kept, lose, REQUIREMENTS, 1)
     doubt = coast(none, cycle.verdict)
     yield Transition("implausible fix", both, probation, cycle.implausible, doubt, REQUIREMENTS, 2)
@@ -150,7 +152,7 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     contradicts = cycle.begins & ~cycle.follows
     begun_anew = coast(none_or_one, _withheld(cycle))
     yield Transition("fix contradicts the one before", both, probation, contradicts, begun_anew, REQUIREMENTS, 3)
-    agreeing = coast(cycle.more, as_num(UNCONFIRMED, own.judged.unit))
+    agreeing = coast(cycle.more, as_num(UNCONFIRMED, own.last_verdict.unit))
     yield Transition("fix agrees on probation", probation, probation, cycle.agrees, agreeing, REQUIREMENTS, 4)
     for mode in both:
         yield Transition(
@@ -163,14 +165,14 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
         )
 
 
-def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions while no stored interval is known to contain the true place: fixes are only compared with each other."""
     lost, recovering, passing, _ = table
     fresh, config = cycle.fresh, own.config
     none, one = as_num(0, COUNT), as_num(1, COUNT)
 
-    def begun_by(agreed: Num, judged: Num) -> Updates:
-        return together(become(own, fresh), {own.agreed: agreed, own.judged: judged})
+    def begun_by(agreed: Num, verdict: Num) -> Updates:
+        return together(become(own, fresh), {own.agreed: agreed, own.last_verdict: verdict})
 
     full = begun_by(as_num(config.confirmations, COUNT), PASSED)
     agrees = cycle.agrees & cycle.begins
@@ -181,11 +183,13 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("first fix", lost, recovering, cycle.begins, begin, REQUIREMENTS, 7)
     yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, REQUIREMENTS, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
-    empty = together(become(own, _nothing()), {own.agreed: none, own.judged: cycle.verdict})
+    empty = together(become(own, _nothing()), {own.agreed: none, own.last_verdict: cycle.verdict})
     yield Transition("fixes dropped", recovering, lost, unusable, empty, REQUIREMENTS, 9)
-    waiting = together(_carried(own, cycle.coasted.box), {own.judged: cycle.verdict})
+    waiting = together(_carried(own, cycle.coasted.box), {own.last_verdict: cycle.verdict})
     yield Transition("agreeing fixes carried", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
-    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.fair}, requirements=REQUIREMENTS, rank=10)
+    yield Transition(
+        "wait for a fix", lost, lost, set={own.last_verdict: cycle.fair}, requirements=REQUIREMENTS, rank=10
+    )
 
 
 def _carried(own: Parts, box: Box) -> Updates:
@@ -198,17 +202,17 @@ def _nothing() -> Held:
     return begun(Box(zero, zero, rest, rest))
 
 
-def _withheld(cycle: Judged) -> Num:
+def _withheld(cycle: Judgement) -> Num:
     """Return the reason: that of the verdict, or UNCONFIRMED for a fix that passed all checks and is withheld all the same."""
     return ite(cycle.agrees, UNCONFIRMED, cycle.verdict)
 
 
-def _definitions(cycle: Judged) -> dict[str, Expr]:
+def _definitions(cycle: Judgement) -> dict[str, Expr]:
     """Name the terms of the table."""
     return {
-        "delivery judged": cycle.verdict,
-        "delivery judged alone": cycle.alone,
-        "delivery judged by course and reach": cycle.fair,
+        "verdict on the delivery": cycle.verdict,
+        "verdict on the delivery alone": cycle.alone,
+        "verdict by course and reach": cycle.fair,
         "fix agrees": cycle.agrees,
         "as many agree as asked for": cycle.confirmed,
         "fix follows from the one before": cycle.follows,
@@ -233,7 +237,7 @@ def _outputs(own: Parts, holding: Bool) -> dict[str, Expr]:
     middle = floor_div(low + high, 2)
     return {
         "valid": valid,
-        "passed": own.judged.eq(PASSED),
+        "passed": own.last_verdict.eq(PASSED),
         "position_mm": position_if(valid, middle),
         "margin_below_mm": margin_if(valid, middle - low),
         "margin_above_mm": margin_if(valid, high - middle),
@@ -243,5 +247,5 @@ def _outputs(own: Parts, holding: Bool) -> dict[str, Expr]:
         "known_from_mm": floor_to(own.known_low, MM) - own.config.rollback_mm,
         "known_to_mm": ceil_to(own.known_high, MM),
         "agreed_fixes": own.agreed,
-        "reason": own.judged,
+        "reason": own.last_verdict,
     }

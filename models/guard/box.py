@@ -138,7 +138,7 @@ def _speed(own: Parts) -> Num:
     return exact_to(own.speed.value, UM_S)
 
 
-def told(own: Parts, box: Box, anchor: Anchor) -> Held:
+def speed_by_distance(own: Parts, box: Box, anchor: Anchor) -> Held:
     """Return the box and its anchor; once in a window, narrow the speed by the distance since the anchor and set a new anchor."""
     config = own.config
     steps = anchor.steps + ite(own.advance, as_num(1, COUNT), 0)

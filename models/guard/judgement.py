@@ -17,7 +17,7 @@ from safeloc.models.guard.box import (
     narrowed,
     near_now,
     of_fix,
-    told,
+    speed_by_distance,
     usable,
 )
 from safeloc.models.guard.variables import (
@@ -42,7 +42,7 @@ from safeloc.models.guard.variables import (
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """The terms of one step, built once for all transitions.
 
     coasted    the stored intervals moved on, without the delivery
@@ -85,8 +85,8 @@ class Judged:
     def near_after(self) -> dict[Var, Expr]:
         """The updates that store this fix as the last one near the way, if it is one; otherwise the stored places are moved on."""
         own, fix, (low, high) = self.own, of_fix(self.own), self.near
-        heard = self.alone.eq(PASSED)
-        return {own.near_low: ite(heard, fix.low, low), own.near_high: ite(heard, fix.high, high)}
+        passes = self.alone.eq(PASSED)
+        return {own.near_low: ite(passes, fix.low, low), own.near_high: ite(passes, fix.high, high)}
 
     @property
     def known_after(self) -> dict[Var, Expr]:
@@ -118,16 +118,16 @@ class Judged:
         return self.verdict.one_of(OFF_TRACK, JUMP, SPEED_DISAGREES, ACROSS, AGAINST, OUT_OF_REACH)
 
 
-def judge(own: Parts) -> Judged:
+def judge(own: Parts) -> Judgement:
     """Build the terms of one step."""
     before = held(own)
     ahead = moved(own, before.box)
-    with_fix = told(own, narrowed(own, ahead), before.anchor)
+    with_fix = speed_by_distance(own, narrowed(own, ahead), before.anchor)
     alone, known = _alone(own), known_now(own)
     fair = ite(alone.eq(PASSED), _fair(own, known), alone)
     verdict = _verdict(own, fair, ahead, with_fix.box)
-    coasted, fresh = told(own, ahead, before.anchor), begun(of_fix(own))
-    return Judged(own, coasted, with_fix, fresh, verdict, alone, fair, near_now(own), known)
+    coasted, fresh = speed_by_distance(own, ahead, before.anchor), begun(of_fix(own))
+    return Judgement(own, coasted, with_fix, fresh, verdict, alone, fair, near_now(own), known)
 
 
 def _alone(own: Parts) -> Num:
@@ -136,10 +136,10 @@ def _alone(own: Parts) -> Num:
     fresh = of_fix(own)
     coarse = half_nm(own) > (config.tolerance_mm - 2) * NM_PER_MM
     too_fast = own.speed.present & (_least_speed(own) > config.max_speed_mm_s * 1_000)
-    judged = ite(too_fast, SPEED_DISAGREES, ite(usable(config, fresh), PASSED, TOO_COARSE))
-    judged = ite(own.ambiguous, AMBIGUOUS, ite(coarse, TOO_COARSE, judged))
-    judged = ite(own.offset > config.offset_limit_mm, OFF_TRACK, judged)
-    return ite(own.fault.ne(NO_FAULT), _of_fault(own), ite(own.fix.present, judged, NOTHING))
+    verdict = ite(too_fast, SPEED_DISAGREES, ite(usable(config, fresh), PASSED, TOO_COARSE))
+    verdict = ite(own.ambiguous, AMBIGUOUS, ite(coarse, TOO_COARSE, verdict))
+    verdict = ite(own.offset > config.offset_limit_mm, OFF_TRACK, verdict)
+    return ite(own.fault.ne(NO_FAULT), _of_fault(own), ite(own.fix.present, verdict, NOTHING))
 
 
 def _of_fault(own: Parts) -> Num:
@@ -171,10 +171,10 @@ def _verdict(own: Parts, fair: Num, ahead: Box, after: Box) -> Num:
     meets = (fix.low <= ahead.high) & (ahead.low <= fix.high)
     too_fast = own.speed.present & ((_least_speed(own) > ahead.fast) & (_least_speed(own) > -ahead.slow))
     disagrees = too_fast | (after.slow > after.fast)
-    judged = ite(between(ahead.low, place, ahead.high), PASSED, DOUBTFUL)
-    judged = ite(disagrees, SPEED_DISAGREES, judged)
-    judged = ite(own.elsewhere | ~meets, JUMP, ite(fair.eq(OUT_OF_REACH), OUT_OF_REACH, judged))
-    return ite(fair.one_of(PASSED, OUT_OF_REACH), judged, fair)
+    verdict = ite(between(ahead.low, place, ahead.high), PASSED, DOUBTFUL)
+    verdict = ite(disagrees, SPEED_DISAGREES, verdict)
+    verdict = ite(own.elsewhere | ~meets, JUMP, ite(fair.eq(OUT_OF_REACH), OUT_OF_REACH, verdict))
+    return ite(fair.one_of(PASSED, OUT_OF_REACH), verdict, fair)
 
 
 def _least_speed(own: Parts) -> Num:

@@ -85,27 +85,27 @@ def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
         own.run: ite(holding & ~anchored & ~own.start_anew, ran, as_num(0, NM)),
         **{
             ghost: ite(own.start_anew, value, after)
-            for (ghost, after), value in zip(_heard(own).items(), _unheard(own), strict=True)
+            for (ghost, after), value in zip(_recorded(own).items(), _nothing_recorded(own), strict=True)
         },
     }
 
 
-def _heard(own: Parts) -> dict[Var, Num]:
+def _recorded(own: Parts) -> dict[Var, Num]:
     """Return the next values of the ghosts that record the receiver's fixes."""
     (low, high), (surely, at_most) = _reach(own), _sure_reach(own)
     place, error, promised = _place(own), _error(own), _promised(own)
     return {
-        own.heard_low: ite(near(own), place - error, low),
-        own.heard_high: ite(near(own), place + error, high),
+        own.last_fix_low: ite(near(own), place - error, low),
+        own.last_fix_high: ite(near(own), place + error, high),
         own.row: _row_after(own),
         own.sure_low: ite(promised, maximum(surely, place - error), surely),
         own.sure_high: ite(promised, minimum(at_most, place + error), at_most),
     }
 
 
-def _unheard(own: Parts) -> tuple[Num, ...]:
+def _nothing_recorded(own: Parts) -> tuple[Num, ...]:
     """Return their values after a new start, in the same order: as if no fix had come yet."""
-    low, high = as_num(own.heard_low.low, NM), as_num(own.heard_low.high, NM)
+    low, high = as_num(own.last_fix_low.low, NM), as_num(own.last_fix_low.high, NM)
     return low, high, as_num(0, COUNT), low, high
 
 
@@ -145,8 +145,8 @@ def _reach(own: Parts) -> tuple[Num, Num]:
     fastest = with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM)
     ran = exact_to(fastest, NM) + _bend_nm(own.config)
     return (
-        ite(own.advance, maximum(own.heard_low - ran, own.heard_low.low), own.heard_low),
-        ite(own.advance, minimum(own.heard_high + ran, own.heard_high.high), own.heard_high),
+        ite(own.advance, maximum(own.last_fix_low - ran, own.last_fix_low.low), own.last_fix_low),
+        ite(own.advance, minimum(own.last_fix_high + ran, own.last_fix_high.high), own.last_fix_high),
     )
 
 
@@ -249,7 +249,7 @@ def lemmas(own: Parts, holding: Bool, free: Bool, recovering: Bool) -> dict[str,
         "the truth is inside": holding.implies(inside),
         "the truth was inside at the anchor": holding.implies(between(own.anchor_low, begun, own.anchor_high)),
         "no anchor while nothing is held": free.implies(own.anchor_steps.eq(0)),
-        "the last fix near the way": own.near_low.eq(own.heard_low) & own.near_high.eq(own.heard_high),
+        "the last fix near the way": own.near_low.eq(own.last_fix_low) & own.near_high.eq(own.last_fix_high),
         "the place last known": own.known_low.eq(own.sure_low) & own.known_high.eq(own.sure_high),
         "the row of the receiver": own.fair.eq(own.row),
         "no longer row than the receiver's": own.agreed <= own.row,

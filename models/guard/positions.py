@@ -36,7 +36,7 @@ FAULTS = {
 
 
 @dataclass(frozen=True)
-class Told:
+class ReceiverReport:
     """Report of the receiver at a second, and the true place of the vehicle along stem and main track."""
 
     second: int
@@ -80,7 +80,7 @@ def _edge(name: str, begin: str, end: str, length_mm: int, points: tuple[tuple[f
     return TrackEdge(id=name, from_node=begin, to_node=end, length_mm=length_mm, geometry=course)
 
 
-def told(seed: int = 1) -> Iterator[Told]:
+def receiver_reports(seed: int = 1) -> Iterator[ReceiverReport]:
     """Yield the receiver's reports second by second: the vehicle starts at 100 m, reaches 20 m/s and runs on along the main track."""
     random, frozen = Random(seed), (0.0, 0.0)
     for second in range(SECONDS):
@@ -88,7 +88,9 @@ def told(seed: int = 1) -> Iterator[Told]:
         truth, speed = _motion_mm(second)
         place = (truth + random.uniform(-NOISE_MM, NOISE_MM)) / 1_000, random.uniform(-NOISE_MM, NOISE_MM) / 1_000
         frozen = frozen if fault == "frozen" else place
-        yield Told(second, truth, _shown(fault, place, frozen), speed + (9_000 if fault == "wrong speed" else 0))
+        yield ReceiverReport(
+            second, truth, _shown(fault, place, frozen), speed + (9_000 if fault == "wrong speed" else 0)
+        )
 
 
 def _shown(fault: str, place: tuple[float, float], frozen: tuple[float, float]) -> tuple[float, float] | None:
@@ -113,7 +115,7 @@ def _motion_mm(second: int) -> tuple[int, int]:
 def csv_text() -> str:
     """Return the run as CSV, with a line that is not finite, one that is repeated, one that is late, and one that is cut off."""
     lines = ["timestamp,longitude,latitude,speed_m_s,quality"]
-    for one in told():
+    for one in receiver_reports():
         lines.append(_csv_line(one))
         match one.second:
             case 60:
@@ -127,7 +129,7 @@ def csv_text() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _csv_line(one: Told) -> str:
+def _csv_line(one: ReceiverReport) -> str:
     when = (BEGIN + timedelta(seconds=one.second)).strftime("%Y-%m-%dT%H:%M:%S")
     if one.place is None:
         return f"{when},,,,NONE"
@@ -137,10 +139,10 @@ def _csv_line(one: Told) -> str:
 
 def nmea_text() -> str:
     """Return the run as RMC sentences."""
-    return "".join(f"${body}*{_checksum(body):02X}\r\n" for body in map(_rmc, told()))
+    return "".join(f"${body}*{_checksum(body):02X}\r\n" for body in map(_rmc, receiver_reports()))
 
 
-def _rmc(one: Told) -> str:
+def _rmc(one: ReceiverReport) -> str:
     when = BEGIN + timedelta(seconds=one.second)
     time, day = when.strftime("%H%M%S.00"), when.strftime("%d%m%y")
     if one.place is None:

@@ -98,20 +98,20 @@ def _delivered(vehicle: _Vehicle, config: GuardConfig, random: Random, spell: _S
     if spell.kind in ("silence", "no fix"):
         return {} if spell.kind == "silence" else {"fault": NO_FIX}
     offset = random.choice((0, random.randint(0, config.offset_limit_mm), config.offset_limit_mm))
-    charged = config.fix_error_mm + offset * config.offset_charge_permille // 1_000
-    error = random.choice((-charged, charged, random.randint(-charged, charged))) * NM_PER_MM
+    error_bound = config.fix_error_mm + offset * config.offset_charge_permille // 1_000
+    error = random.choice((-error_bound, error_bound, random.randint(-error_bound, error_bound))) * NM_PER_MM
     place = (vehicle.place_nm + error) // NM_PER_MM + (0 if error > 0 else 1)
-    said: dict[str, Value] = {"fix_mm": place, "fix_offset_mm": offset, "fix_ambiguous": spell.kind == "ambiguous"}
+    inputs: dict[str, Value] = {"fix_mm": place, "fix_offset_mm": offset, "fix_ambiguous": spell.kind == "ambiguous"}
     match spell.kind:
         case "off track":
-            said |= {"fix_offset_mm": OFF_BY_MM}
+            inputs |= {"fix_offset_mm": OFF_BY_MM}
         case "jump":
-            said |= {"fix_mm": place + spell.jump_mm}
+            inputs |= {"fix_mm": place + spell.jump_mm}
         case "across" | "backwards":
-            said |= {
+            inputs |= {
                 "fix_mm": place + spell.jump_mm // 2,
                 "fix_course_mrad": ACROSS_MRAD if spell.kind == "across" else BACKWARDS_MRAD,
             }
         case _ if random.random() < 0.5:
-            said |= {"fix_course_mrad": random.randint(0, config.course_limit_mrad)}
-    return said | ({"fix_speed_mm_s": vehicle.speed_um_s // 1_000} if random.random() < 0.5 else {})
+            inputs |= {"fix_course_mrad": random.randint(0, config.course_limit_mrad)}
+    return inputs | ({"fix_speed_mm_s": vehicle.speed_um_s // 1_000} if random.random() < 0.5 else {})

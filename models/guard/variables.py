@@ -72,7 +72,7 @@ class GuardConfig(Config):
             raise ValueError("period_ms must be even, so that half of an acceleration's way is whole nanometres.")
         if self.worst_error_mm > self.tolerance_mm - 2:
             raise ValueError(
-                f"a fix at offset_limit_mm is charged {self.worst_error_mm} mm, which is not within tolerance_mm "
+                f"a fix at offset_limit_mm has an error bound of {self.worst_error_mm} mm, which is not within tolerance_mm "
                 f"{self.tolerance_mm} less 2: lower fix_error_mm, offset_charge_permille or offset_limit_mm."
             )
         if self.track_clearance_mm < self.offset_limit_mm:
@@ -166,12 +166,12 @@ class Parts:
         self.near_high = declared.state(number("near_high_nm", NM, -reach, reach), first=reach)
         self.known_low = declared.state(number("known_low_nm", NM, -reach, reach), first=-reach)
         self.known_high = declared.state(number("known_high_nm", NM, -reach, reach), first=reach)
-        self.judged = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
+        self.last_verdict = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
         self.truth = declared.ghost(number("truth_nm", NM, -2 * reach, 2 * reach), first=ANY)
         self.true_speed = declared.ghost(number("true_speed_um_s", UM_S, -fast, fast), first=ANY)
         self.run = declared.ghost(number("run_nm", NM, -most, most), first=0)
-        self.heard_low = declared.ghost(number("heard_low_nm", NM, -reach, reach), first=-reach)
-        self.heard_high = declared.ghost(number("heard_high_nm", NM, -reach, reach), first=reach)
+        self.last_fix_low = declared.ghost(number("heard_low_nm", NM, -reach, reach), first=-reach)
+        self.last_fix_high = declared.ghost(number("heard_high_nm", NM, -reach, reach), first=reach)
         self.row = declared.ghost(number("row_fixes", COUNT, 0, config.confirmations), first=0)
         self.sure_low = declared.ghost(number("sure_low_nm", NM, -reach, reach), first=-reach)
         self.sure_high = declared.ghost(number("sure_high_nm", NM, -reach, reach), first=reach)

@@ -52,7 +52,7 @@ class Asked:
     at: str = ""
 
     @property
-    def told(self) -> str:
+    def as_requested(self) -> str:
         """The fault as it was requested."""
         return f"{self.fault.name}:{self.at}" if self.at else self.fault.name
 
@@ -195,7 +195,7 @@ def parse(asked: Sequence[str], machines: Sequence[str], *, trust_first: bool = 
     for text in asked:
         name, _, at = text.partition(":")
         if name not in FAULTS:
-            raise InputError(f"no fault {name!r}. {told()}")
+            raise InputError(f"no fault {name!r}. {fault_table()}")
         if not set(FAULTS[name].outcomes) & set(machines):
             having = ", ".join(FAULTS[name].outcomes)
             raise InputError(f"fault {name} is for {having}, but the run is for {', '.join(machines)}.")
@@ -207,7 +207,7 @@ def parse(asked: Sequence[str], machines: Sequence[str], *, trust_first: bool = 
     return found
 
 
-def told() -> str:
+def fault_table() -> str:
     """Return a text of every fault: its meaning, its place, and the reaction of each machine."""
     lines = ["Faults (NAME, or NAME:PLACE):"]
     for fault in FAULTS.values():

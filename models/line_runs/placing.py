@@ -130,10 +130,10 @@ def _named(
 def _on_stretch(asked: Asked, route: Route, motion: Motion) -> Struck:
     low, high = 2 * route.length_mm // 5, 3 * route.length_mm // 5
     if asked.at:
-        told = WITHIN.fullmatch(asked.at)
-        if told is None:
+        found = WITHIN.fullmatch(asked.at)
+        if found is None:
             raise InputError(f"fault {asked.fault.name}:{asked.at}: expected FROM-TO in mm along the route.")
-        low, high = int(told[1]), int(told[2])
+        low, high = int(found[1]), int(found[2])
     begin, end = _reached(motion, low), _reached(motion, high)
     if not (low < high <= route.length_mm and begin < end):
         raise InputError(f"fault {asked.fault.name}: {low}-{high} is no stretch of a route of {route.length_mm} mm.")

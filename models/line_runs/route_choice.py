@@ -34,25 +34,25 @@ def chosen_routes(topology: Topology, routes: Sequence[str], start: str | None, 
         every = found
     else:
         every = through_routes(topology, MOST_ROUTES + 1)
-        found = [_over(topology, told) for told in routes] or every
+        found = [_over(topology, text) for text in routes] or every
     _check_number(found, topology, start, end)
     return [Chosen(one, _rivals(one, every)) for one in found]
 
 
-def _over(topology: Topology, told: str) -> Route:
+def _over(topology: Topology, text: str) -> Route:
     """Return the route over these edges; its first direction may stand before them: `increasing: E1, E2`."""
-    way, colon, edges = told.partition(":")
+    way, colon, edges = text.partition(":")
     first = way.strip()
     if not colon or first not in ("increasing", "decreasing"):
-        return route_over([edge.strip() for edge in told.split(",")], topology)
+        return route_over([edge.strip() for edge in text.split(",")], topology)
     named = [edge.strip() for edge in edges.split(",")]
     return route_over(named, topology, first="increasing" if first == "increasing" else "decreasing")
 
 
-def _place(told: str, option: str) -> Place:
-    edge, _, position = told.rpartition("@")
+def _place(text: str, option: str) -> Place:
+    edge, _, position = text.rpartition("@")
     if not edge or not (position.isascii() and position.isdecimal()):
-        raise InputError(f"{option} {told!r}: expected EDGE@MM, for instance 301@0.")
+        raise InputError(f"{option} {text!r}: expected EDGE@MM, for instance 301@0.")
     return Place(edge, int(position))
 
 

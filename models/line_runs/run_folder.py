@@ -104,7 +104,7 @@ def _runs(
 def _require_effect(asked: Sequence[Asked], runs: Sequence[Run], line: Line) -> None:
     """Refuse a fault that occurs in no run, since it tests nothing, and a request without any run."""
     struck = [one for run in runs for one in run.stream.struck]
-    idle = [one.told for one in asked if not any(one.is_at(found.name, found.at) for found in struck)]
+    idle = [one.as_requested for one in asked if not any(one.is_at(found.name, found.at) for found in struck)]
     if idle:
         raise InputError(f"fault {idle[0]} does not occur on the driven routes of {line.name}; choose another place.")
     if not runs:

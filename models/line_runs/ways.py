@@ -78,7 +78,7 @@ def groups(route: Route) -> list[Group]:
 
 
 def _group(met: Met, group: elements.BaliseGroup, identity: int) -> Group:
-    told = _told(met, group)
+    named = _reflector_of(met, group)
     return Group(
         identity,
         met.position_mm,
@@ -86,13 +86,13 @@ def _group(met: Met, group: elements.BaliseGroup, identity: int) -> Group:
         orientation="REVERSE" if met.nominal is False else "NOMINAL",
         accuracy_mm=group.location_accuracy_mm,
         linked=group.linked,
-        reflector_mm=told.distance_mm if told else None,
-        search_mm=told.search_from_mm if told else None,
+        reflector_mm=named.distance_mm if named else None,
+        search_mm=named.search_from_mm if named else None,
     )
 
 
-def _told(met: Met, group: elements.BaliseGroup) -> elements.TelegramReflector | None:
-    return next((told for told in group.telegram_reflectors if told.direction == met.direction), None)
+def _reflector_of(met: Met, group: elements.BaliseGroup) -> elements.TelegramReflector | None:
+    return next((named for named in group.telegram_reflectors if named.direction == met.direction), None)
 
 
 # ------------------------------------------------------------------ reflectors
@@ -111,7 +111,7 @@ def reflector_route(
             known[group.id],
             met.position_mm + antenna_mm,
             _accuracy_mm(group, national_mm) + detection_mm,
-            reference=_told(met, group) is not None,
+            reference=_reflector_of(met, group) is not None,
             search_from_mm=_search_from(met, group, antenna_mm),
         )
         for met, group in balise_groups(route)
@@ -122,8 +122,8 @@ def reflector_route(
 
 def _search_from(met: Met, group: elements.BaliseGroup, antenna_mm: int) -> int | None:
     """Return the distance after which the search begins, counted from the place of reading, not from the group."""
-    told = _told(met, group)
-    return None if told is None or told.search_from_mm is None else max(0, told.search_from_mm - antenna_mm)
+    named = _reflector_of(met, group)
+    return None if named is None or named.search_from_mm is None else max(0, named.search_from_mm - antenna_mm)
 
 
 def _reflector(one: elements.Reflector, place_mm: int, clear: Mapping[str, int]) -> Reflector:

@@ -32,7 +32,7 @@ from safeloc.models.localizer.own_source import Maker, OwnSource, Vehicle, disti
 from safeloc.models.localizer.sources import PIECES, Piece, Stated, plainly
 from safeloc.models.motion import Motion
 from safeloc.models.transmission import Transmission, TransmissionConfig
-from safeloc.models.vocabulary.absent import heard_interval
+from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import NO_REFERENCE
 
 __all__ = [
@@ -81,7 +81,7 @@ def compose_machines(
     only_own: bool = False,
     behind: Callable[[Motion, Machine, Transmission], More] = _no_more,
 ) -> Localizer:
-    """The localizer of a vehicle: its sources in declared order, then what counts, then what is done with it.
+    """Compose the localizer of a vehicle: its sources in declared order, the arbitration, then the machines that use the result.
 
     own      functions that make further sources (safeloc.models.localizer.own_source); `only_own`: and no shipped ones
     behind   from the movement, the restrictive state and the uplink: what another composition adds
@@ -172,14 +172,14 @@ def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> d
     if downlink is not None:
         machine = downlink.machine
         held = machine.flag("valid")
-        stated["fibre"] = Stated(held, *heard_interval(machine), held, NO_REFERENCE)
+        stated["fibre"] = Stated(held, *wired_interval(machine), held, NO_REFERENCE)
     return stated
 
 
 def _into_arbitration(counts: Arbitration, moves: Motion, stated: Mapping[str, Stated]) -> dict[Var, Expr]:
     wires: dict[Var, Expr] = {
         counts.own.distance.value: moves.machine.output("distance_mm"),
-        counts.own.distance.present: moves.told,
+        counts.own.distance.present: moves.reported,
         counts.own.next_truth: moves.own.ghosts.truth,
     }
     for source in counts.own.sources:
@@ -199,5 +199,5 @@ def _hears(source: Source, stated: Stated) -> dict[Var, Expr]:
 
 
 def _into_uplink(uplink: Transmission, guard: Machine, moves: Motion) -> dict[Var, Expr]:
-    link = _into_link(uplink, ~guard.flag("restrictive"), *heard_interval(guard))
+    link = _into_link(uplink, ~guard.flag("restrictive"), *wired_interval(guard))
     return {**link, uplink.own.next_truth: moves.own.ghosts.truth}

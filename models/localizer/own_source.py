@@ -74,7 +74,7 @@ class Vehicle:
         choices: Sequence[Var] = (),
         moves: Mapping[Var, Expr] | None = None,
     ) -> World:
-        """The world of a source: the vehicle moves, and the source's sensors keep these clauses.
+        """Return the world of a source: the vehicle moves, and the source's sensors obey these clauses.
 
         ghosts, choices, moves   further ones, as for `World`
         """
@@ -99,7 +99,7 @@ class OwnSource:
 
 
 def vehicle_of(moves: Motion, widest_mm: int) -> Vehicle:
-    """The vehicle whose movement this is."""
+    """Return the vehicle that moves like this."""
     config, seen = moves.own.config, moves.own.ghosts
     laws = {name: law for name, law in moves.machine.world.laws.items() if name in SHARED_LAWS}
     return Vehicle(

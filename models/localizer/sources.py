@@ -19,7 +19,7 @@ from safeloc.models.odometry.variables import parts as odometry_parts
 from safeloc.models.reflector import variables as reflecting
 from safeloc.models.satellite import variables as satellite_words
 from safeloc.models.satellite.world import REFERENCE, SELECTED
-from safeloc.models.vocabulary.absent import heard_interval
+from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 
 
@@ -49,9 +49,9 @@ class Piece:
     models: tuple[object, ...] = ()
 
 
-def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
+def _same_distance(step: Optional, measured: Optional) -> dict[Var, Expr]:
     """Return the wires of an odometer input to a unit of the vehicle."""
-    return {step.value: heard.value, step.present: heard.present}
+    return {step.value: measured.value, step.present: measured.present}
 
 
 def _distance_of_motion(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
@@ -59,23 +59,23 @@ def _distance_of_motion(step: Optional, more: NumVar | None, moves: Motion) -> d
     if moves.own.check is None or more is None:
         return _same_distance(step, moves.own.odometer.step)
     says = moves.machine
-    return {step.value: says.output("distance_mm"), step.present: moves.told, more: says.output("more_nm")}
+    return {step.value: says.output("distance_mm"), step.present: moves.reported, more: says.output("more_nm")}
 
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     moved = Movement(moves.own.ghosts.truth, moves.own.ghosts.true_step)
     own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=moved)
     model = odometry.build(own)
-    wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
-    told = {var: term for one in wires for var, term in one.items()}
-    return Piece((model.machine,), told, plainly(model.machine), models=(model,))
+    wires = [_same_distance(unit.step, measured) for unit, measured in zip(own.units, moves.own.inputs, strict=False)]
+    wired = {var: term for one in wires for var, term in one.items()}
+    return Piece((model.machine,), wired, plainly(model.machine), models=(model,))
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     seen = moves.own.ghosts
     moved = replace(balise_movement(config.balise), truth=seen.truth, true_step=seen.true_step)
     if seen.units is not None:
-        moved = replace(moved, wander=seen.units.told, next_wander=seen.units.next_told)
+        moved = replace(moved, wander=seen.units.reported, next_wander=seen.units.next_reported)
     own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
     wires = _distance_of_motion(own.odometer.step, own.odometer.more, moves)
@@ -92,7 +92,7 @@ def plainly(machine: Machine) -> Stated:
     """Return the statement of a machine whose outputs have the common names and reasons."""
     return Stated(
         machine.flag("valid"),
-        *heard_interval(machine),
+        *wired_interval(machine),
         machine.flag("reference_accepted"),
         machine.output("reason"),
     )
@@ -102,7 +102,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
     seen = moves.own.ghosts
     moving = replace(reflecting.moving(config.reflector), truth=seen.truth, true_step=seen.true_step)
     if seen.units is not None:
-        moving = replace(moving, wander=seen.units.told, next_wander=seen.units.next_told)
+        moving = replace(moving, wander=seen.units.reported, next_wander=seen.units.next_reported)
     own = reflecting.Parts(config.reflector, moving)
     model = reflector.build(own)
     machine = model.machine
@@ -112,7 +112,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
     why = ite(error.one_of(reflecting.NO_POSITION, reflecting.NO_ERROR), NO_REFERENCE, why)
     stated = Stated(
         machine.flag("valid"),
-        *heard_interval(machine),
+        *wired_interval(machine),
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
@@ -129,11 +129,11 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
     trusted = next((earlier[name].stated for name in ("balise", "odometry", "reflector") if name in earlier), None)
     if trusted is not None:
         accuracy = maximum(trusted.below, trusted.above)
-        heard = trusted.reference & (accuracy <= own.accuracy.high)
+        referenced = trusted.reference & (accuracy <= own.accuracy.high)
         wires |= {
-            own.reference.present: heard,
-            own.reference.value: ite(heard, trusted.position, 0),
-            own.accuracy: ite(heard, accuracy, 0),
+            own.reference.present: referenced,
+            own.reference.value: ite(referenced, trusted.position, 0),
+            own.accuracy: ite(referenced, accuracy, 0),
         }
     why = machine.output("reason")
     reason = ite(why.eq(satellite_words.TOLERANCE), TOLERANCE, NO_REFERENCE)
@@ -141,7 +141,7 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
     reason = ite(why.one_of(satellite_words.CONTRADICTION, satellite_words.DRIFT), CONTRADICTION, reason)
     stated = Stated(
         machine.flag("valid"),
-        *heard_interval(machine),
+        *wired_interval(machine),
         machine.flag("valid") & machine.output("fix").eq(satellite_words.ACCEPTED),
         ite(machine.flag("valid"), LOCATED, reason),
     )
@@ -155,7 +155,7 @@ def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Pi
     machine, trusted = model.machine, model.machine.flag("trusted")
     stated = Stated(
         trusted,
-        *heard_interval(machine),
+        *wired_interval(machine),
         trusted,
         NO_REFERENCE,
     )

@@ -34,7 +34,7 @@ from safeloc.models.localizer_sections.train_seen import TrainSeen
 from safeloc.models.motion import Motion
 from safeloc.models.sections import Section, Sections, SectionsConfig, section, section_wires
 from safeloc.models.transmission import Transmission
-from safeloc.models.vocabulary.absent import heard_interval
+from safeloc.models.vocabulary.absent import wired_interval
 
 NAME = "localizer_sections"
 
@@ -87,7 +87,7 @@ class LocalizerSections:
 
 
 def compose_machines(config: LocalizerSectionsConfig | None = None) -> LocalizerSections:
-    """The localizer, and behind it the area and its sections."""
+    """Compose the localizer with the area and its sections behind it."""
     config = config or LocalizerSectionsConfig()
     made: list[_Behind] = []
 
@@ -148,8 +148,8 @@ class _Behind:
             area.limit_mm,
             near.period_ms,
             near.age_limit_ms,
-            train_seen.heard("front", limit, near.margin_limit_mm, self._moves.own.ghosts.truth),
-            train_seen.heard("far", limit, far.margin_limit_mm, self.ends.own.far),
+            train_seen.end_inputs("front", limit, near.margin_limit_mm, self._moves.own.ghosts.truth),
+            train_seen.end_inputs("far", limit, far.margin_limit_mm, self.ends.own.far),
         )
 
     # ---------------------------------------------------------------- wires
@@ -181,21 +181,21 @@ class _Behind:
             own.front.next_truth: self._moves.own.ghosts.truth,
             own.far.next_truth: self.ends.own.far,
         }
-        for told, link in ((own.front, self._uplink.machine), (own.far, self.far_uplink.machine)):
-            wires |= {told.valid: link.flag("valid"), **_interval(told, link)}
+        for reported, link in ((own.front, self._uplink.machine), (own.far, self.far_uplink.machine)):
+            wires |= {reported.valid: link.flag("valid"), **_interval(reported, link)}
         return wires
 
     def _into_area(self) -> Mapping[Var, Expr]:
         """The links have widened the intervals by their age, so the area adds none."""
         train, seen = self.train, self.trackside.machine
-        told = seen.flag("told")
+        reported = seen.flag("told")
         wires: dict[Var, Expr] = {
-            train.rear.present: told,
-            train.front.present: told,
-            train.rear.value: ite(told, seen.output("low_mm"), 0),
-            train.front.value: ite(told, seen.output("high_mm"), 0),
+            train.rear.present: reported,
+            train.front.present: reported,
+            train.rear.value: ite(reported, seen.output("low_mm"), 0),
+            train.front.value: ite(reported, seen.output("high_mm"), 0),
             train.age: Lit(0, MS),
-            train.trusted: told,
+            train.trusted: reported,
             train.integer: seen.flag("integer"),
             train.downwards: seen.flag("downwards"),
             train.next_rear: train.true_rear,
@@ -206,6 +206,6 @@ class _Behind:
         return wires
 
 
-def _interval(own: train_ends.Parts | transmission.Parts | train_seen.Heard, says: Machine) -> dict[Var, Expr]:
+def _interval(own: train_ends.Parts | transmission.Parts | train_seen.EndInputs, says: Machine) -> dict[Var, Expr]:
     """An interval that one machine hears of another."""
-    return dict(zip((own.position, own.below, own.above), heard_interval(says), strict=True))
+    return dict(zip((own.position, own.below, own.above), wired_interval(says), strict=True))

@@ -10,8 +10,8 @@ from safeloc.properties import localizer_sections as claims
 from safeloc.target import Entry, Family, Target, recorded
 
 DOC = (
-    "A vehicle that locates itself, and the virtual sections that it runs through, in one step: the position that is "
-    "passed on on board goes by radio, its age charged, to the line area that follows the train."
+    "A vehicle that locates itself, and the virtual sections that it runs through, in one step. The vehicle sends its "
+    "position by radio to the line area, which follows the train and adds the report's age to the error."
 )
 
 

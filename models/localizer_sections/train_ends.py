@@ -85,9 +85,9 @@ class Parts:
         self.above = declared.sensor(number("front_margin_above_mm", MM, 0, widest))
         self.whole = declared.sensor(boolean("train_whole"))
         self.upwards = declared.state(boolean("faces_upwards"), first=ANY)
-        self.told_position = declared.state(number("far_position_mm", MM, -limit, limit), first=0)
-        self.told_below = declared.state(number("far_margin_below_mm", MM, 0, wider), first=0)
-        self.told_above = declared.state(number("far_margin_above_mm", MM, 0, wider), first=0)
+        self.both_position = declared.state(number("far_position_mm", MM, -limit, limit), first=0)
+        self.both_below = declared.state(number("far_margin_below_mm", MM, 0, wider), first=0)
+        self.both_above = declared.state(number("far_margin_above_mm", MM, 0, wider), first=0)
         declared.ghost(world.truth, first=ANY)
         self.far = declared.ghost(number("far_end_nm", NM, -reach, reach), first=ANY)
         declared.ghost(train.true_rear, first=ANY)
@@ -110,11 +110,11 @@ def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
 
 
 def build(own: Parts) -> TrainEnds:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("NOTHING", "FRONT_ONLY", "BOTH")
     current = current_mode(table)
     both, train = current.eq(table[2]), own.train
-    low, high = own.told_position - own.told_below, own.told_position + own.told_above
+    low, high = own.both_position - own.both_below, own.both_position + own.both_above
     rear, front = _along_the_line(own.world.truth, own.far)
     next_rear, next_front = _along_the_line(own.next_truth, own.next_far)
     machine = Machine(
@@ -124,9 +124,9 @@ def build(own: Parts) -> TrainEnds:
         state=own.declared.states,
         outputs={
             "valid": both,
-            "position_mm": position_if(both, own.told_position),
-            "margin_below_mm": margin_if(both, own.told_below),
-            "margin_above_mm": margin_if(both, own.told_above),
+            "position_mm": position_if(both, own.both_position),
+            "margin_below_mm": margin_if(both, own.both_below),
+            "margin_above_mm": margin_if(both, own.both_above),
             "faces_upwards": own.upwards,
         },
         transitions=list(_table(own, table)),
@@ -160,14 +160,14 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     nothing, front_only, both = table
     length, limit = own.config.length_mm, own.world.limit_mm
     far, wider = own.position + ite(own.upwards, as_num(-length, MM), length), own.config.length_tolerance_mm
-    told: dict[Var, Expr] = {
-        own.told_position: far, own.told_below: own.below + wider, own.told_above: own.above + wider
+    set_both: dict[Var, Expr] = {
+        own.both_position: far, own.both_below: own.below + wider, own.both_above: own.above + wider
     }  # fmt: skip
-    untold: dict[Var, Expr] = {var: as_num(0, MM) for var in told}
+    cleared: dict[Var, Expr] = {var: as_num(0, MM) for var in set_both}
     known = own.valid & own.whole & between(-limit, far, limit)
-    yield Transition("both ends known", table, both, known, told, REQUIREMENTS, 0)
-    yield Transition("front end known", table, front_only, own.valid, untold, REQUIREMENTS, 1)
-    yield Transition("nothing known", table, nothing, TRUE, untold, REQUIREMENTS, 2)
+    yield Transition("both ends known", table, both, known, set_both, REQUIREMENTS, 0)
+    yield Transition("front end known", table, front_only, own.valid, cleared, REQUIREMENTS, 1)
+    yield Transition("nothing known", table, nothing, TRUE, cleared, REQUIREMENTS, 2)
 
 
 # ------------------------------------------------------------------ the environment

@@ -1,6 +1,6 @@
 """Trackside: the train as its last new report tells it, for the line area that follows it (FVA-9, FVA-18).
 
-Both ends come by radio, their age charged (models.transmission). A report counts once, in the cycle in which it is new; one
+Both ends come by radio, their age added to the error (models.transmission). A report counts once, in the cycle in which it is new; one
 that is merely held says nothing more, since the area lets a train's bounds run on by itself. So a radio link that falls
 silent can narrow nothing.
 
@@ -42,7 +42,7 @@ REQUIREMENTS = ("FVA-9", "FVA-18")
 
 
 @dataclass(frozen=True, eq=False)
-class Heard:
+class EndInputs:
     """An end's interval as the radio link gives it out, and its place (ghost); inputs, mm and nm."""
 
     valid: BoolVar
@@ -86,8 +86,8 @@ class Parts:
 
     limit_mm: int
     period_ms: int
-    front: Heard
-    far: Heard
+    front: EndInputs
+    far: EndInputs
     age: NumVar
     upwards: BoolVar
     known: BoolVar
@@ -110,9 +110,9 @@ class TrainSeen:
     own: Parts
 
 
-def heard(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> Heard:
-    """An end with fresh inputs."""
-    return Heard(
+def end_inputs(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> EndInputs:
+    """Return fresh inputs of one end."""
+    return EndInputs(
         boolean(f"{name}_valid"),
         number(f"{name}_position_mm", MM, -limit_mm, limit_mm),
         number(f"{name}_margin_below_mm", MM, 0, margin_mm),
@@ -122,7 +122,7 @@ def heard(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> Heard:
     )
 
 
-def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: Heard, far: Heard) -> Parts:
+def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: EndInputs, far: EndInputs) -> Parts:
     """Fresh variables; places up to `limit_mm`, reports up to `oldest_ms`."""
     return Parts(
         limit_mm,
@@ -140,7 +140,7 @@ def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: Heard, far: Hear
 
 
 def build(own: Parts) -> TrainSeen:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("SILENT", "FRONT_ONLY", "WHOLE")
     current = current_mode(table)
     front, far = own.front, own.far
@@ -162,8 +162,8 @@ def build(own: Parts) -> TrainSeen:
             choices=[front.next_truth, far.next_truth],
             moves={front.truth: front.next_truth, far.truth: far.next_truth},
             clauses={
-                "a near end that comes holds the truth": _told_truly(front.holds(), "near"),
-                "a far end that comes holds the truth": _told_truly(far.holds(), "far"),
+                "a near end that comes holds the truth": _reported_truly(front.holds(), "near"),
+                "a far end that comes holds the truth": _reported_truly(far.holds(), "far"),
             },
         ),
         lemmas=_lemmas(own, current, table),
@@ -175,7 +175,7 @@ def build(own: Parts) -> TrainSeen:
     return TrainSeen(machine, own)
 
 
-def _told_truly(holds: Bool, end: str) -> Law:
+def _reported_truly(holds: Bool, end: str) -> Law:
     return Law(
         holds,
         f"The interval of the {end} end that the radio link reports holds that end.",
@@ -189,12 +189,12 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     silent, front_only, whole = table
     low, high = _bounds(own)
     last: Updates = {own.known: own.front.valid, own.known_age: ite(own.front.valid, own.age, 0)}
-    told = together(last, {own.low: low, own.high: high, own.downwards: ~own.upwards})
+    reported = together(last, {own.low: low, own.high: high, own.downwards: ~own.upwards})
     nothing = together(last, {own.low: as_num(0, MM), own.high: as_num(0, MM), own.downwards: FALSE})
     fits = between(-own.limit_mm, low, own.limit_mm) & between(-own.limit_mm, high, own.limit_mm)
-    yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, told, REQUIREMENTS, 0)
+    yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, reported, REQUIREMENTS, 0)
     yield Transition(
-        "new report of the front end", table, front_only, own.new & ~own.far.valid & fits, told, REQUIREMENTS, 0
+        "new report of the front end", table, front_only, own.new & ~own.far.valid & fits, reported, REQUIREMENTS, 0
     )
     yield Transition("new report beyond the line", table, silent, own.new & ~fits, nothing, REQUIREMENTS, 0)
     yield Transition("no new report", table, silent, TRUE, nothing, REQUIREMENTS, 1)
@@ -209,12 +209,12 @@ def _bounds(own: Parts) -> tuple[Num, Num]:
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    told, whole = current.ne(table[0]), current.eq(table[2])
+    reported, whole = current.ne(table[0]), current.eq(table[2])
     low, high = exact_to(own.low, NM), exact_to(own.high, NM)
     front, far, up = own.front.truth, own.far.truth, ~own.downwards
     return {
         "the believed end is the front end's": all_of(
-            [(told & up).implies(front <= high), (told & own.downwards).implies(low <= front)]
+            [(reported & up).implies(front <= high), (reported & own.downwards).implies(low <= front)]
         ),
         "a complete train's far end is inside": all_of(
             [(whole & up).implies(low <= far), (whole & own.downwards).implies(far <= high)]

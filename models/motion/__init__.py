@@ -131,7 +131,7 @@ class Parts:
         return Surroundings(self.ghosts, self.config.physics, self.odometer, check, self.config.creep)
 
     @property
-    def told(self) -> Bool:
+    def reported(self) -> Bool:
         """The cycle's distance is reported."""
         return self.odometer.admitted if self.check is None else self.check.checked
 
@@ -154,15 +154,19 @@ class Motion:
     own: Parts
 
     @property
-    def told(self) -> Bool:
+    def reported(self) -> Bool:
         """After the step: the cycle's distance is reported."""
-        return self.own.odometer.judged.eq(ADMITTED) if self.own.check is None else self.own.check.told
+        return self.own.odometer.last_verdict.eq(ADMITTED) if self.own.check is None else self.own.check.reported
 
     @property
     def shared(self) -> list[Var]:
         """Ghosts that the machines that use the distance share with this one."""
         seen = self.own.ghosts
-        return [seen.truth, seen.true_step, *([] if seen.units is None else (seen.units.told, seen.units.next_told))]
+        return [
+            seen.truth,
+            seen.true_step,
+            *([] if seen.units is None else (seen.units.reported, seen.units.next_reported)),
+        ]
 
 
 def parts(config: MotionConfig) -> Parts:
@@ -200,7 +204,7 @@ def _rows(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     distance = own.odometer.distance if own.check is None else own.check.distance
     every = together(own.odometer.listen(), *_checked(own.check), {own.distance: distance})
     agree = TRUE if own.check is None else ~own.check.disagree
-    yield Transition("distance reported", table, measuring, own.told & agree, every, ("MRK-4",), 0)
+    yield Transition("distance reported", table, measuring, own.reported & agree, every, ("MRK-4",), 0)
     if own.check is not None:
         yield Transition("units disagree", table, measuring, own.check.disagree, every, REQUIREMENTS, 0)
         alone = own.check.alone & ~own.failed
@@ -214,13 +218,17 @@ def _checked(check: UnitCheck | None) -> Iterator[Updates]:
     """The check unit's distance, and the comparison of both, where there is such a unit."""
     if check is not None:
         yield check.unit.listen()
-        yield {check.apart: check.apart_after, check.told: check.checked, check.more: check.beyond}
+        yield {check.apart: check.apart_after, check.reported: check.checked, check.more: check.beyond}
         yield {check.unheard: check.unheard_after}
 
 
 def _outputs(own: Parts) -> dict[str, Expr]:
-    said: dict[str, Expr] = {"distance_mm": own.distance, "measured": own.odometer.judged}
+    outputs: dict[str, Expr] = {"distance_mm": own.distance, "measured": own.odometer.last_verdict}
     if own.check is None:
-        return said
-    told: dict[str, Expr] = {"told": own.check.told, "more_nm": own.check.more, "check_measured": own.check.unit.judged}
-    return said | told
+        return outputs
+    reported: dict[str, Expr] = {
+        "told": own.check.reported,
+        "more_nm": own.check.more,
+        "check_measured": own.check.unit.last_verdict,
+    }
+    return outputs | reported

@@ -23,16 +23,16 @@ def with_reported_error(world: World, own: Surroundings, check: UnitCheck) -> Wo
     seen = own.ghosts.units
     assert seen is not None
     law = Law(
-        seen.next_told.eq(own.wander_after + _uncharged(seen, check.apart_after)),
+        seen.next_reported.eq(own.wander_after + _not_yet_added(seen, check.apart_after)),
         "The one-off error of the reported run is that of the lawful unit. If the check unit is the lawful one, the difference "
         "of both units that the machine has not yet added to its error bound counts as well. A definition: it excludes nothing.",
         source="[D] a definition",
         owner="nobody",
-        shares="it defines the error of what the machine tells, and so says what the machine has not charged yet",
+        shares="it defines the error of what the machine tells, and so says what the machine has not added to the error yet",
     )
     return replace(
         world,
-        moves={**world.moves, seen.told: seen.next_told},
+        moves={**world.moves, seen.reported: seen.next_reported},
         clauses={**world.clauses, DEFINED: law},
         reads_machine="the error of what a machine tells is defined by what it tells; no sensor's law reads the machine",
     )
@@ -42,13 +42,13 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
     """Return the lemmas: the reported distance errs as defined, and the machine checks distances as the world does."""
     seen = own.ghosts.units
     assert seen is not None
-    found = {DEFINED: seen.told.eq(seen.wander + _uncharged(seen, check.apart))}
+    found = {DEFINED: seen.reported.eq(seen.wander + _not_yet_added(seen, check.apart))}
     for unit, ghosts in ((check.odometer, seen.odometer), (check.unit, seen.check)):
         found[f"machine and world agree on the last distance of {unit.step.value.name}"] = unit.gap.eq(
             ghosts.silent
-        ) & unit.last.eq(ghosts.heard)
+        ) & unit.last.eq(ghosts.last_delivered)
     return found
 
 
-def _uncharged(seen: CheckGhosts, apart: Num) -> Num:
+def _not_yet_added(seen: CheckGhosts, apart: Num) -> Num:
     return ite(seen.lawful.eq(ODOMETER_LAWFUL), as_num(0, NM), apart)

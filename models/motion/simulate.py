@@ -28,7 +28,7 @@ class Measured:
 
     odometer: Distances
     check: Distances | None
-    told: Distances
+    reported: Distances
 
 
 def measured_by(
@@ -38,10 +38,10 @@ def measured_by(
     odometer, check = measure(name, motion, config.odometer, rng, faults=faults), None
     if config.check is not None:
         check = measure("check", motion, config.check, rng)
-    return Measured(odometer, check, told(config, odometer, check))
+    return Measured(odometer, check, reported(config, odometer, check))
 
 
-def told(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:
+def reported(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:
     """Return the distances that motion reports; without a check unit, those that the odometer measured."""
     if config.check is None or check is None:
         return odometer
@@ -49,12 +49,12 @@ def told(config: MotionConfig, odometer: Distances, check: Distances | None) -> 
     state, step, more = board.first(), np.zeros_like(odometer.step_mm), np.zeros_like(odometer.step_mm)
     present = np.zeros_like(odometer.present)
     for cycle in range(len(step)):
-        heard = {
+        inputs = {
             name: int(unit.step_mm[cycle])
             for name, unit in (("odometer_mm", odometer), ("check_mm", check))
             if unit.present[cycle]
         }
-        state, _ = board.step(state, board.read(heard))
-        said = board.named_outputs(state)
-        step[cycle], present[cycle], more[cycle] = said["distance_mm"], said["told"], said["more_nm"]
+        state, _ = board.step(state, board.read(inputs))
+        outputs = board.named_outputs(state)
+        step[cycle], present[cycle], more[cycle] = outputs["distance_mm"], outputs["told"], outputs["more_nm"]
     return replace(odometer, step_mm=step, present=present, more_nm=more)

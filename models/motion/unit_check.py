@@ -61,7 +61,7 @@ class UnitCheck:
 
     creep_nm    the fastest creep of a vehicle that counts as standing, nm a cycle; None: no vehicle counts as standing
     apart       the difference of both units that has not been added to the error bound, nm
-    told, more  the last cycle's distance is reported, and the error to add beyond the odometer's law, nm
+    reported, more  the last cycle's distance is reported, and the error to add beyond the odometer's law, nm
     unheard     cycles since a distance was reported
     """
 
@@ -70,7 +70,7 @@ class UnitCheck:
     band_nm: int
     creep_nm: int | None
     apart: NumVar
-    told: BoolVar
+    reported: BoolVar
     more: NumVar
     unheard: NumVar
 
@@ -155,8 +155,8 @@ class UnitCheck:
 
     def _alone(self, one: Odometer) -> Num:
         """Error beyond the highest speed, nm, if this unit's unchecked distance and its law imply a farther run."""
-        said = exact_to(abs_(one.step.value), NM) + one.most_error
-        return ite(one.admitted, maximum(said - one.limits.blind_nm, 0), as_num(0, NM))
+        bound = exact_to(abs_(one.step.value), NM) + one.most_error
+        return ite(one.admitted, maximum(bound - one.limits.blind_nm, 0), as_num(0, NM))
 
     @property
     def unheard_after(self) -> Num:
@@ -176,7 +176,7 @@ def unit_check(
         band,
         creep,
         apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
-        told=declared.state(boolean("distance_told"), first=False),
+        reported=declared.state(boolean("distance_told"), first=False),
         more=declared.state(number("told_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)), first=0),
         unheard=declared.state(number("unheard_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
     )

@@ -46,7 +46,7 @@ FIGURES = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s
 class UnitGhosts:
     """The last distance that a unit delivered and the vehicle can have run, and the cycles since then."""
 
-    heard: NumVar
+    last_delivered: NumVar
     silent: NumVar
 
 
@@ -56,15 +56,15 @@ class CheckGhosts:
 
     lawful                     the unit that keeps its law; the other one may deliver anything
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
-    told, next_told            the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
+    reported, next_reported    the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
     odometer, check            the distances of either unit
     """
 
     lawful: NumVar
     wander: NumVar
     next_wander: NumVar
-    told: NumVar
-    next_told: NumVar
+    reported: NumVar
+    next_reported: NumVar
     odometer: UnitGhosts
     check: UnitGhosts
 
@@ -79,20 +79,20 @@ class Ghosts:
 
 
 def ghosts(
-    declared: Declared, physics: Physics, line_mm: int, laws: tuple[ErrorLaw, ErrorLaw] | None, told: ErrorLaw
+    declared: Declared, physics: Physics, line_mm: int, laws: tuple[ErrorLaw, ErrorLaw] | None, reported: ErrorLaw
 ) -> Ghosts:
     """Declare the world's variables; `laws` are those of odometer and check unit, if there is one."""
     line = line_mm * NM_PER_MM
     return Ghosts(
         declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
         declared.choice(number("true_step_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
-        None if laws is None else _units(declared, physics, laws, told),
+        None if laws is None else _units(declared, physics, laws, reported),
     )
 
 
-def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw], told: ErrorLaw) -> CheckGhosts:
-    most, of_told = (
-        max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [told.constant_mm])
+def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw], reported: ErrorLaw) -> CheckGhosts:
+    most, of_reported = (
+        max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [reported.constant_mm])
     )
     return CheckGhosts(
         lawful=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
@@ -100,8 +100,8 @@ def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw]
         next_wander=declared.choice(number("lawful_next_wander_nm", NM, -most, most)),
         odometer=_unit(declared, physics, "odometer"),
         check=_unit(declared, physics, "check"),
-        told=declared.ghost(number("odometer_wander_nm", NM, -of_told, of_told), first=ANY),
-        next_told=declared.choice(number("odometer_next_wander_nm", NM, -of_told, of_told)),
+        reported=declared.ghost(number("odometer_wander_nm", NM, -of_reported, of_reported), first=ANY),
+        next_reported=declared.choice(number("odometer_next_wander_nm", NM, -of_reported, of_reported)),
     )
 
 
@@ -134,8 +134,10 @@ class Surroundings:
         assert seen is not None and self.check is not None
         of_odometer, of_check = seen.odometer, seen.check
         return (
-            Measuring(self.odometer.law, self.odometer.step, of_odometer.heard, of_odometer.silent, self.physics),
-            Measuring(self.check.law, self.check.step, of_check.heard, of_check.silent, self.physics),
+            Measuring(
+                self.odometer.law, self.odometer.step, of_odometer.last_delivered, of_odometer.silent, self.physics
+            ),
+            Measuring(self.check.law, self.check.step, of_check.last_delivered, of_check.silent, self.physics),
         )
 
     @property
@@ -170,7 +172,7 @@ def initially(own: Surroundings) -> Bool:
         seen.lawful.eq(lawful).implies(between(-half, seen.wander, half))
         for lawful, half in zip(LAWFUL, halves, strict=True)
     ]
-    return all_of([*within, seen.told.eq(seen.wander)])
+    return all_of([*within, seen.reported.eq(seen.wander)])
 
 
 def _half(own: Surroundings, lawful: object) -> int:

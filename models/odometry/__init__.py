@@ -36,7 +36,7 @@ from safeloc.language.expr import (
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
-from safeloc.models.odometry.cycle import Judged, Reading, Remembered, Situation, judge
+from safeloc.models.odometry.cycle import Judgement, Reading, Remembered, Situation, judge
 from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, nothing
 from safeloc.models.odometry.hidden_faults import with_hidden
 from safeloc.models.odometry.lemmas import lemmas
@@ -65,7 +65,7 @@ class Odometry:
 
     machine: Machine
     own: Parts
-    judged: Judged
+    judgement: Judgement
 
     @property
     def lead(self) -> Values:
@@ -78,17 +78,17 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
     mode = modes("DELOCALIZED", "CANDIDATE", "FRONT", *(["REAR"] if len(own.devices) == 2 else []))
     current = current_mode(mode)
     situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
-    judged = judge(own, situation)
+    judgement = judge(own, situation)
     made = Machine(
         name=name,
         modes=mode,
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs=_outputs(own, current, mode),
-        transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
-        world=with_hidden(world(own), judged),
+        transitions=[*_located(own, judgement, mode), *_unlocated(own, judgement, mode)],
+        world=with_hidden(world(own), judgement),
         lemmas=lemmas(own, current, mode),
-        definitions=_definitions(own, judged),
+        definitions=_definitions(own, judgement),
         doc=(
             "Position of end A of the vehicle from the distance measured since position markers, which a reader at either "
             "end reads. Assumed: each unit delivers a distance that obeys its error law, or one that no vehicle can have run; the "
@@ -97,13 +97,13 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
             "that lies far away instead (never, if the first marker is trusted at once)."
         ),
     )
-    return Odometry(made, own, judged)
+    return Odometry(made, own, judgement)
 
 
 # ------------------------------------------------------------------ the transition table
 
 
-def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report a position."""
     lost, located = mode[0], mode[2:]
     failed = any_of(moved.failed for moved in cycle.cycles)
@@ -138,7 +138,7 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
         yield Transition(f"run on {ENDS[device]} device", target, target, TRUE, keep, ("MRK-4", "MRK-D4"), 6)
 
 
-def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report nothing."""
     lost, candidate, *located = mode
     waiting, seen = (lost, candidate), _seen(own, cycle)
@@ -164,7 +164,7 @@ def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
 # ------------------------------------------------------------------ groups of updates: what the transitions set
 
 
-def _seen(own: Parts, cycle: Judged) -> Updates:
+def _seen(own: Parts, cycle: Judgement) -> Updates:
     """Set by every transition: the cycle's distances and readings with their verdicts, and the direction of travel."""
     verdicts: Updates = {reader.verdict: one.verdict for reader, one in zip(own.readers, cycle.readings, strict=True)}
     heading: Updates = {own.rolled: cycle.heading.rolled, own.backwards: cycle.heading.backwards}
@@ -177,22 +177,22 @@ def _measured(moved: Cycle) -> Updates:
         longer = minimum(unit.gap + 1, unit.limits.lone_limit + 1)
         updates[unit.last] = ite(admitted, unit.step.value, unit.last)
         updates[unit.gap] = ite(admitted, as_num(0, COUNT), longer)
-        updates[unit.judged] = unit.verdict()
+        updates[unit.last_verdict] = unit.verdict()
     return updates
 
 
-def _set_or_prolonged(own: Parts, cycle: Judged) -> Updates:
+def _set_or_prolonged(own: Parts, cycle: Judgement) -> Updates:
     """Each device is set by its accepted reading; without one its units move by the measured distances."""
     return together(*(_becomes(device, cycle.state_after(device)) for device in own.devices))
 
 
-def _only_by(own: Parts, cycle: Judged, reading: Reading) -> Updates:
+def _only_by(own: Parts, cycle: Judgement, reading: Reading) -> Updates:
     """The reading sets its device; any other device has no position."""
     fresh = cycle.state_set_by(reading)
     return together(*(_becomes(one, fresh if one is reading.device else nothing(one)) for one in own.devices))
 
 
-def _prolonged(own: Parts, cycle: Judged) -> Updates:
+def _prolonged(own: Parts, cycle: Judgement) -> Updates:
     """The units of each device move by the measured distances; no reading sets one."""
     return together(*(_becomes(device, cycle.moved(device).state) for device in own.devices))
 
@@ -221,7 +221,7 @@ def _identities(own: Parts, found: Remembered) -> Updates:
     return together(waiting, {own.last_marker: found.last_marker, own.last_place: found.last_place})
 
 
-def _identities_unless_turned(own: Parts, cycle: Judged) -> Updates:
+def _identities_unless_turned(own: Parts, cycle: Judgement) -> Updates:
     """Identities stay; none does where the direction of travel turns."""
     return {var: ite(cycle.reversed, 0, var) for var in (*own.pending.places, own.last_marker)}
 
@@ -238,7 +238,7 @@ def _index(own: Parts, device: Device) -> int:
     return next(index for index, one in enumerate(own.devices) if one is device)
 
 
-def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
+def _leads(own: Parts, cycle: Judgement, index: int) -> Bool:
     """Return whether the device at that index leads after the cycle.
 
     The smaller margin leads; of two equal ones the front device, unless a reading set the rear device alone in this cycle.
@@ -252,7 +252,7 @@ def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
     return rear_leads if index else front.alive & ~rear_leads
 
 
-def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
+def _definitions(own: Parts, cycle: Judgement) -> dict[str, Expr]:
     """Name the terms of the table."""
     named: dict[str, Expr] = {"devices exclude each other": cycle.clash, "some device is alive": cycle.any_alive}
     named["the candidate is alive"] = cycle.any_prolonged
@@ -262,7 +262,7 @@ def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
         after = cycle.says(device)
         named |= {f"{device.name} sensors failed": moved.failed, f"{device.name} set now": cycle.was_set(device)}
         for unit, ok, values in zip(device.units, moved.admitted, cycle.after(device), strict=True):
-            named |= {f"{unit.name} admitted": ok, f"{unit.name} judged now": unit.verdict()}
+            named |= {f"{unit.name} admitted": ok, f"verdict on {unit.name}": unit.verdict()}
             named |= {f"{unit.name} alive after": values.alive, f"{unit.name} position after": values.position}
             named |= {f"{unit.name} margin above after": values.above, f"{unit.name} margin below after": values.below}
         named |= {f"{device.name} alive after": after.alive, f"{device.name} margin after": after.margin}
@@ -271,7 +271,7 @@ def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
     for reading in cycle.readings:
         end = ENDS[reading.end]
         named |= {f"{end} reading accepted": reading.accepted, f"{end} reading is a candidate": reading.is_candidate}
-        named |= {f"{end} reader leads": reading.leading, f"{end} reading judged": reading.verdict}
+        named |= {f"{end} reader leads": reading.leading, f"verdict on the {end} reading": reading.verdict}
     return named
 
 

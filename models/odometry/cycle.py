@@ -90,7 +90,7 @@ class Remembered:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """One cycle with all verdicts.
 
     cycles    the measurements, one for each device
@@ -193,12 +193,12 @@ class Judged:
         return Remembered([marker, *[zero] * (len(self.own.pending.places) - 1)], marker, reader.place.value)
 
 
-def judge(own: Parts, situation: Situation) -> Judged:
+def judge(own: Parts, situation: Situation) -> Judgement:
     """Make the verdicts on one cycle's measurements and readings."""
     cycles = tuple(cycle(device) for device in own.devices)
     reference = cycles[0].values if len(cycles) == 1 else best(cycles[0].values, cycles[1].values)
     readings = tuple(_reading(own, end, cycles, reference, situation) for end in (0, 1))
-    return Judged(own, cycles, (readings[0], readings[1]), _heading(own, cycles))
+    return Judgement(own, cycles, (readings[0], readings[1]), _heading(own, cycles))
 
 
 def _heading(own: Parts, cycles: tuple[Cycle, ...]) -> Heading:

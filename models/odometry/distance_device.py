@@ -71,7 +71,7 @@ class Unit:
     step          input: the distance measured in the cycle
     alive, position, above, below   state: its values
     last, gap     state: the last admitted distance, and the cycles without one since then
-    judged        state: the verdict on the cycle's distance
+    last_verdict  state: the verdict on the cycle's distance
     """
 
     name: str
@@ -83,7 +83,7 @@ class Unit:
     below: NumVar
     last: NumVar
     gap: NumVar
-    judged: NumVar
+    last_verdict: NumVar
     limits: Limits
 
     @property
@@ -181,7 +181,7 @@ def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
         below=declared.state(number(f"{name}_margin_below_nm", NM, 0, limits.tolerance_nm), first=0),
         last=declared.state(number(f"{name}_last_mm", MM, -longest, longest), first=0),
         gap=declared.state(number(f"{name}_gap_cycles", COUNT, 0, limits.lone_limit + 1), first=limits.gap_limit + 1),
-        judged=declared.state(choice(f"{name}_judged", enumeration(MEASURED)), first=MISSING),
+        last_verdict=declared.state(choice(f"{name}_judged", enumeration(MEASURED)), first=MISSING),
         limits=limits,
     )
 
@@ -279,10 +279,13 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
     checking = other.law.growth_nm(reach, age, limits.period_ms)
     bridged = checking + 2 * other.law.wander_nm
     alone = ite(admitted[1], _checked(own, other, growth, checking), growth)
-    heard, unheard = _usable(limits, admitted), _unheard(limits, admitted, reach, (growth, checking))
-    charge = ite(heard[0], alone, ite(heard[1], bridged, unheard))
-    moved = own.position + ite(heard[0], own.step.value, ite(heard[1], other.step.value, as_num(0, MM)))
-    above, below = own.above + charge, own.below + charge
+    delivered, nothing_delivered = (
+        _usable(limits, admitted),
+        _nothing_delivered(limits, admitted, reach, (growth, checking)),
+    )
+    added_error = ite(delivered[0], alone, ite(delivered[1], bridged, nothing_delivered))
+    moved = own.position + ite(delivered[0], own.step.value, ite(delivered[1], other.step.value, as_num(0, MM)))
+    above, below = own.above + added_error, own.below + added_error
     tolerable = maximum(above, below) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
     return Values(moved, above, below, own.alive & ~failed & tolerable & on_line)
@@ -294,16 +297,16 @@ def _usable(limits: Limits, admitted: tuple[Bool, Bool]) -> tuple[Bool, Bool]:
     return (both, both) if limits.single_fault_safe else admitted
 
 
-def _unheard(limits: Limits, admitted: tuple[Bool, Bool], reach: Num, growth: tuple[Num, Num]) -> Num:
+def _nothing_delivered(limits: Limits, admitted: tuple[Bool, Bool], reach: Num, growth: tuple[Num, Num]) -> Num:
     """Error added in a cycle without a usable distance, nm: the farthest possible run, or more if a single unchecked distance implies more."""
     blind = as_num(limits.blind_nm, NM)
     if not limits.single_fault_safe:
         return blind
-    said = exact_to(reach, NM)
+    farthest = exact_to(reach, NM)
     return ite(
         admitted[0],
-        maximum(said + growth[0], blind),
-        ite(admitted[1], maximum(said + growth[1], blind), blind),
+        maximum(farthest + growth[0], blind),
+        ite(admitted[1], maximum(farthest + growth[1], blind), blind),
     )
 
 

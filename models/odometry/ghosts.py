@@ -20,13 +20,13 @@ class UnitGhosts:
     """Ghosts of one measuring unit.
 
     wander, next_wander   the one-off part of its error: before the cycle and, freely chosen, after it, nm
-    heard, silent         the last distance it delivered that the vehicle can have run, and the cycles since then
+    last_delivered, silent  the last distance it delivered that the vehicle can have run, and the cycles since then
     unset                 of a unit that drifts: the time since a reader that sets it passed a marker
     """
 
     wander: NumVar
     next_wander: NumVar
-    heard: NumVar
+    last_delivered: NumVar
     silent: NumVar
     unset: NumVar | None
 
@@ -126,10 +126,10 @@ def _of_unit(declared: Declared, bounds: Bounds, unit: Unit) -> UnitGhosts:
     most, name, step = unit.law.constant_mm * NM_PER_MM // 2, unit.name, unit.step.value
     wander = declared.ghost(number(f"{name}_wander_nm", NM, -most, most), first=ANY)
     next_wander = declared.choice(number(f"{name}_next_wander_nm", NM, -most, most))
-    heard = declared.ghost(number(f"{name}_heard_mm", MM, step.low, step.high), first=0)
+    last_delivered = declared.ghost(number(f"{name}_heard_mm", MM, step.low, step.high), first=0)
     silent = number(f"{name}_silent_cycles", COUNT, 0, bounds.lone_limit_cycles + 1)
     declared.ghost(silent, first=bounds.gap_limit_cycles + 1)
     if not unit.law.drift_mm_s2:
-        return UnitGhosts(wander, next_wander, heard, silent, None)
+        return UnitGhosts(wander, next_wander, last_delivered, silent, None)
     unset = number(f"{name}_unset_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms)
-    return UnitGhosts(wander, next_wander, heard, silent, declared.ghost(unset, first=ANY))
+    return UnitGhosts(wander, next_wander, last_delivered, silent, declared.ghost(unset, first=ANY))

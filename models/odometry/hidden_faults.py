@@ -18,7 +18,7 @@ from safeloc.language.world import World
 from safeloc.models.odometry.distance_device import Cycle, Device
 
 if TYPE_CHECKING:
-    from safeloc.models.odometry.cycle import Judged
+    from safeloc.models.odometry.cycle import Judgement
 
 
 def unseen(device: Device) -> NumVar:
@@ -42,7 +42,7 @@ def unseen_in_a_cycle_nm(device: Device) -> int:
     return 2 * max(growth.value for growth in growths if isinstance(growth, Lit))
 
 
-def with_hidden(world: World, cycle: Judged) -> World:
+def with_hidden(world: World, cycle: Judgement) -> World:
     """Add to the world how undetected faults grow, where the parts have such ghosts."""
     hidden = dict(zip(cycle.own.devices, cycle.own.ghosts.unseen, strict=False))
     if not hidden:
@@ -54,7 +54,7 @@ def with_hidden(world: World, cycle: Judged) -> World:
     )
 
 
-def _after(cycle: Judged, moved: Cycle, hidden: NumVar) -> Num:
+def _after(cycle: Judgement, moved: Cycle, hidden: NumVar) -> Num:
     """A fault may add twice the greater law in each cycle in which both units measure; a reading starts afresh."""
     device, both = moved.device, moved.admitted[0] & moved.admitted[1]
     period, start = device.limits.period_ms, as_num(unseen_at_reading_nm(device), NM)

@@ -11,7 +11,7 @@ from safeloc.models.odometry.world import lawful
 
 
 def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
-    """Every living unit holds the truth; the mode names a living device with the smaller margin."""
+    """Return the lemmas: the interval of every living unit contains the true position, and the mode names a living device with the smaller margin."""
     found: dict[str, Bool] = {}
     lost, candidate, *located = mode
     for index, unit in enumerate(own.units):
@@ -38,7 +38,7 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
 def _gated_alike(own: Parts, index: int) -> Bool:
     """The machine and the world store the same last distance of a unit, and the same number of cycles since then."""
     unit, seen = own.units[index], own.ghosts.units[index]
-    return unit.gap.eq(seen.silent) & unit.last.eq(seen.heard)
+    return unit.gap.eq(seen.silent) & unit.last.eq(seen.last_delivered)
 
 
 def _set_no_earlier(own: Parts, index: int, device: Device) -> Bool:

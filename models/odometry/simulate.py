@@ -70,9 +70,9 @@ def simulate(
     distances = [
         measure(f"{end}_{law.kind}", motion, law, rng, dropout=dropout, faults=of_units) for end in ends for law in laws
     ]
-    for index, heard in enumerate((first_unit, second_unit)):
-        if heard is not None:
-            distances[index] = replace(heard, name=names[index])
+    for index, unit in enumerate((first_unit, second_unit)):
+        if unit is not None:
+            distances[index] = replace(unit, name=names[index])
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
     readings: list[Reading] = []
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):

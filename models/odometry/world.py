@@ -59,7 +59,7 @@ def world(own: Parts) -> World:
 
 
 def on_board(machine: Machine) -> Machine:
-    """The machine without its world: where something else takes its place."""
+    """Return the machine without its world, for compositions that give it another one."""
     ghosts = set(machine.world.variables)
     kept = {name: term for name, term in machine.lemmas.items() if ghosts.isdisjoint(variables([term]))}
     return replace(machine, world=World(), lemmas=kept)
@@ -83,13 +83,13 @@ def _after(own: Parts) -> Num:
 
 
 def measuring(own: Parts, index: int) -> Measuring:
-    """The unit as the world has it."""
+    """Return the unit as the world sees it: its law and its ghosts."""
     unit, seen, config = own.units[index], own.ghosts.units[index], own.config
     physics = Physics(
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
         config.gap_limit_cycles, config.lone_limit_cycles + 1,
     )  # fmt: skip
-    return Measuring(unit.law, unit.step, seen.heard, seen.silent, physics)
+    return Measuring(unit.law, unit.step, seen.last_delivered, seen.silent, physics)
 
 
 def _unset(own: Parts, index: int, unset: Num) -> Num:
@@ -150,7 +150,7 @@ def _never_alone(own: Parts) -> dict[str, Law]:
 
 
 def reads(own: Parts, end: int) -> Bool:
-    """The reader gives a marker of this line, and it stood over it."""
+    """Return whether the reader reports a marker of this line over which it stood."""
     reader = own.readers[end]
     return reader.marker.present & reader.place.present & ~own.ghosts.readers[end].stray
 
@@ -163,10 +163,10 @@ def _ran_since(own: Parts, end: int) -> Num:
 
 def _reader_law(own: Parts, end: int) -> Law:
     reader, config = own.readers[end], own.config
-    told, twice = _told(reader), 2 * config.period_ms
-    off = (_ran_since(own, end) - exact_to(told, NM)) * twice
+    measured, twice = _measured(reader), 2 * config.period_ms
+    off = (_ran_since(own, end) - exact_to(measured, NM)) * twice
     rate = max(config.first_unit.rate_ppm, config.second_unit.rate_ppm)
-    wrong = with_unit(maximum(told, -told) * (rate * twice), NM)
+    wrong = with_unit(maximum(measured, -measured) * (rate * twice), NM)
     timed, untimed = _ran_in(own, config.reader_latency_ms), _ran_in(own, config.period_ms)
     least, most = (ite(reader.since.present, one, other) for one, other in zip(timed, untimed, strict=True))
     return Law(
@@ -183,7 +183,7 @@ def _reader_law(own: Parts, end: int) -> Law:
     )
 
 
-def _told(reader: Reader) -> Num:
+def _measured(reader: Reader) -> Num:
     return reader.since.value_or(as_num(0, MM))
 
 
@@ -238,7 +238,7 @@ def _stray_laws(own: Parts) -> dict[str, Law]:
 def _far_law(own: Parts, end: int) -> Law:
     reader, stray = own.readers[end], own.ghosts.readers[end].stray
     behind = own.ghosts.length if end else as_num(0, NM)
-    off = exact_to(reader.place.value + _told(reader), NM) + behind - _after(own)
+    off = exact_to(reader.place.value + _measured(reader), NM) + behind - _after(own)
     far = far_away_mm(own.config) * NM_PER_MM + own.config.vehicle_length_tolerance_mm * NM_PER_MM
     return Law(
         (stray & reader.marker.present & reader.place.present).implies((off > far) | (off < -far)),
@@ -264,7 +264,7 @@ def _vehicle_laws(own: Parts) -> dict[str, Law]:
     seen, config = own.ghosts, own.config
     farthest = config.max_speed_mm_s * config.period_ms * THOUSAND
     line = between(seen.truth.low, _after(own), seen.truth.high)
-    said = exact_to(as_num(config.vehicle_length_mm, MM) if own.length is None else own.length, NM)
+    length = exact_to(as_num(config.vehicle_length_mm, MM) if own.length is None else own.length, NM)
     slack = config.vehicle_length_tolerance_mm * NM_PER_MM
     return {
         "the vehicle never exceeds its highest speed": Law(
@@ -276,7 +276,7 @@ def _vehicle_laws(own: Parts) -> dict[str, Law]:
             "speed supervision",
         ),
         "the readers are as far apart as configured": Law(
-            between(said - slack, seen.length, said + slack),
+            between(length - slack, seen.length, length + slack),
             "The readers are as far apart as the vehicle's data say, within their tolerance.",
             ("vehicle_length_mm", "vehicle_length_tolerance_mm"),
             "[S] OCORA: up to + 0.30 m",

@@ -22,7 +22,7 @@ from functools import partial
 from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, as_num, between, ceil_to, exact_to, ite
 from safeloc.language.machine import Machine, current_mode, modes
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.cycle import Judged, Zones, judge
+from safeloc.models.reflector.cycle import Judgement, Zones, judge
 from safeloc.models.reflector.table import rows
 from safeloc.models.reflector.variables import (
     BY_ODOMETRY,
@@ -51,7 +51,7 @@ class ReflectorMachine:
 
     machine: Machine
     own: Parts
-    judged: Judged
+    judgement: Judgement
 
     def in_mode(self, *labels: str) -> Bool:
         """Return whether the machine is in one of the named modes."""
@@ -63,17 +63,17 @@ def build(own: Parts) -> ReflectorMachine:
     """Return the machine over the given variables."""
     mode = modes(*MODES)
     current = current_mode(mode)
-    judged = judge(own, _zones(current, mode))
+    judgement = judge(own, _zones(current, mode))
     made = Machine(
         name="reflector",
         modes=mode,
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs=_outputs(own, current, mode),
-        transitions=list(rows(own, judged, mode)),
+        transitions=list(rows(own, judgement, mode)),
         world=world(own, current.eq(mode[0])),
         lemmas=_lemmas(own, current, mode),
-        definitions=_definitions(judged),
+        definitions=_definitions(judgement),
         doc=(
             "Position of end A: near a radar reflector from the range to it, elsewhere from odometry. Assumed: a measured "
             "distance that a vehicle can have run obeys the odometer's error law, and the vehicle runs no faster than its "
@@ -86,7 +86,7 @@ def build(own: Parts) -> ReflectorMachine:
             "the minimum intensity. Nothing is assumed of any other echo."
         ),
     )
-    return ReflectorMachine(made, own, judged)
+    return ReflectorMachine(made, own, judgement)
 
 
 def _zones(current: Num, mode: tuple[Lit, ...]) -> Zones:
@@ -124,7 +124,7 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
     }
 
 
-def _definitions(cycle: Judged) -> dict[str, Expr]:
+def _definitions(cycle: Judgement) -> dict[str, Expr]:
     """Return the terms that guards are made of, by name."""
     named: dict[str, Expr] = {
         "reference measurement starts": cycle.started,
@@ -169,7 +169,7 @@ def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
     reckoned = partial(_reckoned, own)
     track, anchor = own.track, own.anchor
     located = all_of([current.ne(lost), current.ne(view)])
-    on_map = named(own, own.ghosts.told) | named(own, own.ghosts.sought)
+    on_map = named(own, own.ghosts.announced) | named(own, own.ghosts.sought)
     return {
         "a dead-reckoned interval holds the truth": located.implies(reckoned(track.position, track.above, track.below)),
         "a measured interval holds the truth": current.eq(view).implies(track.interval.holds(truth)),

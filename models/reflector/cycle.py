@@ -30,7 +30,7 @@ class Zones:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """The terms of one cycle.
 
     predicted  the last interval run on, with the odometer's one-off constant in its margins
@@ -217,17 +217,17 @@ class Judged:
         return choose(useful, self.drifted, fresh)
 
 
-def judge(own: Parts, zones: Zones) -> Judged:
+def judge(own: Parts, zones: Zones) -> Judgement:
     """Build the terms of one cycle."""
     constant = own.odometer.constant_nm
     base = own.track.interval.widened(ite(zones.exact, as_num(constant, NM), 0))
     predicted, balise = own.odometer.run_on(base), own.balise.fix(own.odometer)
-    charged = balise.widened(constant)
-    better = balise.meets(predicted) & (charged.margin < predicted.margin)
+    widened = balise.widened(constant)
+    better = balise.meets(predicted) & (widened.margin < predicted.margin)
     taken = own.balise.read & (~zones.located | better)
-    held = choose(taken, charged, predicted)
-    told, prescribed = _prescribed(own)
-    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & told
+    held = choose(taken, widened, predicted)
+    named, prescribed = _prescribed(own)
+    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & named
     run = ite(started, own.balise.run, own.run + own.odometer.distance)
     reflector = choose(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
                        own.target.reflector)  # fmt: skip
@@ -239,7 +239,7 @@ def judge(own: Parts, zones: Zones) -> Judged:
     beside = Situation(own.frame, held, by_radar, lag, own.config.radar, FALSE, known, (long, short))
     now = replace(beside, testing=testing, open=(ite(testing, 0, long), ite(testing, 0, short)))
     searched = _searched(own, zones, started, run, reflector, held) & (started | ~stale)
-    return Judged(
+    return Judgement(
         own,
         zones,
         now,

@@ -84,8 +84,8 @@ class Slot:
     model: NumVar
     intensity: NumVar
     lateral: NumVar
-    judged: NumVar
-    judged_next: NumVar
+    last_verdict: NumVar
+    last_verdict_next: NumVar
 
 
 def slot(declared: Declared, number_: int, range_limit_mm: int) -> Slot:

@@ -77,7 +77,7 @@ class Ghosts(Moving):
     origin     per slot: place along the track that reflected it, nm
     bias       by how much the radar measures every range too long, nm: its systematic error, of any size
     scaled     per slot: error in proportion to the range, nm, positive where the range is measured too long
-    told       the map's last entry
+    announced  the map's last entry
     sought     the map's entry of the reflector that the machine names as its target, if that is another one
     """
 
@@ -86,7 +86,7 @@ class Ghosts(Moving):
     bias: NumVar
     next_bias: NumVar
     scaled: tuple[NumVar, ...]
-    told: Entry
+    announced: Entry
     sought: Entry
 
 
@@ -98,7 +98,7 @@ def ghosts(declared: Declared, moving: Moving, figures: Figures) -> Ghosts:
         truth=declared.ghost(moving.truth, first=ANY),
         wander=declared.ghost(moving.wander, first=ANY),
         bias=declared.ghost(number("radar_bias_nm", NM, -reach, reach), first=ANY),
-        told=_entry(declared, "told", figures.position_limit_mm),
+        announced=_entry(declared, "told", figures.position_limit_mm),
         sought=_entry(declared, "sought", figures.position_limit_mm),
         true_step=declared.choice(moving.true_step),
         next_wander=declared.choice(moving.next_wander),

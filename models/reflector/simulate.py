@@ -205,11 +205,11 @@ class _Run:
         return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}, **wrong}
 
     def _measured(self, cycle: int) -> dict[str, Cell]:
-        told: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.checked_distance else {}
+        inputs: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.checked_distance else {}
         if not self._odometer.present[cycle]:
-            return told
+            return inputs
         self._wander = int(self._odometer.wander_nm[cycle])
-        return {**told, "step_mm": int(self._odometer.step_mm[cycle])}
+        return {**inputs, "step_mm": int(self._odometer.step_mm[cycle])}
 
     def _passed(self, before: int, now: int) -> Balise | None:
         low, high = sorted((before, now))
@@ -218,14 +218,14 @@ class _Run:
     def _balise(self, balise: Balise, now: int) -> dict[str, Cell]:
         since = round(now / NM_PER_MM) - balise.position_mm + int(self._rng.uniform(-0.8, 0.8) * balise.accuracy_mm)
         limit = self._config.max_step_mm
-        told = {
+        inputs = {
             "balise": balise.identity,
             "balise_position_mm": balise.position_mm,
             "balise_accuracy_mm": balise.accuracy_mm,
             "balise_since_mm": max(-limit, min(limit, since)),
         }
         search = {} if balise.search_from_mm is None else {"balise_search_from_mm": balise.search_from_mm}
-        return {**told, **search}
+        return {**inputs, **search}
 
     def _map(self, balise: Balise | None) -> dict[str, Cell]:
         """Return the map's next reflector: beyond the balise, the target, or the reported position."""
@@ -343,7 +343,7 @@ def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
     return {name: value for name, value in step.items() if not _is_ghost(name) and name not in left_out}
 
 
-def said(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
+def outputs_along(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
     """Return the outputs of the machine on board after each step of a simulated stream."""
     code = _on_board(config.model_dump_json())
     state, outputs = code.first(), list[Mapping[str, Value]]()

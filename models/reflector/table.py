@@ -8,7 +8,7 @@ from safeloc.language.expr import TRUE, Lit, Num, as_num
 from safeloc.language.machine import Transition
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector.cycle import Judged
+from safeloc.models.reflector.cycle import Judgement
 from safeloc.models.reflector.echo import Recognition
 from safeloc.models.reflector.variables import (
     BALISE_CONTRADICTS,
@@ -29,7 +29,7 @@ from safeloc.models.vocabulary.interval import Interval
 class _Groups:
     """Named groups of updates, of which rows are joined; no two groups of one row set the same variable.
 
-    heard          in every row: the odometer's gap, and the verdict on each echo
+    every_cycle    in every row: the odometer's gap, and the verdict on each echo
     drifting, tested, untested  open_long and open_short: with the drift of this cycle, as a self-test that passes leaves them, 0
     held, nowhere  track: the interval that counts without an echo, none
     unmeasured     range, range_error, lateral and recognised: no measurement in this cycle
@@ -40,11 +40,11 @@ class _Groups:
     counted_anew   pauses and misses: 0
     """
 
-    def __init__(self, own: Parts, cycle: Judged) -> None:
+    def __init__(self, own: Parts, cycle: Judgement) -> None:
         self._own, self._cycle = own, cycle
-        verdicts: Updates = {one.slot.judged: one.verdict for one in cycle.target.judgements}
-        further: Updates = {one.slot.judged_next: one.verdict for one in cycle.ahead.judgements}
-        self.heard = together({own.odometer.gap: own.odometer.gap_after}, verdicts, further)
+        verdicts: Updates = {one.slot.last_verdict: one.verdict for one in cycle.target.judgements}
+        further: Updates = {one.slot.last_verdict_next: one.verdict for one in cycle.ahead.judgements}
+        self.every_cycle = together({own.odometer.gap: own.odometer.gap_after}, verdicts, further)
         self.drifting = self._opened(cycle.open)
         self.tested = self._opened(cycle.left_open)
         self.untested = self._opened((as_num(0, NM), as_num(0, NM)))
@@ -68,7 +68,7 @@ class _Groups:
     @property
     def hold(self) -> Updates:
         """Odometry goes on from the last position, or from the balise; what the self-test left open is set beside it."""
-        return together(self.heard, self.held, self.unmeasured)
+        return together(self.every_cycle, self.held, self.unmeasured)
 
     @property
     def none_sought(self) -> Updates:
@@ -81,7 +81,7 @@ class _Groups:
         own = self._own
         zone = own.anchor.become(_to_run_on(self._cycle, by.bare))
         fresh: Updates = {own.found: place, own.recognised: True, own.error: NO_ERROR}
-        return together(self.heard, self.measured(by), zone, self.no_reference, self.counted_anew, fresh)
+        return together(self.every_cycle, self.measured(by), zone, self.no_reference, self.counted_anew, fresh)
 
     def unready(self, why: Lit) -> Updates:
         """Return the updates of the way into NOT_READY: odometry alone, and no self-test."""
@@ -90,10 +90,10 @@ class _Groups:
     def dropped(self, why: Num) -> Updates:
         """Return the updates of the way into DELOCALIZED: no position, and no balise is remembered."""
         gone: Updates = {self._own.error: why, self._own.procedure: 0}
-        return together(self.heard, self.nowhere, self.unmeasured, self.none_sought, gone)
+        return together(self.every_cycle, self.nowhere, self.unmeasured, self.none_sought, gone)
 
 
-def rows(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def rows(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield all rows."""
     groups = _Groups(own, cycle)
     yield from _failures(own, cycle, groups, mode)
@@ -105,7 +105,7 @@ def rows(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transitio
     yield from _going_on(own, cycle, groups, mode)
 
 
-def _failures(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _failures(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows that withdraw the position at once."""
     lost, *located = mode
     view_zone = mode[5:]
@@ -125,7 +125,7 @@ def _failures(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
         yield Transition(name, source, lost, when, groups.dropped(reason), trace, rank)
 
 
-def _self_test(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _self_test(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of the self-test that a balise starts (RFL-6, RFL-8)."""
     _, unready, reference, *_ = mode
     view = mode[5]
@@ -155,7 +155,7 @@ def _self_test(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]
     yield Transition("self-test failed", reference, unready, wrong, groups.unready(MISMATCH), ("RFL-6", "RFL-D3"), 6)
 
 
-def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _measured(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a measured reflector."""
     search, view, coast, passing = mode[4:]
     in_zone = (view, coast, passing)
@@ -164,7 +164,7 @@ def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
         groups.seen(cycle.target, own.target.position), groups.drifting, own.track.become(cycle.target.fix)
     )
     tracked = together(
-        groups.heard, groups.drifting, own.track.become(cycle.target.fix), groups.measured(cycle.target),
+        groups.every_cycle, groups.drifting, own.track.become(cycle.target.fix), groups.measured(cycle.target),
         own.anchor.become(cycle.anchor_after(_to_run_on(cycle, cycle.target.bare))), groups.counted_anew,
         {own.recognised: False, own.error: NO_ERROR},
     )  # fmt: skip
@@ -178,7 +178,7 @@ def _measured(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
     yield Transition("next reflector takes over", in_zone, view, ahead, other, trace, 7)
 
 
-def _withdrawn(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _withdrawn(cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of an interval, or of a self-test, that has become too uncertain without an echo."""
     lost, unready, reference, *ready = mode
     too_wide, coarse = groups.dropped(TOLERANCE), groups.unready(NO_SELF_TEST)
@@ -187,7 +187,7 @@ def _withdrawn(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterato
     yield Transition("self-test grows too coarse", (reference,), unready, cycle.too_coarse, coarse, ("RFL-6",), 8)
 
 
-def _missing(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _missing(cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a reflector that is missing at its place on the map (RFL-D3)."""
     _, unready, reference, odometry, search, *_ = mode
     ended = groups.unready(NOT_FOUND)
@@ -198,7 +198,7 @@ def _missing(cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[
     yield Transition("reflector passed unseen", odometry, unready, cycle.passed_unseen, ended, ("RFL-D3",), 9)
 
 
-def _zones(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _zones(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows from zone to zone without a measurement."""
     _, _, _, odometry, search, view, coast, passing = mode
     hold, seen = together(groups.hold, groups.drifting), (view, coast)
@@ -218,7 +218,7 @@ def _zones(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) ->
     yield Transition("passing goes on", passing, passing, TRUE, kept, ("RFL-D2",), 12)
 
 
-def _going_on(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+def _going_on(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a cycle in which the vehicle only ran on."""
     lost, unready, reference, odometry, search, *_ = mode
     hold, idle = together(groups.hold, groups.drifting), together(groups.hold, groups.untested)
@@ -233,6 +233,6 @@ def _going_on(own: Parts, cycle: Judged, groups: _Groups, mode: tuple[Lit, ...])
     yield Transition("wait for a balise", lost, lost, TRUE, wait, ("RFL-5",), 14)
 
 
-def _to_run_on(cycle: Judged, fix: Interval) -> Interval:
+def _to_run_on(cycle: Judgement, fix: Interval) -> Interval:
     """Return a measured interval to run on from: the odometer's one-off constant is added."""
     return fix.widened(as_num(cycle.own.odometer.constant_nm, NM))

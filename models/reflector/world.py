@@ -56,8 +56,8 @@ def world(own: Parts, lost: Bool) -> World:
             seen.truth: _after(own),
             seen.wander: _wander_after(own),
             seen.bias: seen.next_bias,
-            **_taken(own.ahead.position.present, seen.told, _next_told(own)),
-            **_taken(named(own, seen.told), seen.sought, seen.told),
+            **_taken(own.ahead.position.present, seen.announced, _next_announced(own)),
+            **_taken(named(own, seen.announced), seen.sought, seen.announced),
         },
         clauses=_laws(own, lost),
         reads_machine="the reflector that the machine names as its target, and that it is lost: it reports both",
@@ -70,7 +70,7 @@ def named(own: Parts, entry: Entry) -> Bool:
     return target.position.eq(entry.position) & target.model.eq(entry.model) & target.clear.eq(entry.clear)
 
 
-def _next_told(own: Parts) -> Entry:
+def _next_announced(own: Parts) -> Entry:
     """Return the map's entry of this cycle; only while there is one."""
     return Entry(own.ahead.position.value, own.ahead.model, own.ahead.clear)
 
@@ -308,10 +308,10 @@ def _prescribed_law(own: Parts) -> Law:
     by_hand = ~telegram.present & ~by_map.present if system else FALSE
     away, survey = ahead.position.value - balise.position.value, own.config.map_accuracy_mm
 
-    def agrees(told: Num) -> Bool:
-        return between(-survey, told - away, survey)
+    def agrees(place: Num) -> Bool:
+        return between(-survey, place - away, survey)
 
-    said = all_of([
+    agreeing = all_of([
         telegram.present.implies(agrees(telegram.value)),
         by_map.present.implies(agrees(by_map.value)),
         by_hand.implies(agrees(as_num(system, MM))),
@@ -319,7 +319,7 @@ def _prescribed_law(own: Parts) -> Law:
     off, allowed, forward, backward = _balise_off(own)
     true = (off <= allowed + forward) & (-off <= allowed + backward)
     return Law(
-        (_balise_read(own) & ahead.position.present & true).implies(said),
+        (_balise_read(own) & ahead.position.present & true).implies(agreeing),
         "The distance from a balise to its reflector that the telegram, the map or the system prescribes is the distance of "
         "their places on the map, within the survey's accuracy.",
         ("map_accuracy_mm", "reference_distance_mm"),
@@ -336,9 +336,9 @@ def _echoes(own: Parts) -> list[tuple[Slot, Bool, Num]]:
 
 def _map_law(own: Parts) -> Law:
     seen = own.ghosts
-    entries = ((TRUE, seen.told), (TRUE, seen.sought), (own.ahead.position.present, _next_told(own)))
+    entries = ((TRUE, seen.announced), (TRUE, seen.sought), (own.ahead.position.present, _next_announced(own)))
     return Law(
-        all_of(told.implies(_itself_or_clear(own, entry, *one)) for told, entry in entries for one in _echoes(own)),
+        all_of(known.implies(_itself_or_clear(own, entry, *one)) for known, entry in entries for one in _echoes(own)),
         "An echo with the minimum intensity shows its reflector's own model. The reflector of a map entry stands at the entry's "
         "place within the map's accuracy, and any other one of that model is at least the entry's clearance away.",
         ("map_accuracy_mm", "minimum_intensity_cdb"),

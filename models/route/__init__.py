@@ -105,7 +105,7 @@ def _table(own: Parts, after: tuple[Bounded, ...], table: tuple[Lit, ...]) -> It
     measured: Updates = {
         odometer.last: odometer.last_after,
         odometer.gap: odometer.gap_after,
-        odometer.judged: odometer.verdict,
+        odometer.last_verdict: odometer.verdict,
     }
     refuted: Updates = {own.refuted: ite(_refutes_authority(own, after), as_num(1, COUNT), 0)}
     keep = together(measured, _run_on(own, after), refuted, {own.reason: NO_REASON})

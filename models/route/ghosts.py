@@ -21,7 +21,7 @@ class Ghosts:
     truth, true_step     place of end A from the common start, along that route, and its true travel in the cycle
     next_truth           at a start, the new place of end A
     wander, next_wander  the one-off part of the odometer's error: before the cycle and, freely chosen, after it
-    heard, silent        the last distance delivered that a vehicle can have run, mm, and the cycles since then
+    last_delivered, silent  the last distance delivered that a vehicle can have run, mm, and the cycles since then
     sighted, model       place along the route and model of the reflector that is sighted in this cycle
     course               the course that the vehicle takes at the switch at which a turn may be seen
     """
@@ -33,7 +33,7 @@ class Ghosts:
     next_truth: NumVar
     wander: NumVar
     next_wander: NumVar
-    heard: NumVar
+    last_delivered: NumVar
     silent: NumVar
     sighted: NumVar
     model: NumVar
@@ -58,7 +58,7 @@ def ghosts(declared: Declared, bounds: Bounds) -> Ghosts:
         route=declared.ghost(number("true_route", COUNT, 1, bounds.routes), first=ANY),
         truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
         wander=declared.ghost(number("wander_nm", NM, -half, half), first=ANY),
-        heard=declared.ghost(number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm), first=0),
+        last_delivered=declared.ghost(number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm), first=0),
         silent=declared.ghost(
             number("odometer_silent_cycles", COUNT, 0, run.longest_cycles), first=run.gap_limit_cycles + 1
         ),

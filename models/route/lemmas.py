@@ -24,4 +24,4 @@ def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 def _gated_alike(own: Parts) -> Bool:
     """Return whether the machine remembers the same last distance and the same silence as the world."""
-    return own.odometer.gap.eq(own.ghosts.silent) & own.odometer.last.eq(own.ghosts.heard)
+    return own.odometer.gap.eq(own.ghosts.silent) & own.odometer.last.eq(own.ghosts.last_delivered)

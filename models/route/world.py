@@ -49,7 +49,7 @@ def world(own: Parts) -> World:
 def measuring(own: Parts) -> Measuring:
     """Return the odometer as a unit of the world."""
     seen = own.ghosts
-    return Measuring(own.odometer.law, own.odometer.step, seen.heard, seen.silent, own.config.physics)
+    return Measuring(own.odometer.law, own.odometer.step, seen.last_delivered, seen.silent, own.config.physics)
 
 
 def _after(own: Parts) -> Num:
@@ -150,9 +150,9 @@ def _model_law(own: Parts) -> Law:
 
 
 def _map_law(own: Parts) -> Law:
-    told_nothing = all_of(~one.reflector.present for one in own.routes)
+    nothing_read = all_of(~one.reflector.present for one in own.routes)
     return Law(
-        told_nothing | _sighted(own, all_of(_of_true(own, one, _names_it(own, one)) for one in own.routes)),
+        nothing_read | _sighted(own, all_of(_of_true(own, one, _names_it(own, one)) for one in own.routes)),
         "While a route is possible, the map is looked up for every sighting. It returns, for each route, the reflector of that "
         "model nearest to the place where the vehicle would see it. If it returns any, then for the true route the sighted one, "
         "since reflectors of one model stand farther apart than all errors.",

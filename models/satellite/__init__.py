@@ -110,15 +110,15 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
     own = parts(config, signals=trusted == "satellites")
     machine = build(own, trusted)
     wires = selection_wires(own, selection, trusted)
-    owed = [Clause(machine, SELECTED)] if trusted == "satellites" else []
-    whole = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=owed)
+    discharged = [Clause(machine, SELECTED)] if trusted == "satellites" else []
+    whole = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=discharged)
     return Satellite(selection, machine, own, whole)
 
 
 def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satellites") -> dict[Var, Expr]:
     """Wire each channel to the position machine: its standing, and, of the world, whether its signal keeps its bounds."""
     channels = selection.own.channels
-    wires: dict[Var, Expr] = {told: one.standing.eq(USABLE) for told, one in zip(own.usable, channels, strict=True)}
+    wires: dict[Var, Expr] = {input_: one.standing.eq(USABLE) for input_, one in zip(own.usable, channels, strict=True)}
     if trusted == "satellites":
         for number, one in enumerate(channels):
             compared, bounded = _true_of_signal(selection, one)
@@ -157,7 +157,7 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
             "margin_below_mm": margin_if(valid, ceil_to(held(own).below, MM)),
             "margin_above_mm": margin_if(valid, ceil_to(held(own).above, MM) + 1),
             "coasting": current.eq(table[2]),
-            "fix": own.judged,
+            "fix": own.last_verdict,
             "missing": own.why_missing,
             "drift_checked": own.anchored,
             "drift_bound_mm": margin_if(own.anchored, ceil_to(abs_(own.anchor_offset) + own.anchor_margin, MM) + 1),
@@ -192,9 +192,9 @@ def verdict(own: Parts, located: Bool) -> Num:
     coarse = protection_level(own) > own.config.protection_limit_mm * NM_PER_MM
     meets = solved(own).meets(predicted(own))
     drifted = ~carried(own, fixed(own)).holds
-    judged = ite(coarse, TOO_COARSE, ite(meets, ite(drifted, DRIFTED, ACCEPTED), DISJOINT))
-    judged = ite(foreign, NOT_USABLE, ite(enough(own), judged, TOO_FEW))
-    return ite(own.fix.present, ite(located, judged, NOT_LOCATED), NO_FIX)
+    outcome = ite(coarse, TOO_COARSE, ite(meets, ite(drifted, DRIFTED, ACCEPTED), DISJOINT))
+    outcome = ite(foreign, NOT_USABLE, ite(enough(own), outcome, TOO_FEW))
+    return ite(own.fix.present, ite(located, outcome, NOT_LOCATED), NO_FIX)
 
 
 # ------------------------------------------------------------------ the transition table
@@ -202,9 +202,9 @@ def verdict(own: Parts, located: Bool) -> Num:
 
 def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transition]:
     lost, located, coasting = table
-    on, requirements, judged = (located, coasting), ("SAT-5",), verdict(own, valid)
+    on, requirements, outcome = (located, coasting), ("SAT-5",), verdict(own, valid)
     ahead, known, both, found = predicted(own), referred(own), confirmed(own), fixed(own)
-    every: Updates = {own.judged: judged, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
+    every: Updates = {own.last_verdict: outcome, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
 
     def become(state: State, anchor: Anchor, coasted: Num, change: Num) -> Updates:
         """Return updates that store state, anchor, change of speed, and the cycles since a solution or a reference was used."""
@@ -224,7 +224,7 @@ def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transiti
     better = own.reference.present & reportable(own, both)
     again = become(both, _at_reference(own, both), none, _change(own, both))
     yield Transition("reference while located", on, located, better, again, requirements, 3)
-    good = judged.eq(ACCEPTED) & reportable(own, found)
+    good = outcome.eq(ACCEPTED) & reportable(own, found)
     solution = become(found, carried(own, found), none, _change(own, found))
     yield Transition("solution counts", on, located, good, solution, requirements, 4)
     over = own.coasted >= own.config.coast_limit_cycles

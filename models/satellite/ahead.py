@@ -44,7 +44,7 @@ class Ahead:
         return min(ends) / NM_PER_M, max(ends) / NM_PER_M
 
     def at(self, offset_s: float) -> TrackState:
-        """The estimate so long after the time of the cycle (before it where negative), at constant speed."""
+        """Return the estimate so long after the time of the cycle (before it if negative), at constant speed."""
         speed = self.speed_um_s / UM_PER_M
         return TrackState(self.position_nm / NM_PER_M + speed * offset_s, speed, 0.0)
 

@@ -12,7 +12,7 @@ One cycle at time t:
 2. Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
    the receiver's clock goes by the median of each constellation.
 3. The selection machine gives the usable satellites (LSVU) of this cycle; position and speed are solved from these alone
-   (SAT-5), with their dilution, sum |a_i|: what a usable signal may be wrong by the machine charges itself.
+   (SAT-5), with their dilution, sum |a_i|. The machine itself adds the greatest error of a usable signal, times the dilution.
 4. The composed machine takes one step with the same inputs. `outcome.inputs` is that step: written to a step stream, it
    replays to the same result.
 
@@ -39,11 +39,11 @@ from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite.ahead import Ahead, ahead
 from safeloc.models.satellite.fix_inputs import StepValues, fix_inputs, no_fix
 from safeloc.models.satellite.sighting import Sighting, Track, sighted, true_time_s
-from safeloc.models.satellite.trusted_inputs import Reference, Run, told
+from safeloc.models.satellite.trusted_inputs import Reference, Run, trusted_inputs
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import STANDING
 from safeloc.runtime.border import Fault, Reason
-from safeloc.sensing.satellite.channels import Channels, Heard
+from safeloc.sensing.satellite.channels import Channels, Received
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.solution import Bounds, Look, Solution, Weighting, solve
@@ -147,22 +147,22 @@ class EpochChain:
         return dict(zip(self._code.state_names, self._state, strict=True))
 
     def step(self, cycle: Cycle) -> Outcome:
-        """One cycle. InputError for a reference or a run that the machine's inputs cannot hold."""
+        """Make one cycle. InputError for a reference or a run out of the range of the machine's inputs."""
         before = self.state
         predicted = ahead(before, self.config.satellite) if before["position.mode"] != UNLOCATED else None
         epoch, late = self._of_this_cycle(cycle.epoch)
         seen = self._sighting(epoch, predicted)
-        heard = self._heard(epoch, seen)
-        standings = self._standings(heard)
+        received = self._received(epoch, seen)
+        standings = self._standings(received)
         usable = frozenset(name for name, standing in standings.items() if standing == "USABLE")
-        solution, missing = self._solution(predicted, seen, heard, usable)
+        solution, missing = self._solution(predicted, seen, received, usable)
         fix = no_fix(missing)
         if solution is not None and predicted is not None:
             fix = self._fix(solution, predicted, seen.offset_s)
-        inputs = {**self._channel_inputs(heard, solution), **fix, **told(cycle.reference, cycle.run)}
+        inputs = {**self._channel_inputs(received, solution), **fix, **trusted_inputs(cycle.reference, cycle.run)}
         self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         outputs, fired = self._code.named_outputs(self._state), self._code.fired(numbers)
-        faults = (*cycle.faults, *late, *heard.faults)
+        faults = (*cycle.faults, *late, *received.faults)
         return Outcome(inputs, outputs, fired, predicted, standings, seen, solution, faults)
 
     # ------------------------------------------------------------------ what is seen
@@ -190,7 +190,7 @@ class EpochChain:
                 return Sighting("NO_PREDICTION")
         return sighted(epoch, predicted, portions, self._due_s, self._navigation)
 
-    def _heard(self, epoch: Epoch | None, seen: Sighting) -> Heard:
+    def _received(self, epoch: Epoch | None, seen: Sighting) -> Received:
         """Every satellite of the epoch above the mask is visible (LSV)."""
         names = frozenset() if epoch is None else frozenset(epoch.satellites)
         low = frozenset().union(*(look.low for look in seen.residuals))
@@ -200,16 +200,16 @@ class EpochChain:
 
     # ------------------------------------------------------------------ what becomes of it
 
-    def _standings(self, heard: Heard) -> dict[str, str]:
+    def _standings(self, received: Received) -> dict[str, str]:
         """Run one step of the selection machine; return the standing of every satellite on a channel."""
-        self._selected, _ = self._select.step(self._selected, self._select.read(heard.inputs))
+        self._selected, _ = self._select.step(self._selected, self._select.read(received.inputs))
         state = dict(zip(self._select.state_names, self._selected, strict=True))
         return {
-            name: STANDING[int(state[f"channel_{number}_standing"])].label for name, number in heard.channels.items()
+            name: STANDING[int(state[f"channel_{number}_standing"])].label for name, number in received.channels.items()
         }
 
     def _solution(
-        self, predicted: Ahead | None, seen: Sighting, heard: Heard, usable: frozenset[str]
+        self, predicted: Ahead | None, seen: Sighting, received: Received, usable: frozenset[str]
     ) -> tuple[Solution | None, str]:
         """Return the solution from usable satellites only, or None with the reason."""
         if predicted is None or seen.missing:
@@ -218,8 +218,8 @@ class EpochChain:
             return None, "NONE_LEFT"
         estimate, every = predicted.estimate(seen.offset_s), zip(seen.places, seen.portions, strict=True)
         bounds = [self.config.bounds.on_track(estimate, portion, seen.distance_m) for _, portion in every]
-        told_off = zip(seen.places, bounds, heard.off_mm, heard.speed_off_mm_s, seen.residuals, strict=True)
-        looks = [Look(place, bound, off, speed, look.predictions) for place, bound, off, speed, look in told_off]
+        measured = zip(seen.places, bounds, received.off_mm, received.speed_off_mm_s, seen.residuals, strict=True)
+        looks = [Look(place, bound, off, speed, look.predictions) for place, bound, off, speed, look in measured]
         try:
             free, weighting = self.config.solution == "free", self.config.weighting
             return solve(looks, usable, free=free, weighting=weighting), ""
@@ -229,8 +229,8 @@ class EpochChain:
     def _fix(self, solution: Solution, predicted: Ahead, offset_s: float) -> StepValues:
         return fix_inputs(solution, predicted, offset_s, self.config.satellite)
 
-    def _channel_inputs(self, heard: Heard, solution: Solution | None) -> StepValues:
-        used = {heard.channels[name] for name in (frozenset() if solution is None else solution.used)}
-        inputs: StepValues = {f"selection.{name}": value for name, value in heard.inputs.items()}
+    def _channel_inputs(self, received: Received, solution: Solution | None) -> StepValues:
+        used = {received.channels[name] for name in (frozenset() if solution is None else solution.used)}
+        inputs: StepValues = {f"selection.{name}": value for name, value in received.inputs.items()}
         channels = range(1, self.config.satellite.selection.channels + 1)
         return inputs | {f"position.used_{number}": number in used for number in channels}

@@ -1,7 +1,7 @@
 """From a solution in exact figures to the position machine's inputs: whole mm and um/s, rounded outward.
 
-What the signals' own errors make of the solution, the machine charges by itself: it is told the dilution. Told as `further`
-is what comes beside: the map's error, the bend of the track, rounding, and the time between epoch and cycle.
+The machine itself adds the error that the signals bring into the solution: its input for that is the dilution. The inputs `further`
+are all other errors: of the map, the bend of the track, rounding, and the time between epoch and cycle.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ StepValues = dict[str, int | bool | str]
 
 
 def no_fix(missing: str) -> StepValues:
-    """A cycle without a solution, and why."""
+    """Return the inputs of a cycle without a solution, with the reason."""
     return {
         "position.fix_dilution_permille": 0,
         "position.fix_further_mm": 0,
@@ -32,7 +32,7 @@ def no_fix(missing: str) -> StepValues:
 
 
 def fix_inputs(solution: Solution, ahead: Ahead, offset_s: float, config: SatelliteConfig) -> StepValues:
-    """The solution as inputs. `offset_s`: how long after the cycle's time it was measured.
+    """Return the solution as inputs. `offset_s`: time from the cycle to the measurement, s.
 
     A place that is not solved is anywhere within the predicted bounds, a speed that is not solved any that a vehicle has.
     OUT_OF_RANGE where the machine's inputs cannot hold one of the figures.

@@ -221,6 +221,6 @@ def _split(
 ) -> dict[str, Cell]:
     """Return a difference split into the signal's own error and the parts of prediction and clock."""
     error = 0 if name is None else round((healthy[name] + added[name]) * MM_PER_M)
-    told = inputs.get(f"{channel}_speed_off_mm_s" if kind else f"{channel}_range_off_mm", error)
+    measured = inputs.get(f"{channel}_speed_off_mm_s" if kind else f"{channel}_range_off_mm", error)
     own = f"{channel}_speed_error_mm_s" if kind else f"{channel}_error_mm"
-    return {own: error, f"{channel}_prediction_mm{kind}": int(told) - error}
+    return {own: error, f"{channel}_prediction_mm{kind}": int(measured) - error}

@@ -25,7 +25,7 @@ class Run:
     error_mm: int
 
 
-def told(reference: Reference | None, run: Run | None) -> dict[str, int | bool | str]:
+def trusted_inputs(reference: Reference | None, run: Run | None) -> dict[str, int | bool | str]:
     """Both as inputs of the position machine."""
     inputs: dict[str, int | bool | str] = {
         "position.reference_accuracy_mm": 0 if reference is None else reference.accuracy_mm,

@@ -38,7 +38,7 @@ def world(own: Parts, trusted: Trusted) -> World:
 
 
 def can_stop(own: Parts, place: Num, speed: Num) -> Bool:
-    """The vehicle can come to a stop before the coordinates end; without it the movement would have to end with them."""
+    """Return whether the vehicle can stop before the coordinates end; otherwise the movement would have to end with them."""
     at_rest = place + exact_to(speed * Lit(own.config.stopping_ms, MS), NM)
     return between(own.truth.low, at_rest, own.truth.high)
 
@@ -49,12 +49,12 @@ def _movement(own: Parts) -> dict[str, Law]:
     sped, ran = own.next_speed - own.true_speed, own.next_truth - own.truth
     gained, way = as_num(most * period, UM_S), as_num(most * period**2 // 2, NM)
     at_speed = exact_to(own.true_speed * Lit(period, MS), NM)
-    told = ("max_acceleration_mm_s2", "period_ms")
+    stated = ("max_acceleration_mm_s2", "period_ms")
     return {
         "the way follows from the speed": Law(
             (ran <= at_speed + way) & (ran >= at_speed - way),
             "In a cycle the vehicle runs its speed times the cycle, more or less by what the greatest acceleration adds.",
-            told,
+            stated,
             "[D] kinematics",
             "operator",
             "braking and traction of the vehicle's type are below the greatest acceleration",
@@ -62,7 +62,7 @@ def _movement(own: Parts) -> dict[str, Law]:
         "speed changes within the greatest acceleration": Law(
             (sped <= gained) & (sped >= -gained),
             "In a cycle the vehicle's speed changes by no more than the greatest acceleration makes of it.",
-            told,
+            stated,
             "[D] 1.5 m/s2, passenger; emergency brakes of other vehicles may exceed it",
             "operator",
             "braking and traction of the vehicle's type are below the greatest acceleration",
@@ -105,14 +105,14 @@ def _references(own: Parts) -> dict[str, Law]:
 
 
 def _signals(own: Parts) -> dict[str, Law]:
-    told = tuple(f"selection.{kind}_{what}" for kind in ("range", "speed") for what in FIGURES[kind])
+    stated = tuple(f"selection.{kind}_{what}" for kind in ("range", "speed") for what in FIGURES[kind])
     return {
         "a solution is off by no more than its signals make of it": Law(
             _solution_holds(own),
             "A solution from at least as many satellites as it has unknowns is off by no more than the dilution given with "
             "it times the bound of its signals, and what is given beside, if the error of each of them keeps the bound: "
             "threshold, prediction and clock together.",
-            told,
+            stated,
             "[D] linear in the errors: dilution is the sum of |weight|",
             "supplier",
             "type test against a simulator of the constellation, with errors at the bound",
@@ -125,18 +125,18 @@ def _signals(own: Parts) -> dict[str, Law]:
             ),
             "The error of a usable satellite, compared with a prediction and a clock as good as configured, is no more than "
             "threshold, prediction and clock together.",
-            told,
+            stated,
             "[D] the criterion of the selection",
             "supplier",
             "in a composition the selection is proved to guarantee it",
         ),
         "signals are compared with a prediction and a clock as good as configured": Law(
             all_of(good | ~used for used, good in zip(own.used, own.compared, strict=True)),
-            "What the errors of prediction and clock make of a used satellite's difference is within both figures together.",
-            told,
+            "The errors of prediction and clock change a used satellite's difference by no more than the sum of both figures.",
+            stated,
             "[D] A T2, the state's own error, and that of a median of the clock",
             "supplier",
-            "the state's margin is told, and can be held against the figure in every cycle",
+            "the machine reports the state's margin, which can be compared with the figure in every cycle",
         ),
     }
 

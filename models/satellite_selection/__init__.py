@@ -67,12 +67,12 @@ class Selection:
 
 
 def machine(config: SelectionConfig | None = None) -> Machine:
-    """The selection machine (SAT-1 to SAT-4)."""
+    """Make the selection machine (SAT-1 to SAT-4)."""
     return build(parts(config or SelectionConfig())).machine
 
 
 def build(own: Parts) -> Selection:
-    """The machine over the given variables."""
+    """Build the machine over the given variables."""
     table = modes("NONE_USABLE", "SOME_USABLE")
     outputs: dict[str, Expr] = {"usable": own.usable}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}
@@ -114,7 +114,7 @@ def _kept(off: Num, most: int, covariance: Num, most_covariance: int, removal: R
     return (off <= most) | (covariance <= most_covariance)
 
 
-def _heard(one: Channel, config: SelectionConfig) -> Bool:
+def _received(one: Channel, config: SelectionConfig) -> Bool:
     """Every quantity that is compared was measured."""
     needed = {"pseudorange": [one.off], "doppler": [one.speed_off], "both": [one.off, one.speed_off]}
     return all_of(item.present for item in needed[config.compared])
@@ -132,8 +132,8 @@ def _spread(one: Channel, config: SelectionConfig) -> Bool:
 
 def warm(own: Parts, one: Channel) -> Num:
     """Return the number of cycles in which this channel heard the same satellite, up to the warm-up, with this cycle."""
-    same = one.identity.present & one.identity.value.eq(one.held) & _heard(one, own.config) & one.ephemeris
-    first = one.identity.present & _heard(one, own.config) & one.ephemeris
+    same = one.identity.present & one.identity.value.eq(one.held) & _received(one, own.config) & one.ephemeris
+    first = one.identity.present & _received(one, own.config) & one.ephemeris
     return ite(same, minimum(one.warm + 1, own.config.warm_up_cycles), ite(first, as_num(1, COUNT), 0))
 
 
@@ -141,9 +141,9 @@ def standing(own: Parts, one: Channel) -> Num:
     """Return the standing of the channel's satellite in this cycle."""
     config = own.config
     ready = _spread(one, config) & (warm(own, one) >= config.warm_up_cycles)
-    judged = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
-    heard = ite(_heard(one, config), ite(ready, judged, WARMING), SILENT)
-    return ite(one.identity.present & ~_is_twice(own, one), ite(one.ephemeris, heard, EXPIRED), ABSENT)
+    standing = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
+    by_signal = ite(_received(one, config), ite(ready, standing, WARMING), SILENT)
+    return ite(one.identity.present & ~_is_twice(own, one), ite(one.ephemeris, by_signal, EXPIRED), ABSENT)
 
 
 def _is_twice(own: Parts, one: Channel) -> Bool:

@@ -41,7 +41,7 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
-from safeloc.models.area.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
+from safeloc.models.area.judgement import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judgement, TrainHere
 from safeloc.models.area.separation import Following, headway_ms, separation_mm
 
 REQUIREMENTS = ("FVA-9", "FVA-18")
@@ -155,14 +155,14 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
         one.loose_low: own.loose_low,
         one.loose_high: own.loose_high,
     }
-    for told, train in zip(one.trains, own.slots, strict=True):
-        wires |= {told.present: train.present, told.low: train.low, told.high: train.high}
-        wires |= {told.silent: train.silent, told.unconfirmed: train.unconfirmed}
+    for reported, train in zip(one.trains, own.slots, strict=True):
+        wires |= {reported.present: train.present, reported.low: train.low, reported.high: train.high}
+        wires |= {reported.silent: train.silent, reported.unconfirmed: train.unconfirmed}
     return wires
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
+class _Reported:
     """State that a section reports beside its mode: the rule that led to it, its duration, and the evidence for it."""
 
     rule: NumVar
@@ -185,9 +185,9 @@ def section(config: SectionsConfig, name: str) -> Section:
     )
     start = declared.state(number("from_mm", MM, -limit, limit), first=ANY)
     end = declared.state(number("to_mm", MM, -limit, limit), first=ANY)
-    told = _told(declared, config)
+    reported = _reported(declared, config)
     loose = unswept & (loose_low <= end) & (loose_high >= start)
-    judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
+    judgement = Judgement(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
     machine = Machine(
         name=name,
@@ -198,16 +198,16 @@ def section(config: SectionsConfig, name: str) -> Section:
             "from_mm": start,
             "to_mm": end,
             "clear": current_mode(table).eq(table[1]),
-            "trains": told.trains,
-            "first_train": told.first_train,
-            "trains_followed": told.followed,
-            "rule": told.rule,
-            "since_cycles": told.since,
-            "evidence": told.evidence,
-            "evidence_age_cycles": told.age,
-            "trust": told.trust,
+            "trains": reported.trains,
+            "first_train": reported.first_train,
+            "trains_followed": reported.followed,
+            "rule": reported.rule,
+            "since_cycles": reported.since,
+            "evidence": reported.evidence,
+            "evidence_age_cycles": reported.age,
+            "trust": reported.trust,
         },
-        transitions=list(_table(judged, table, told)),
+        transitions=list(_table(judgement, table, reported)),
         initially=start < end,
         lemmas={"bounds in order": start < end},
         doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
@@ -216,9 +216,9 @@ def section(config: SectionsConfig, name: str) -> Section:
     return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
 
 
-def _told(declared: Declared, config: SectionsConfig) -> _Told:
+def _reported(declared: Declared, config: SectionsConfig) -> _Reported:
     count, trains = config.area.count_limit, config.area.trains
-    return _Told(
+    return _Reported(
         rule=declared.state(number("rule", COUNT, 0, 12), first=0),
         since=declared.state(number("since_cycles", COUNT, 0, count), first=0),
         trains=declared.state(number("trains_here", COUNT, 0, trains), first=0),
@@ -241,20 +241,20 @@ def _train(declared: Declared, number_: int, limit: int, count: int) -> TrainHer
     )
 
 
-def _table(judged: Judged, table: tuple[Lit, ...], told: _Told) -> Iterator[Transition]:
+def _table(judgement: Judgement, table: tuple[Lit, ...], reported: _Reported) -> Iterator[Transition]:
     evidence: Updates = {
-        told.trains: judged.count,
-        told.first_train: judged.first,
-        told.followed: judged.followed_count,
-        told.evidence: judged.evidence,
-        told.age: judged.age,
-        told.trust: judged.trust,
+        reported.trains: judgement.count,
+        reported.first_train: judgement.first,
+        reported.followed: judgement.followed_count,
+        reported.evidence: judgement.evidence,
+        reported.age: judgement.age,
+        reported.trust: judgement.trust,
     }
-    longer: Updates = {told.since: minimum(told.since + 1, told.since.high)}
+    longer: Updates = {reported.since: minimum(reported.since + 1, reported.since.high)}
     by_label = {mode.label: mode for mode in table}
     for (source, target), rule in sorted(RULES.items(), key=lambda item: item[1]):
         name, before, after = f"#{rule} {source.lower()} to {target.lower()}", by_label[source], by_label[target]
-        changed: Updates = {told.rule: rule, told.since: 0}
-        yield Transition(name, before, after, judged.status(target), together(evidence, changed), REQUIREMENTS, 0)
+        changed: Updates = {reported.rule: rule, reported.since: 0}
+        yield Transition(name, before, after, judgement.status(target), together(evidence, changed), REQUIREMENTS, 0)
     for mode in table:
         yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, together(evidence, longer), REQUIREMENTS, 1)

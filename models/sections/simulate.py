@@ -111,10 +111,10 @@ class _World:
             "area.counters_clear": healthy and second in self._scene.clear and self._is_empty(),
         }
         for number in range(1, self._config.area.trains + 1):
-            inputs |= {f"area.train_{number}_{key}": value for key, value in self._heard(number, second).items()}
+            inputs |= {f"area.train_{number}_{key}": value for key, value in self._report_of(number, second).items()}
         return {**inputs, **self._loose_runs()}
 
-    def _heard(self, number: int, second: int) -> Mapping[str, Cell]:
+    def _report_of(self, number: int, second: int) -> Mapping[str, Cell]:
         quiet: dict[str, Cell] = {
             "event": "NONE", "report_age_ms": 0, "trusted": False, "integer": False,
             "downwards": False, "next_rear_um": 0, "next_front_um": 0,

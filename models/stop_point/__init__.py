@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, ite
 from safeloc.language.machine import Machine, current_mode, modes
 from safeloc.language.units import MM_S
-from safeloc.models.stop_point.cycle import Judged, judge
+from safeloc.models.stop_point.cycle import Judgement, judge
 from safeloc.models.stop_point.table import rows
 from safeloc.models.stop_point.variables import (
     BRAKE,
@@ -64,17 +64,17 @@ class StopPoint:
 def build(own: Parts) -> StopPoint:
     """Return the machine over the given variables."""
     table = modes(*MODES)
-    current, judged = current_mode(table), judge(own)
+    current, judgement = current_mode(table), judge(own)
     made = Machine(
         name="stop_point",
         modes=table,
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs=_outputs(own, current, table),
-        transitions=list(rows(own, judged, table)),
+        transitions=list(rows(own, judgement, table)),
         world=world(own),
         lemmas=_lemmas(own, current, table),
-        definitions=_definitions(judged),
+        definitions=_definitions(judgement),
         doc=(
             "Precise stop at a selected stop point on the measured distance, with repositioning after an overrun. Assumed: "
             "a valid interval holds the truth (the reflector machine's own proof discharges this), speed is measured "
@@ -110,7 +110,7 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
     }
 
 
-def _definitions(cycle: Judged) -> dict[str, Expr]:
+def _definitions(cycle: Judgement) -> dict[str, Expr]:
     return {
         "possibly beyond the window": cycle.beyond,
         "possibly before the window": cycle.short,

@@ -30,7 +30,7 @@ class Window:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """The terms of one cycle.
 
     low, high   ends of the interval of end A, mm
@@ -117,7 +117,7 @@ class Judged:
         return self.high > self.pending.ends + self.own.config.reposition_limit_mm
 
 
-def judge(own: Parts) -> Judged:
+def judge(own: Parts) -> Judgement:
     """Build the terms of one cycle."""
     first = own.stops[0]
     chosen = Window(first.position.value, first.before, first.after)
@@ -126,7 +126,7 @@ def judge(own: Parts) -> Judged:
         meant = own.selected.value.eq(as_num(number, COUNT))
         known.append(meant & stop.position.present)
         chosen = choose(meant, Window(stop.position.value, stop.before, stop.after), chosen)
-    return Judged(
+    return Judgement(
         own,
         own.position - own.below,
         own.position + own.above,

@@ -14,7 +14,7 @@ import numpy as np
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.units import NM_PER_MM, NM_PER_UM
-from safeloc.models.reflector.simulate import FIGURE_2, STOPS_MM, Balise, Scene, said, simulate, stopping
+from safeloc.models.reflector.simulate import FIGURE_2, STOPS_MM, Balise, Scene, outputs_along, simulate, stopping
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.runtime.streams.steps import Cell
@@ -87,7 +87,7 @@ def simulate_platform(
             f"stop {platform.selected} of {len(platform.stops)}: the machine is configured for {config.stop_points} stops."
         )
     rng = np.random.default_rng(seed)
-    seen = [_position(one) for one in said(source, simulate(source, seed=seed, scene=scene, motion=motion))]
+    seen = [_position(one) for one in outputs_along(source, simulate(source, seed=seed, scene=scene, motion=motion))]
     speeds = np.clip(motion.speed_mm_s, -config.max_speed_mm_s, config.max_speed_mm_s)
     steps = []
     for cycle, reported in enumerate(seen):

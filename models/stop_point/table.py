@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from safeloc.language.expr import TRUE, Lit, ite
 from safeloc.language.machine import Transition
 from safeloc.language.rows import Updates, together
-from safeloc.models.stop_point.cycle import Judged
+from safeloc.models.stop_point.cycle import Judgement
 from safeloc.models.stop_point.variables import (
     NO_POSITION,
     NO_REASON,
@@ -21,7 +21,7 @@ from safeloc.models.stop_point.variables import (
 REQUIREMENTS = ("RFL-D7",)
 
 
-def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def rows(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield all transitions."""
     yield from _ending(own, table)
     yield from _selecting(own, cycle, table)
@@ -42,7 +42,7 @@ def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("position lost", pending, held, ~own.valid, lost, REQUIREMENTS, 1)
 
 
-def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _selecting(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of the selection of a stop point; the mission may change it until the brake order."""
     idle, approach, *_ = table
     chosen: Updates = {
@@ -65,7 +65,7 @@ def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tr
     yield Transition("stop not ahead", idle, idle, missed, behind, REQUIREMENTS, 4)
 
 
-def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _approaching(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows up to the brake order, and of an overrun."""
     _, approach, braking, stopped, short, creeping, overrun, *_ = table
     near = together(_to_go(cycle), _fit(cycle))
@@ -79,7 +79,7 @@ def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[
     yield Transition("brakes on", braking, braking, TRUE, near, REQUIREMENTS, 6)
 
 
-def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _standing(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of a vehicle that stands in the window, before it or beyond it."""
     _, _, braking, stopped, short, _, overrun, _, held = table
     near, measured = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise
@@ -96,7 +96,7 @@ def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tra
     )
 
 
-def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _moving(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows of creeping forward into the window, and of repositioning backwards into it."""
     _, _, braking, _, short, creeping, overrun, repositioning, _ = table
     near, may = together(_to_go(cycle), _fit(cycle)), cycle.standing & own.precise & own.permitted
@@ -117,7 +117,7 @@ def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
     yield Transition("measured again", table[8], braking, again, near, REQUIREMENTS, 9)
 
 
-def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _waiting(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows in which the order stays."""
     _, _, _, stopped, short, creeping, overrun, repositioning, held = table
     near = together(_to_go(cycle), _fit(cycle))
@@ -132,12 +132,12 @@ def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tran
 # ------------------------------------------------------------------ groups of updates
 
 
-def _to_go(cycle: Judged) -> Updates:
+def _to_go(cycle: Judgement) -> Updates:
     """Return the update of the shown distance."""
     return {cycle.own.distance: cycle.pending.stop - cycle.own.position}
 
 
-def _fit(cycle: Judged) -> Updates:
+def _fit(cycle: Judgement) -> Updates:
     """Return the update of the reason: is the interval too coarse for the window?"""
     return {cycle.own.reason: ite(cycle.short & cycle.beyond, TOO_COARSE, NO_REASON)}
 

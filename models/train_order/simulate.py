@@ -79,11 +79,11 @@ class _World:
 
     def step(self, second: int) -> dict[str, Cell]:
         """Return one cycle."""
-        told = self._run(second)
+        inputs = self._run(second)
         patterns = self._patterns(second)
         step: dict[str, Cell] = {
             "enters_low": 0, "enters_high": 0, "leaves_low": False, "leaves_high": False,
-            "counters_clear": second in self._scene.clear, "counter_fault": second in self._scene.fault, **told,
+            "counters_clear": second in self._scene.clear, "counter_fault": second in self._scene.fault, **inputs,
             "patterns": min(len(patterns), self._config.trains + 1),
         }  # fmt: skip
         step |= dict(self._scene.events).get(second, {})
@@ -98,15 +98,15 @@ class _World:
 
     def _run(self, second: int) -> dict[str, Cell]:
         """Move every train; return the counters' inputs, at most one event."""
-        told: dict[str, Cell] = {}
+        inputs: dict[str, Cell] = {}
         for run in self._scene.trains:
             if second == run.enters_s:
-                told["enters_high" if run.from_above else "enters_low"] = run.number
+                inputs["enters_high" if run.from_above else "enters_low"] = run.number
                 self._inside.insert(len(self._inside) if run.from_above else 0, run.number)
             if run.number in self._inside:
                 self._places[run.number] += [speed for begin, speed in run.speeds if begin <= second][-1]
-                told |= self._leaves(run.number)
-        return told
+                inputs |= self._leaves(run.number)
+        return inputs
 
     def _leaves(self, number: int) -> dict[str, Cell]:
         low, high = ENDS_MM

@@ -97,7 +97,7 @@ def _disturbed(own: Parts) -> Bool:
     """Return the condition that a counter reports a disturbance, or the counters' reports are impossible."""
     empty = all_of(~train.inside for train in own.trains)
     there = [
-        train.inside & any_of(told.eq(train.number) for told in (own.enters_high, own.enters_low))
+        train.inside & any_of(number.eq(train.number) for number in (own.enters_high, own.enters_low))
         for train in own.trains
     ]
     events = many([own.leaves_low, own.leaves_high, own.enters_low.ne(0), own.enters_high.ne(0)])
@@ -106,8 +106,8 @@ def _disturbed(own: Parts) -> Bool:
 
 def _leaving_law(own: Parts) -> Law:
     terms = list[Bool]()
-    for told, outermost in ((own.leaves_low, _first), (own.leaves_high, _last)):
-        terms.append(told.implies(any_of(_left(train) & outermost(own, train) for train in own.trains)))
+    for event, outermost in ((own.leaves_low, _first), (own.leaves_high, _last)):
+        terms.append(event.implies(any_of(_left(train) & outermost(own, train) for train in own.trains)))
     for train in own.trains:
         by = [(own.leaves_low & _first(own, train)), (own.leaves_high & _last(own, train))]
         terms.append(_left(train).implies(any_of(by)))
@@ -171,9 +171,9 @@ def _pattern_law(own: Parts) -> Law:
 def _apart(own: Parts) -> Bool:
     """Return the condition that no pattern reaches into the next one."""
     ends = [end for pair in zip(own.lows, own.highs, strict=True) for end in pair]
-    told = [own.patterns < 1 + number // 2 for number in range(len(ends))]
+    absent = [own.patterns < 1 + number // 2 for number in range(len(ends))]
     return all_of(
-        told[n + 1] | ((ends[n + 1] >= ends[n]) if n % 2 == 0 else (ends[n + 1] > ends[n]))
+        absent[n + 1] | ((ends[n + 1] >= ends[n]) if n % 2 == 0 else (ends[n + 1] > ends[n]))
         for n in range(len(ends) - 1)
     )
 

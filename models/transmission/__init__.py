@@ -79,19 +79,19 @@ class Report:
         young = self.there & (self.age + 1 <= config.age_limit_cycles)
         return choose(young, replace(self, there=young, age=self.age + 1), NO_REPORT)
 
-    def charged(self, config: TransmissionConfig) -> Num:
+    def added_error(self, config: TransmissionConfig) -> Num:
         """Return the error that its age adds to either side, mm."""
         return with_unit(self.age * config.run_mm, MM)
 
     def usable(self, config: TransmissionConfig) -> Bool:
         """Return whether it has a position that is narrow enough when widened by its age."""
-        charged, widest = self.charged(config), config.margin_limit_mm
-        return self.there & self.valid & (self.below + charged <= widest) & (self.above + charged <= widest)
+        added_error, widest = self.added_error(config), config.margin_limit_mm
+        return self.there & self.valid & (self.below + added_error <= widest) & (self.above + added_error <= widest)
 
     def holds(self, truth: Num, config: TransmissionConfig) -> Bool:
         """Return whether the truth lies in its interval, widened by its age, if it has a position."""
-        charged = self.charged(config)
-        low, high = self.position - self.below - charged, self.position + self.above + charged
+        added_error = self.added_error(config)
+        low, high = self.position - self.below - added_error, self.position + self.above + added_error
         return (self.there & self.valid).implies(between(exact_to(low, NM), truth, exact_to(high, NM)))
 
 
@@ -192,7 +192,7 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
     table = modes("NOTHING", "HELD")
     current = current_mode(table)
     held = current.eq(table[1])
-    charged = own.held.report.charged(own.config)
+    added_error = own.held.report.added_error(own.config)
     made = Machine(
         name=name,
         modes=table,
@@ -201,8 +201,8 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
         outputs={
             "valid": held,
             "position_mm": position_if(held, own.held.position),
-            "margin_below_mm": margin_if(held, own.held.below + charged),
-            "margin_above_mm": margin_if(held, own.held.above + charged),
+            "margin_below_mm": margin_if(held, own.held.below + added_error),
+            "margin_above_mm": margin_if(held, own.held.above + added_error),
             "age_ms": ite(held, with_unit(own.held.age * own.config.period_ms, MS), 0),
         },
         transitions=list(_table(own, table)),

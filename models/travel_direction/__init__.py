@@ -87,11 +87,11 @@ def build(own: Parts) -> TravelDirection:
 def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, half, along, against = table
     asked: Updates = {own.asked: own.expected}
-    heard = together(asked, {own.last: own.latest})
+    with_latest = together(asked, {own.last: own.latest})
     none: Updates = {own.awaited: NO_MODEL, own.along: False}
-    ended, turned = together(heard, none), together(asked, none, {own.last: NO_MODEL})
-    begun_along = together(heard, {own.awaited: own.after, own.along: True})
-    begun_against = together(heard, {own.awaited: own.before, own.along: False})
+    ended, turned = together(with_latest, none), together(asked, none, {own.last: NO_MODEL})
+    begun_along = together(with_latest, {own.awaited: own.after, own.along: True})
+    begun_against = together(with_latest, {own.awaited: own.before, own.along: False})
     fits_along = own.telling & own.latest.eq(own.before) & current.ne(along)
     fits_against = own.telling & own.latest.eq(own.after) & current.ne(against)
     yield Transition("turned", table, unknown, own.backwards, turned, REQUIREMENTS, 0)
@@ -102,7 +102,7 @@ def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("confirmed against", half, against, own.confirmed & ~own.along, ended, REQUIREMENTS, 2)
     yield Transition("refuted", half, unknown, own.refuted, ended, REQUIREMENTS, 2)
     for mode in table:
-        yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, heard, REQUIREMENTS, 3)
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, TRUE, with_latest, REQUIREMENTS, 3)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:

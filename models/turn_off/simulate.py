@@ -15,7 +15,7 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.units import NM_PER_MM
-from safeloc.models.reflector.simulate import Scene, said
+from safeloc.models.reflector.simulate import Scene, outputs_along
 from safeloc.models.reflector.simulate import simulate as simulate_reflectors
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.turn_off import TurnOffConfig, machine
@@ -54,7 +54,7 @@ def simulate(
 
     wrong_authority  map and movement authority name another course at every switch than the one taken
     """
-    seen = said(source, simulate_reflectors(source, seed=seed, scene=scene, motion=motion))
+    seen = outputs_along(source, simulate_reflectors(source, seed=seed, scene=scene, motion=motion))
     run = _Run(config, switches, random.Random(seed), wrong_authority)
     return [run.step(int(position), one) for position, one in zip(motion.position_nm, seen, strict=True)]
 

@@ -23,7 +23,7 @@ def world(own: Parts) -> World:
             own.place: _place(own),
         },
         clauses={
-            "the map gives a switch only while it lies ahead": _told_ahead(own),
+            "the map gives a switch only while it lies ahead": _given_ahead(own),
             "a vehicle takes one course": _one_course(own),
             "images are measured within their error": _measured(own),
             "the image rests before the switch": _rests(own),
@@ -47,7 +47,7 @@ def _place(own: Parts) -> Num:
     return ite(_another(own), own.next_place, own.place)
 
 
-def _told_ahead(own: Parts) -> Law:
+def _given_ahead(own: Parts) -> Law:
     return Law(
         own.switch.present.implies(own.switch.value > own.high),
         "The map is looked up ahead of the reported interval, and returns a switch together with the reflector behind it.",

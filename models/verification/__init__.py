@@ -27,7 +27,7 @@ from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.doubted import Doubted, doubted
 from safeloc.models.verification.doubted import world as doubted_world
-from safeloc.models.verification.judgement import Judged, judge
+from safeloc.models.verification.judgement import Judgement, judge
 from safeloc.models.verification.lemmas import lemmas, without_belief
 from safeloc.models.verification.variables import NO_RECORD, NOT_VERIFIED, VERIFIED, Parts, VerificationConfig, parts
 from safeloc.models.verification.world import world
@@ -60,7 +60,7 @@ class Verification:
 
     machine: Machine
     own: Parts
-    judged: Judged
+    judgement: Judgement
     train: Doubted | None = None
 
 
@@ -91,49 +91,49 @@ def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, An
     table = modes("NO_REFERENCE", "WITHHELD", "TRUSTED", "UNTRUSTED")
     current = current_mode(table)
     known = current.one_of(table[1], table[2])
-    judged = judge(own, known, current.eq(table[3]))
+    judgement = judge(own, known, current.eq(table[3]))
     made = Machine(
         name=name,
         modes=table,
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs=_outputs(own, current, table),
-        transitions=list(_table(own, judged, table)),
+        transitions=list(_table(own, judgement, table)),
         definitions={
-            "mismatch": judged.mismatch,
-            "why": judged.flaw,
-            "reference accepted": judged.accepted,
-            "count matches": judged.count_matches,
-            "length matches": judged.length_matches,
-            "missing": judged.missing,
-            "cycles since a verification": judged.age,
+            "mismatch": judgement.mismatch,
+            "why": judgement.flaw,
+            "reference accepted": judgement.accepted,
+            "count matches": judgement.count_matches,
+            "length matches": judgement.length_matches,
+            "missing": judgement.missing,
+            "cycles since a verification": judgement.age,
         },
         **around(known, current.eq(table[2])),
     )
-    return Verification(made, own, judged)
+    return Verification(made, own, judgement)
 
 
 # ------------------------------------------------------------------ the transition table
 
 
-def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+def _table(own: Parts, judgement: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, withheld, trusted, untrusted = table
     known, course = (withheld, trusted), (*REQUIREMENTS, *COURSE)
-    good, fresh = judged.verified & ~judged.missing, judged.current & ~judged.missing
-    lack: Updates = {own.reason: ite(judged.missing, judged.lack, NOT_VERIFIED)}
+    good, fresh = judgement.verified & ~judgement.missing, judgement.current & ~judgement.missing
+    lack: Updates = {own.reason: ite(judgement.missing, judgement.lack, NOT_VERIFIED)}
     verified: Updates = {own.reason: VERIFIED, own.given: TRUE}
-    taken = together(_readings(own, judged), _record(own), _rests_on_record(own, judged))
-    goes_on = together(_readings(own, judged), _rests_on(own, judged))
+    taken = together(_readings(own, judgement), _record(own), _rests_on_record(own, judgement))
+    goes_on = together(_readings(own, judgement), _rests_on(own, judgement))
     gone = together(_forgotten(own), {own.reason: NO_RECORD, own.given: FALSE})
     yield Transition("train has left", table, none, own.leaves, gone, REQUIREMENTS, 0)
     yield Transition(
-        "mismatch", table, untrusted, judged.mismatch,
-        together(_forgotten(own), {own.reason: judged.flaw}), (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1)  # fmt: skip
+        "mismatch", table, untrusted, judgement.mismatch,
+        together(_forgotten(own), {own.reason: judgement.flaw}), (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1)  # fmt: skip
     yield Transition(
-        "reference accepted and verified", table, trusted, judged.accepted & good,
+        "reference accepted and verified", table, trusted, judgement.accepted & good,
         together(taken, verified), ENTRY, 2)  # fmt: skip
     yield Transition(
-        "reference accepted", table, withheld, judged.accepted & ~good,
+        "reference accepted", table, withheld, judgement.accepted & ~good,
         together(taken, lack, {own.given: FALSE}), ENTRY, 2)  # fmt: skip
     yield Transition("verified", known, trusted, good, together(goes_on, verified), course, 3)
     yield Transition("still verified", trusted, trusted, fresh, together(goes_on, verified), course, 4)
@@ -145,25 +145,25 @@ def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
 # ------------------------------------------------------------------ groups of updates
 
 
-def _readings(own: Parts, judged: Judged) -> Updates:
+def _readings(own: Parts, judgement: Judgement) -> Updates:
     """Store the last readings with bounds of later changes, the places possible by the record, and the front's interval."""
-    slower, faster = judged.abilities
+    slower, faster = judgement.abilities
     speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
     return {
-        own.possible_low: judged.possible[0],
-        own.possible_high: judged.possible[1],
+        own.possible_low: judgement.possible[0],
+        own.possible_high: judgement.possible[1],
         own.length_known: own.length_known | length,
         own.last_length: ite(length, own.seen_length.value, own.last_length),
         own.speed_known: own.speed_known | speed,
         own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
         own.slower: ite(speed, 0, slower),
         own.faster: ite(speed, 0, faster),
-        own.place_known: own.place_known | judged.placed,
-        own.last_place: ite(judged.placed, own.place.value, own.last_place),
-        own.reach: ite(judged.placed, 0, judged.reach),
-        own.front: ite(judged.placed, own.place.value, own.front),
-        own.front_above: ite(judged.placed, own.place_above, own.front_above),
-        own.front_below: ite(judged.placed, own.place_below, own.front_below),
+        own.place_known: own.place_known | judgement.placed,
+        own.last_place: ite(judgement.placed, own.place.value, own.last_place),
+        own.reach: ite(judgement.placed, 0, judgement.reach),
+        own.front: ite(judgement.placed, own.place.value, own.front),
+        own.front_above: ite(judgement.placed, own.place_above, own.front_above),
+        own.front_below: ite(judgement.placed, own.place_below, own.front_below),
     }
 
 
@@ -172,26 +172,26 @@ def _record(own: Parts) -> Updates:
     return {own.kept_count: own.record_count, own.kept_low: own.record_low, own.kept_high: own.record_high}
 
 
-def _rests_on_record(own: Parts, judged: Judged) -> Updates:
+def _rests_on_record(own: Parts, judgement: Judgement) -> Updates:
     """Rest trust on the comparison with the record accepted in this cycle."""
     return {
-        own.age: ite(judged.verified, 0, as_num(own.age.high, COUNT)),
-        own.by_count: judged.count_matches,
-        own.by_length: judged.length_matches,
-        own.by_speed: judged.speed_compared,
-        own.by_place: judged.place_compared,
-        own.by_control: judged.controlled,
+        own.age: ite(judgement.verified, 0, as_num(own.age.high, COUNT)),
+        own.by_count: judgement.count_matches,
+        own.by_length: judgement.length_matches,
+        own.by_speed: judgement.speed_compared,
+        own.by_place: judgement.place_compared,
+        own.by_control: judgement.controlled,
         own.by_emitter: own.chain_tested,
     }
 
 
-def _rests_on(own: Parts, judged: Judged) -> Updates:
+def _rests_on(own: Parts, judgement: Judgement) -> Updates:
     """Rest trust on the last verification; the comparisons made at the entry stay."""
     return {
-        own.age: judged.age,
-        own.by_count: ite(judged.verified, judged.count_matches, own.by_count),
-        own.by_length: ite(judged.verified, judged.length_matches, own.by_length),
-        own.by_control: judged.controlled | own.by_control,
+        own.age: judgement.age,
+        own.by_count: ite(judgement.verified, judgement.count_matches, own.by_count),
+        own.by_length: ite(judgement.verified, judgement.length_matches, own.by_length),
+        own.by_control: judgement.controlled | own.by_control,
         own.by_emitter: own.chain_tested,
     }
 

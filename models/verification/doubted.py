@@ -105,19 +105,19 @@ def _came(own: Parts) -> Bool:
 def _since_record(train: Doubted) -> dict[Var, Num]:
     """Return the moves of the ghosts of the last record: its age, and the width that it still leaves open."""
     own, came = train.own, _came(train.own)
-    told = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
+    width = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
     grown = minimum(train.width + 2 * _run_nm(own), train.width.high)
     spread = ite(came, exact_to(own.record_high - own.record_low, UM), train.spread)
     older = minimum(train.untold_for + 1, train.untold_for.high)
     return {
-        train.width: ite(came, told, grown),
+        train.width: ite(came, width, grown),
         train.record_ago: ite(came, 0, minimum(train.record_ago + 1, train.record_ago.high)),
         train.spread: spread,
-        train.untold_for: ite(_told_right(own, spread), as_num(0, COUNT), older),
+        train.untold_for: ite(_measured_right(own, spread), as_num(0, COUNT), older),
     }
 
 
-def _told_right(own: Parts, spread: Num) -> Bool:
+def _measured_right(own: Parts, spread: Num) -> Bool:
     """Return the condition that the fibre reported the train's count, or its length within tolerance and spread."""
     count = own.seen_count.present & own.next_axles.eq(own.seen_count.value)
     off = abs_(own.next_length - exact_to(own.seen_length.value, UM))
@@ -174,10 +174,10 @@ def _train(own: Parts) -> dict[str, Bool | Law]:
 def _records(train: Doubted) -> dict[str, Bool | Law]:
     """Return the laws of a counter's record, and of a record that is handed over."""
     own = train.own
-    told, handed = (own.due & own.sound & own.source.eq(one) for one in (AXLE_COUNTER, NEIGHBOUR))
+    width, handed = (own.due & own.sound & own.source.eq(one) for one in (AXLE_COUNTER, NEIGHBOUR))
     return {
         RECORD: Law(
-            told.implies(_true_record(own) & _true_speed(train)),
+            width.implies(_true_record(own) & _true_speed(train)),
             "A record that the axle counter reports as undisturbed is the train's: its axles exactly, its length "
             "within the reported bounds, and its front and its speed within theirs, as many cycles ago as the "
             "record is old. A false record that is reported as undisturbed is a wrong-side failure, no more "

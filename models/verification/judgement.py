@@ -26,13 +26,13 @@ from safeloc.models.verification.variables import Parts
 from safeloc.models.vocabulary.first_of import first_of
 
 
-def judge(own: Parts, known: Bool, refused: Bool) -> Judged:
+def judge(own: Parts, known: Bool, refused: Bool) -> Judgement:
     """Return the terms of one cycle; `known`: a reference is stored and believed, `refused`: a mismatch is latched."""
-    return Judged(own, known, refused)
+    return Judgement(own, known, refused)
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """Terms over the inputs of a cycle and the state before it."""
 
     own: Parts
@@ -307,9 +307,9 @@ class Judged:
 
 def _braking(own: Parts) -> Num:
     """Return the configured braking ability, or less if train control reports less."""
-    told = own.control_brake
+    brake = own.control_brake
     most = Lit(own.config.brake_mm_s2, MM_S2)
-    return ite(told.present, minimum(told.value, most), most)
+    return ite(brake.present, minimum(brake.value, most), most)
 
 
 def _scaled(cycles: Num, per_cycle: int, like: Num) -> Num:

@@ -60,9 +60,9 @@ def _place_off(_: int, front_mm: int, __: Mapping[str, Cell]) -> Mapping[str, Ce
     return {"fibre_position_mm": front_mm + 45_000}
 
 
-def _length_off(_: int, __: int, told: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
+def _length_off(_: int, __: int, inputs: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
     """Report a length that is off by the tolerance and half the record's spread; no count."""
-    return {"fibre_length_mm": 249_000, "fibre_axles": None} if "fibre_length_mm" in told else {}
+    return {"fibre_length_mm": 249_000, "fibre_axles": None} if "fibre_length_mm" in inputs else {}
 
 
 def _old_values(cycle: int, _: int, __: Mapping[str, Cell]) -> Mapping[str, Cell | None]:
@@ -104,12 +104,12 @@ def first_of() -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _step(run: Unnoticed, cycle: int, told: dict[str, Cell]) -> dict[str, Cell]:
+def _step(run: Unnoticed, cycle: int, inputs: dict[str, Cell]) -> dict[str, Cell]:
     front, speed = _moved(run, cycle)
-    told |= {"truth_mm": front, "next_truth_nm": front * NM_PER_MM, "next_true_speed_um_s": speed * UM_PER_MM}
+    inputs |= {"truth_mm": front, "next_truth_nm": front * NM_PER_MM, "next_true_speed_um_s": speed * UM_PER_MM}
     if cycle < run.from_cycle:
-        return told
-    wrong = {**told, **run.tells(cycle, front, told)}
+        return inputs
+    wrong = {**inputs, **run.tells(cycle, front, inputs)}
     return {name: cell for name, cell in wrong.items() if cell is not None}
 
 

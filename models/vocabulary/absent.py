@@ -24,7 +24,7 @@ def margin_if(valid: Bool, margin_mm: Num) -> Num:
     return shown_if(valid, margin_mm, NO_MARGIN_MM)
 
 
-def heard_interval(machine: Machine) -> tuple[Num, Num, Num]:
+def wired_interval(machine: Machine) -> tuple[Num, Num, Num]:
     """Return position, margin below and margin above of a machine for a wire: 0 while they are absent."""
     names = ("position_mm", "margin_below_mm", "margin_above_mm")
     position, below, above = (zero_while_absent(machine.output(name)) for name in names)

@@ -62,13 +62,13 @@ class Measuring:
     """A unit in the world.
 
     step    distance that the unit delivers
-    heard   ghost: the last distance it delivered that a vehicle can have run, mm
+    last_delivered  ghost: the last distance it delivered that a vehicle can have run, mm
     silent  ghost: cycles since then
     """
 
     law: ErrorLaw
     step: Optional
-    heard: NumVar
+    last_delivered: NumVar
     silent: NumVar
     physics: Physics
 
@@ -81,18 +81,18 @@ class Measuring:
         step, farthest_mm = self.step.value, self.physics.farthest_mm
         change = with_unit((self.silent + 1) * self.physics.change_mm, MM)
         unheard = self.silent > self.physics.gap_limit_cycles
-        changed = unheard | between(-change, step - self.heard, change)
+        changed = unheard | between(-change, step - self.last_delivered, change)
         return all_of([self.step.present, between(-farthest_mm, step, farthest_mm), changed])
 
     def first(self) -> dict[Var, Initial]:
         """Return the ghosts with their first values: the unit has delivered nothing yet."""
-        return {self.heard: 0, self.silent: self.physics.gap_limit_cycles + 1}
+        return {self.last_delivered: 0, self.silent: self.physics.gap_limit_cycles + 1}
 
     def moves(self) -> dict[Var, Expr]:
         """Return the next values of the ghosts."""
         counts, longest = self.can_be_run, self.physics.longest_cycles
         return {
-            self.heard: ite(counts, self.step.value, self.heard),
+            self.last_delivered: ite(counts, self.step.value, self.last_delivered),
             self.silent: ite(counts, as_num(0, COUNT), minimum(self.silent + 1, longest)),
         }
 

@@ -44,13 +44,13 @@ from safeloc.models.vocabulary.measured import (
 class Odometer(MeasuredDistance):
     """A measured distance that is also compared with the last one: the speed changes no faster than the vehicle can.
 
-    last    the last distance that was used, mm
-    judged  verdict on the distance of the last cycle
+    last          the last distance that was used, mm
+    last_verdict  verdict on the distance of the last cycle
     """
 
     limits: Limits
     last: NumVar
-    judged: NumVar
+    last_verdict: NumVar
 
     @cached_property
     def verdict(self) -> Num:
@@ -78,7 +78,7 @@ class Odometer(MeasuredDistance):
             declared.sensor(one)
         declared.state(self.last, first=0)
         declared.state(self.gap, first=self.limits.gap_limit + 1)
-        declared.state(self.judged, first=MISSING)
+        declared.state(self.last_verdict, first=MISSING)
         return self
 
     @cached_property
@@ -88,7 +88,7 @@ class Odometer(MeasuredDistance):
 
     def listen(self) -> dict[Var, Expr]:
         """Return the updates of every cycle: last distance, gap and verdict."""
-        return {self.last: self.last_after, self.gap: self.gap_after, self.judged: self.verdict}
+        return {self.last: self.last_after, self.gap: self.gap_after, self.last_verdict: self.verdict}
 
 
 def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, checked: bool = False) -> Odometer:
@@ -100,7 +100,7 @@ def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, checked: 
         number(f"{name}_gap_cycles", COUNT, 0, limits.gap_limit + 1),
         limits,
         last=number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
-        judged=choice(f"{name}_judged", enumeration(MEASURED)),
+        last_verdict=choice(f"{name}_judged", enumeration(MEASURED)),
         more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)) if checked else None,
     )
 

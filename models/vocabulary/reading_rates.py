@@ -37,7 +37,7 @@ class ReadingRates(Config):
         """Return the unit's law for corrected distances: its constant, floor, knee and drift, and the symmetric rate.
 
         The rounding of corrected distances to whole mm adds 1 mm to the constant, and to the floor the share of it that the
-        rate would charge in a cycle.
+        rate would add in a cycle.
         """
         rate = self._half / (1 + self._shift)
         floor = rate * _ROUNDING_MM * MS_PER_S / period_ms

@@ -41,10 +41,10 @@ def properties(model: Balise) -> list[Property]:
         _safety,
         _invalid,
         _references,
-        _charged,
+        _added_error,
         _facing,
         _resets,
-        _told_ahead,
+        _reflector_ahead,
         _rejection,
         linking_properties,
         refusal_properties,
@@ -147,7 +147,7 @@ def _references(model: Balise) -> Iterator[Property]:
     )
 
 
-def _charged(model: Balise) -> Iterator[Property]:
+def _added_error(model: Balise) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     accepted, valid = own.memory.verdict.eq(v.ACCEPTED), machine.flag("valid")
     yield for_all_inputs(
@@ -156,11 +156,11 @@ def _charged(model: Balise) -> Iterator[Property]:
         statement="the location accuracy of an accepted group is that of linking, else the national one, else the default",
     )
     national = own.national
-    told = national.known & national.kept.eq(national.received.value)
+    as_received = national.known & national.kept.eq(national.received.value)
     as_before = national.kept.eq(earlier_num(national.kept)) & (national.known | ~earlier_bool(national.known))
     yield for_all_inputs(
         "a national value stays",
-        ite(national.received.present, told, as_before),
+        ite(national.received.present, as_received, as_before),
         statement="a national location accuracy is in force from its reception on, until another one is received",
     )
 
@@ -230,28 +230,31 @@ def _resets(model: Balise) -> Iterator[Property]:
     )
 
 
-def _told_ahead(model: Balise) -> Iterator[Property]:
+def _reflector_ahead(model: Balise) -> Iterator[Property]:
     """Properties of the next reflector that a telegram gives, and of the place from where to search for it."""
     own, step = model.own, Step(model)
-    told = own.reflector.known & ~earlier_bool(own.reflector.known)
+    as_received = own.reflector.known & ~earlier_bool(own.reflector.known)
     new = own.reflector.place.ne(earlier_num(own.reflector.place)) & own.reflector.known
     reach = own.read.reflector.value
     yield for_all_inputs(
         "only an accepted telegram gives a reflector",
-        (told | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
+        (as_received | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
         statement="the machine takes the distance to the next reflector only from an accepted telegram, and "
         "measures it from that group's place",
         requirements=("RFL-9",),
     )
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
-        yield _told_of(model, name, distance)
+        yield _distance_of(model, name, distance)
 
 
-def _told_of(model: Balise, name: str, distance: Optional) -> Property:
+def _distance_of(model: Balise, name: str, distance: Optional) -> Property:
     machine, own, step = model.machine, model.own, Step(model)
     known, place = machine.flag(f"{name}_known"), machine.output(f"{name}_mm")
     valid, zero = machine.flag("valid"), as_num(0, MM)
-    afresh = [known.iff(distance.present), place.eq(ite(distance.present, step.place_told + distance.value, zero))]
+    afresh = [
+        known.iff(distance.present),
+        place.eq(ite(distance.present, step.place_as_announced + distance.value, zero)),
+    ]
     was = earlier_num(place)
     still = earlier_bool(known) & (exact_to(was, NM) >= own.held.interval.low)
     kept = [known.iff(still), place.eq(ite(still, was, zero))]
@@ -343,7 +346,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
     gate = possible if own.config.checked_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",
-        odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),
+        odometer.last_verdict.eq(ADMITTED).implies(odometer.step.present & gate),
         statement="a distance is admitted only below the top speed, and, unless a second unit has checked it, within "
         "the greatest change of speed since the last one",
     )

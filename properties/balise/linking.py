@@ -43,12 +43,12 @@ def _as_it_was(slot: Record, before: Record) -> Bool:
 
 def _as_announced(model: Balise, slot: Record) -> Bool:
     offered = model.own.linking.offered
-    told = (offered.group, offered.place, offered.reaction, offered.orientation)
+    received = (offered.group, offered.place, offered.reaction, offered.orientation)
     kept = (slot.group, slot.place, slot.reaction, slot.orientation)
     accuracy = ite(
         slot.accurate, offered.accuracy.present & slot.accuracy.eq(offered.accuracy.value), ~offered.accuracy.present
     )
-    same = [one.present & now.eq(one.value) for one, now in zip(told, kept, strict=True)]
+    same = [one.present & now.eq(one.value) for one, now in zip(received, kept, strict=True)]
     return all_of([offered.order.present, offered.order.value.ne(WITHDRAW), accuracy, *same])
 
 

@@ -48,7 +48,7 @@ class Step:
     @cached_property
     def admitted(self) -> Bool:
         """The odometer's distance was admitted."""
-        return self.model.own.odometer.judged.eq(ADMITTED)
+        return self.model.own.odometer.last_verdict.eq(ADMITTED)
 
     @cached_property
     def distance(self) -> Num:
@@ -58,9 +58,9 @@ class Step:
     @cached_property
     def moved(self) -> Interval:
         """The interval before the step, moved by the measured distance and grown by the odometer's law."""
-        charged = ite(self.admitted, self._lawful_nm, exact_to(self.reach(self.model.own.config.period_ms), NM))
+        added_error = ite(self.admitted, self._lawful_nm, exact_to(self.reach(self.model.own.config.period_ms), NM))
         more = self.model.own.odometer.more
-        growth = charged if more is None else more + charged
+        growth = added_error if more is None else more + added_error
         place = self.old.position + exact_to(self.distance, NM)
         return Interval(place, self.old.above + growth, self.old.below + growth)
 
@@ -184,7 +184,7 @@ class Step:
         return result
 
     @cached_property
-    def place_told(self) -> Num:
+    def place_as_announced(self) -> Num:
         """Place of the group that was read, mm."""
         return self.by_precedence(lambda slot: slot.place, self.model.own.read.place.value)
 
@@ -200,7 +200,7 @@ class Step:
         """The front end, as the telegram puts it at the least, is beyond where it was at the last group, by more than over."""
         own, read, config = self.model.own, self.model.own.read, self.model.own.config
         since = ite(~read.since.present, as_num(0, MM), read.since.value)
-        way = self.place_told - earlier_num(own.memory.place) + since
+        way = self.place_as_announced - earlier_num(own.memory.place) + since
         told = exact_to(way - self.accuracy_by_precedence - config.detection_mm - config.odometer.constant_mm, NM)
         far = maximum(since, -since) * config.odometer.rate_ppm
         unmeasured = self._run_back(read.age.value)

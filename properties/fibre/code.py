@@ -58,12 +58,12 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     real = was(own.ghosts.real) & ~own.reference
     counts = before(mode).eq(counting) & mode.eq(counting) & (own.read > 0)
     stays = before(mode).eq(located) & mode.eq(located)
-    told_long = own.word.eq(floor_div(own.word, 2) * 2 + 1)
+    read_long = own.word.eq(floor_div(own.word, 2) * 2 + 1)
     passed = own.signal.eq(v.PASSED) & real
     yield under_assumption(
         "a length that is read is the true one",
-        (counts & passed).implies(told_long.iff(long)),
-        statement="a section read as long is long, and one read as short is short, at whatever speed the end left it",
+        (counts & passed).implies(read_long.iff(long)),
+        statement="a section read as long is long, and one read as short is short, at every speed at which the end can leave it",
         requirements=CODE,
     )
     yield under_assumption(

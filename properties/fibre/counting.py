@@ -121,9 +121,9 @@ def _uncounted(model: Fibre) -> Iterator[Property]:
 def _band(model: Fibre) -> Iterator[Property]:
     """Claim the amplitude's band from the amplitude itself: a rise is a rise, and a fall is a fall."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    was_told, after = before(own.band), own.band
-    raised = seen.rises | (was_told.eq(v.RAISED) & ~seen.returns)
-    lowered = seen.falls | (was_told.eq(v.LOWERED) & ~seen.returns)
+    band_before, after = before(own.band), own.band
+    raised = seen.rises | (band_before.eq(v.RAISED) & ~seen.returns)
+    lowered = seen.falls | (band_before.eq(v.LOWERED) & ~seen.returns)
     step = machine.stayed() | ~machine.stayed()
     yield for_all_inputs(
         "the band follows the amplitude",

@@ -58,8 +58,8 @@ def _additional(model: Fibre) -> Iterator[Property]:
         "time of flight": (own.flight, own.config.flight_threshold_mm, ("FWG-4", "FWG-6", "FWG-7")),
         "reflecting point": (own.reflection, own.config.reflection_threshold_mm, ("FWG-4", "FWG-5", "FWG-7")),
     }
-    for name, (told, threshold, trace) in additional.items():
-        far = told.present & (abs_(told.value - near) > threshold)
+    for name, (measured, threshold, trace) in additional.items():
+        far = measured.present & (abs_(measured.value - near) > threshold)
         yield _held(
             f"{name} off the section raises F",
             (signal & far).implies(machine.flag("error")),

@@ -20,7 +20,7 @@ def properties(model: Fibre) -> Iterator[Property]:
     """Yield the properties of the reported interval and of its parts."""
     yield from _interval(model)
     yield from _narrower(model)
-    yield from _charged(model)
+    yield from _added_error(model)
     yield from _tied(model)
     yield from _entered(model)
     yield from _referred(model)
@@ -60,26 +60,26 @@ def _narrower(model: Fibre) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "no resurrection",
-        (valid & before(machine.mode).ne(machine.modes[2])).implies(_told(model)),
+        (valid & before(machine.mode).ne(machine.modes[2])).implies(_gives_place(model)),
         statement="a place is known again only from an accepted reference, or from a complete code word",
         requirements=CODE,
     )
 
 
-def _told(model: Fibre) -> Bool:
+def _gives_place(model: Fibre) -> Bool:
     """Return the condition that an accepted reference, or the map's answer to a whole word, gives the place."""
     own, seen, counting = model.own, Seen(model.own), model.machine.modes[1]
     word = own.answer & before(own.read).eq(own.config.window) & before(own.band).eq(v.NORMAL)
     return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
 
 
-def _charged(model: Fibre) -> Iterator[Property]:
+def _added_error(model: Fibre) -> Iterator[Property]:
     """Claim the error that is added for each run."""
     own, seen = model.own, Seen(model.own)
     none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
     yield for_all_inputs(
         "every run adds its error",
-        (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
+        (follows & none).implies((own.drift - seen.added_error_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if "
         "none was measured",
     )

@@ -33,14 +33,16 @@ class Seen:
     @cached_property
     def rises(self) -> Bool:
         """The amplitude leaves normal upwards: a coupled or more sensitive section."""
-        told = self.own.amplitude
-        return before(self.own.band).eq(v.NORMAL) & told.present & (told.value >= self.own.config.change_cdb)
+        amplitude = self.own.amplitude
+        return before(self.own.band).eq(v.NORMAL) & amplitude.present & (amplitude.value >= self.own.config.change_cdb)
 
     @cached_property
     def falls(self) -> Bool:
         """The amplitude leaves normal downwards: a damped or less sensitive section."""
-        told = self.own.amplitude
-        return before(self.own.band).eq(v.NORMAL) & told.present & (told.value + self.own.config.change_cdb <= 0)
+        amplitude = self.own.amplitude
+        return (
+            before(self.own.band).eq(v.NORMAL) & amplitude.present & (amplitude.value + self.own.config.change_cdb <= 0)
+        )
 
     @cached_property
     def changes(self) -> Bool:
@@ -50,10 +52,10 @@ class Seen:
     @cached_property
     def returns(self) -> Bool:
         """The amplitude is normal again."""
-        told, least = self.own.amplitude, self.own.config.return_cdb
-        from_above = before(self.own.band).eq(v.RAISED) & (told.value <= least)
-        from_below = before(self.own.band).eq(v.LOWERED) & (told.value + least >= 0)
-        return told.present & (from_above | from_below)
+        amplitude, least = self.own.amplitude, self.own.config.return_cdb
+        from_above = before(self.own.band).eq(v.RAISED) & (amplitude.value <= least)
+        from_below = before(self.own.band).eq(v.LOWERED) & (amplitude.value + least >= 0)
+        return amplitude.present & (from_above | from_below)
 
     @cached_property
     def normal(self) -> Bool:
@@ -69,7 +71,7 @@ class Seen:
         return (run.present & (run.value > 0)) | (was(self.own.forwards) & ~(run.present & (run.value < 0)))
 
     @cached_property
-    def charge_nm(self) -> Num:
+    def added_error_nm(self) -> Num:
         """Greatest error of the run, nm: rate and floor of a measured run, the farthest run if none was measured."""
         own, config = self.own, self.own.config
         part = with_unit(abs_(own.run.value) * config.rate_ppm, NM) + config.floor_mm * NM_PER_MM
@@ -80,13 +82,13 @@ class Seen:
     @cached_property
     def wrong_nm(self) -> Num:
         """Greatest error of the run since the last edge, nm."""
-        return before(self.own.drift) + self.charge_nm
+        return before(self.own.drift) + self.added_error_nm
 
     @cached_property
     def blind_nm(self) -> Num:
         """Greatest run since the last amplitude, with this cycle's, nm."""
         measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * NM_PER_MM, NM)
-        return measured + before(self.own.unheard) + self.charge_nm
+        return measured + before(self.own.unheard) + self.added_error_nm
 
     @cached_property
     def late(self) -> Bool:
@@ -112,9 +114,9 @@ class Seen:
     def lost(self) -> Bool:
         """The pattern was silent for too long, or the place of the end or of an edge is no longer known within the tolerance."""
         own, config = self.own, self.own.config
-        heard = own.run.present | (before(own.gap) < config.gap_limit_cycles)
+        measured = own.run.present | (before(own.gap) < config.gap_limit_cycles)
         edge = (self.changes | self.returns) & self.late
-        return any_of([~heard, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
+        return any_of([~measured, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
 
     def _within(self, off: Num, figure_mm: int) -> Bool:
         """Return the condition that `off` is within the figure and the error of the run."""
@@ -207,7 +209,7 @@ class Seen:
         far_below = (below > 0) & ~self._within(below, figure)
         return (own.ahead.known & far_above) | (own.behind.known & far_below)
 
-    def _off(self, told: Num, threshold_mm: int) -> Bool:
+    def _off(self, amplitude: Num, threshold_mm: int) -> Bool:
         """Return the condition that a place differs from the entered section's, or from the end's with its error."""
-        entered = abs_(told - self.near) > Lit(threshold_mm, MM)
-        return (self.changes & entered) | (~self.changes & ~self._within(told - self.place, threshold_mm))
+        entered = abs_(amplitude - self.near) > Lit(threshold_mm, MM)
+        return (self.changes & entered) | (~self.changes & ~self._within(amplitude - self.place, threshold_mm))

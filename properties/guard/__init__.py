@@ -23,17 +23,17 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: Guard) -> list[Property]:
-    """Every property of the guard."""
+    """Return all properties of the guard."""
     makers = (
         _safety,
-        _charged,
+        _added_error,
         _withheld,
         _gates,
         _course,
         _carried,
         _new_start,
-        _told_whole,
-        _told,
+        _whole_fix,
+        _reported,
         _trust,
         _stored,
         _recovering,
@@ -78,10 +78,10 @@ def _between_mm(low: Num, truth: Num, high: Num) -> Bool:
     return between(exact_to(low, NM), truth, exact_to(high, NM))
 
 
-def _charged(model: Guard) -> Iterator[Property]:
+def _added_error(model: Guard) -> Iterator[Property]:
     """Properties of the error bound of a fix, computed independently of the machine."""
     machine, own, step = model.machine, model.own, Step(model)
-    low, high = step.place - step.charge, step.place + step.charge
+    low, high = step.place - step.added_error, step.place + step.added_error
     yield for_all_inputs(
         "an interval begun by a fix covers the fix's whole error",
         machine.fired(*BEGINS).implies((own.low <= low) & (own.high >= high)),
@@ -96,7 +96,7 @@ def _charged(model: Guard) -> Iterator[Property]:
     )
 
 
-def _told_whole(model: Guard) -> Iterator[Property]:
+def _whole_fix(model: Guard) -> Iterator[Property]:
     """Properties of the reported last known place: it is rounded outward to a millimetre and no farther."""
     machine, own = model.machine, model.own
     behind = own.known_low - exact_to(machine.output("known_from_mm"), NM) - own.config.rollback_mm * NM_PER_MM
@@ -189,9 +189,9 @@ def _course(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a course along the way is not refused",
         (along | (~only & (own.course.value >= HALF_TURN_MRAD - own.config.course_limit_mrad))).implies(
-            ~own.judged.one_of(ACROSS, AGAINST)
+            ~own.last_verdict.one_of(ACROSS, AGAINST)
         )
-        & (~step.runs_back | ~only).implies(own.judged.ne(AGAINST)),
+        & (~step.runs_back | ~only).implies(own.last_verdict.ne(AGAINST)),
         statement="a course within the limit of the way, or none, is no reason to refuse; nor is one backwards where both directions "
         "are permitted",
     )
@@ -209,7 +209,7 @@ def _carried(model: Guard) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a place in reach is not refused",
-        own.judged.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
+        own.last_verdict.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
         statement="the machine refuses no fix as out of reach at a place that the vehicle can have reached in its "
         "direction at the highest speed",
     )
@@ -223,8 +223,8 @@ def _carried(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "the place last known is carried",
         own.start_anew
-        | own.known_low.eq(ite(fills, maximum(least, step.place - step.charge), least))
-        & own.known_high.eq(ite(fills, minimum(most, step.place + step.charge), most)),
+        | own.known_low.eq(ite(fills, maximum(least, step.place - step.added_error), least))
+        & own.known_high.eq(ite(fills, minimum(most, step.place + step.added_error), most)),
         statement="a fix that fills a row narrows the place last known to its error; without one the place widens "
         "by a run at the highest speed, backwards only if that is permitted, also while no interval is "
         "stored",
@@ -246,14 +246,14 @@ def _new_start(model: Guard) -> Iterator[Property]:
     )
 
 
-def _told(model: Guard) -> Iterator[Property]:
+def _reported(model: Guard) -> Iterator[Property]:
     """Properties of the reason for which a delivery is withheld."""
     machine, own, step = model.machine, model.own, Step(model)
     lost = machine.modes[0]
     verdict = ite(before(machine.mode).eq(lost) | own.start_anew, step.fair, step.verdict)
     yield for_all_inputs(
         "a delivery agrees or has the first reason against it",
-        ite(verdict.eq(PASSED), own.judged.one_of(PASSED, UNCONFIRMED), own.judged.eq(verdict)),
+        ite(verdict.eq(PASSED), own.last_verdict.one_of(PASSED, UNCONFIRMED), own.last_verdict.eq(verdict)),
         statement="the reason for a refusal is the first of these that applies: a fault, the map, the vehicle's "
         "limits, its course, the place last known, its present place and speed; if none applies, the fix "
         "agrees",
@@ -299,8 +299,8 @@ def _stored(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a fix is compared with the last one near the way",
         own.start_anew
-        | own.near_low.eq(ite(by_itself, step.place - step.charge, least))
-        & own.near_high.eq(ite(by_itself, step.place + step.charge, most)),
+        | own.near_low.eq(ite(by_itself, step.place - step.added_error, least))
+        & own.near_high.eq(ite(by_itself, step.place + step.added_error, most)),
         statement="a fix that agrees with map and vehicle is stored with its error, also if it is withheld, and "
         "widens by a run at the highest speed",
     )
@@ -357,7 +357,7 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "one fix counts once",
         (own.agreed <= before(own.agreed) + 1)
-        & ((own.agreed > before(own.agreed)).implies(own.judged.one_of(PASSED, UNCONFIRMED))),
+        & ((own.agreed > before(own.agreed)).implies(own.last_verdict.one_of(PASSED, UNCONFIRMED))),
         statement="the row grows by one, and only with a fix that passes every check",
     )
     yield for_all_inputs(

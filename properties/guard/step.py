@@ -152,12 +152,12 @@ class Step:
         """This step completes the window over which the speed is computed."""
         return self.model.own.advance & (before(self.model.own.anchor_steps) + 1).eq(self._steps)
 
-    def told_slowest(self, low: Num) -> Num:
+    def slowest_by_distance(self, low: Num) -> Num:
         """Return the lowest speed by the distance since the anchor, rounded up, um/s."""
         short = with_unit(low - self.lag_nm(self._steps) - before(self.model.own.anchor_high), UM_S)
         return ceil_div(short, self._steps * self.model.own.config.period_ms)
 
-    def told_fastest(self, high: Num) -> Num:
+    def fastest_by_distance(self, high: Num) -> Num:
         """Return the highest speed by the distance since the anchor, rounded down, um/s."""
         far = with_unit(high + self.lag_nm(self._steps) - before(self.model.own.anchor_low), UM_S)
         return floor_div(far, self._steps * self.model.own.config.period_ms)
@@ -165,7 +165,7 @@ class Step:
     @cached_property
     def speeds(self) -> tuple[Num, Num]:
         """Lowest and highest speed without a fix, um/s."""
-        slow, fast = self.told_slowest(self.low), self.told_fastest(self.high)
+        slow, fast = self.slowest_by_distance(self.low), self.fastest_by_distance(self.high)
         return (
             ite(self.due & (slow > self.slowest), slow, self.slowest),
             ite(self.due & (fast < self.fastest), fast, self.fastest),
@@ -187,7 +187,7 @@ class Step:
         return exact_to(self.model.own.fix.value, NM)
 
     @cached_property
-    def charge(self) -> Num:
+    def added_error(self) -> Num:
         """Error bound of the fix, nm: its own error, a share of its distance off the track, and its age times the highest speed."""
         own, config = self.model.own, self.model.own.config
         off = exact_to(with_unit(own.offset * config.offset_charge_permille, UM), NM)
@@ -195,24 +195,24 @@ class Step:
         return off + config.fix_error_mm * NM_PER_MM + aged
 
     @cached_property
-    def _least_told(self) -> Num:
+    def _least_reported(self) -> Num:
         """The receiver's speed less its error, without direction, um/s."""
         return exact_to(self.model.own.speed.value - self.model.own.config.speed_error_mm_s, UM_S)
 
     @cached_property
     def alone(self) -> Num:
         """Verdict on the delivery by map and vehicle alone."""
-        own, config, told = self.model.own, self.model.own.config, self._named_fault
+        own, config, reported = self.model.own, self.model.own.config, self._named_fault
         reach = (2 * config.window_limit_mm + config.position_limit_mm) * NM_PER_MM
-        beside = (self.place + self.charge > reach) | (self.place - self.charge < -reach)
-        coarse = self.charge >= (config.tolerance_mm - 2) * NM_PER_MM + 1
+        beside = (self.place + self.added_error > reach) | (self.place - self.added_error < -reach)
+        coarse = self.added_error >= (config.tolerance_mm - 2) * NM_PER_MM + 1
         rows = (
-            (own.fault.ne(NO_FAULT), told),
+            (own.fault.ne(NO_FAULT), reported),
             (~own.fix.present, NOTHING),
             (own.offset >= config.offset_limit_mm + 1, OFF_TRACK),
             (own.ambiguous, AMBIGUOUS),
             (coarse, TOO_COARSE),
-            (own.speed.present & (self._least_told >= self._top + 1), SPEED_DISAGREES),
+            (own.speed.present & (self._least_reported >= self._top + 1), SPEED_DISAGREES),
             (beside, TOO_COARSE),
         )
         return _first(rows, PASSED)
@@ -233,7 +233,7 @@ class Step:
         """No place within the fix's error is one that the vehicle can have reached from its last known place."""
         least, most = self.known
         rolled = self.model.own.config.rollback_mm * NM_PER_MM
-        return (least - self.place > self.charge + rolled) | (self.place - most > self.charge)
+        return (least - self.place > self.added_error + rolled) | (self.place - most > self.added_error)
 
     @cached_property
     def fair(self) -> Num:
@@ -285,12 +285,12 @@ class Step:
     @cached_property
     def _apart(self) -> Bool:
         """No place within the fix's error is one where the vehicle can be by now."""
-        return (self.place - self.high > self.charge) | (self.low - self.place > self.charge)
+        return (self.place - self.high > self.added_error) | (self.low - self.place > self.added_error)
 
     @cached_property
     def _too_fast(self) -> Bool:
         """The receiver reports a speed that the vehicle cannot have, whichever way it runs."""
-        least = self._least_told
+        least = self._least_reported
         return self.model.own.speed.present & ~((least <= self.fastest) | (least <= -self.slowest))
 
     @cached_property
@@ -303,13 +303,13 @@ class Step:
     def _with_fix(self) -> tuple[list[Num], list[Num]]:
         """All lower bounds of the speed with the fix, and all upper bounds, um/s."""
         own, error = self.model.own, self.model.own.config.speed_error_mm_s * 1_000
-        top, told = as_num(self._top, UM_S), self._least_told + error
-        most = ite(~own.speed.present, top, minimum(told + error, top))
-        least = ite(~own.speed.present, as_num(-error, UM_S), self._least_told)
-        low, high = maximum(self.place - self.charge, self.low), minimum(self.place + self.charge, self.high)
+        top, reported = as_num(self._top, UM_S), self._least_reported + error
+        most = ite(~own.speed.present, top, minimum(reported + error, top))
+        least = ite(~own.speed.present, as_num(-error, UM_S), self._least_reported)
+        low, high = maximum(self.place - self.added_error, self.low), minimum(self.place + self.added_error, self.high)
         forth, back = self.slowest >= 0, self.fastest <= 0
-        slow = [self.slowest, -most, ite(~forth, -top, least), ite(~self.due, -top, self.told_slowest(low))]
-        fast = [self.fastest, most, ite(~back, top, -least), ite(~self.due, top, self.told_fastest(high))]
+        slow = [self.slowest, -most, ite(~forth, -top, least), ite(~self.due, -top, self.slowest_by_distance(low))]
+        fast = [self.fastest, most, ite(~back, top, -least), ite(~self.due, top, self.fastest_by_distance(high))]
         return slow, fast
 
     # ------------------------------------------------------------------ trust
@@ -324,7 +324,7 @@ class Step:
     def follows(self) -> Bool:
         """The last fix near the way and this one can both be true."""
         least, most = self.near
-        return ~((self.place - most > self.charge) | (least - self.place > self.charge))
+        return ~((self.place - most > self.added_error) | (least - self.place > self.added_error))
 
     @cached_property
     def implausible(self) -> Bool:

@@ -27,7 +27,7 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(model: Odometry) -> list[Property]:
-    """Every property of the odometry machine."""
+    """Return all properties of the odometry machine."""
     makers = (_safety, _references, _window, _selection, _rejection, _sensors, _ages)
     return [prop for maker in makers for prop in maker(model)]
 
@@ -188,7 +188,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
                 "the position moves by the measured distance alone, and both margins grow alike",
                 requirements=("MRK-1", "MRK-D1", "MRK-4"),
             )
-            silent = unit.judged.ne(ADMITTED) & other.judged.ne(ADMITTED)
+            silent = unit.last_verdict.ne(ADMITTED) & other.last_verdict.ne(ADMITTED)
             farthest = own.config.max_speed_mm_s * own.config.period_ms * 1_000
             yield for_all_inputs(
                 f"silence of {unit.name} widens the margins",
@@ -199,10 +199,10 @@ def _rejection(model: Odometry) -> Iterator[Property]:
 
 
 def _ran_on(unit: Unit, other: Unit) -> Bool:
-    heard, other_heard = unit.judged.eq(ADMITTED), other.judged.eq(ADMITTED)
+    delivered, other_delivered = unit.last_verdict.eq(ADMITTED), other.last_verdict.eq(ADMITTED)
     if unit.limits.single_fault_safe:  # a lone distance moves nothing
-        heard = other_heard = heard & other_heard
-    moved = ite(heard, unit.step.value, ite(other_heard, other.step.value, as_num(0, MM)))
+        delivered = other_delivered = delivered & other_delivered
+    moved = ite(delivered, unit.step.value, ite(other_delivered, other.step.value, as_num(0, MM)))
     growth = unit.above - earlier_num(unit.above)
     return all_of(
         [
@@ -216,12 +216,12 @@ def _ran_on(unit: Unit, other: Unit) -> Bool:
 
 def _sensors(model: Odometry) -> Iterator[Property]:
     own, machine = model.own, model.machine
-    heard = any_of(unit.step.present for unit in own.units)
+    delivered = any_of(unit.step.present for unit in own.units)
     yield within(
         "silence delocalizes",
         own.config.gap_limit_cycles,
-        ~heard,
-        heard | ~machine.flag("valid"),
+        ~delivered,
+        delivered | ~machine.flag("valid"),
         statement="when no unit delivers a distance, the machine reports no position after the permitted gap at the "
         "latest",
         requirements=("MRK-D1",),
@@ -234,7 +234,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
     for unit in own.units:
         yield for_all_inputs(
             f"{unit.name} gate",
-            unit.judged.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
+            unit.last_verdict.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
             statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed "
             "since the last one",
             requirements=("MRK-4", "MRK-D1"),
@@ -246,12 +246,12 @@ def _unchecked(model: Odometry, device: Device, unit: Unit) -> Property:
     own = model.own
     setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
     read = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in setting)
-    heard, dead = unit.judged.eq(ADMITTED), all_of(~one.alive for one in device.units)
+    delivered, dead = unit.last_verdict.eq(ADMITTED), all_of(~one.alive for one in device.units)
     return within(
         f"{device.name} device loses its position without {unit.name}",
         own.config.lone_limit_cycles,
-        ~heard,
-        heard | dead | read,
+        ~delivered,
+        delivered | dead | read,
         statement="when one unit of a device delivers no distance that is admitted, the device has no position after the "
         "permitted time with the other unit alone, unless a reading sets it in that cycle",
         requirements=("MRK-D1", "MRK-D4"),

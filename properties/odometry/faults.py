@@ -31,9 +31,9 @@ def properties(model: Odometry) -> list[Property]:
         always(
             "containment within what a fault can hide",
             _contained(model, model.own.ghosts.unseen),
-            statement="with one faulty unit, the reported interval, widened on both sides by twice the greater law of the "
-            "device's two units over the cycles since the reference in which both measured (and the difference of "
-            "their one-off constants), holds the true position of end A",
+            statement="with one faulty unit, the reported interval contains the true position of end A once both its sides are "
+            "widened: by twice the greater error law of the device's two units, over the cycles since the reference in "
+            "which both measured, and by the difference of their one-off constants",
             requirements=SOURCES,
             assumption=CHECKED,
         )
@@ -41,7 +41,7 @@ def properties(model: Odometry) -> list[Property]:
 
 
 def containment(model: Odometry) -> Property:
-    """The reported interval holds the truth although one unit is faulty; with `single_fault_safe` only."""
+    """Claim that the reported interval contains the true position although one unit is faulty; with `single_fault_safe` only."""
     return always(
         "containment with one faulty unit",
         _contained(model, tuple(as_num(0, NM) for _ in model.own.devices)),

@@ -45,14 +45,14 @@ def in_test(model: ReflectorMachine) -> Bool:
 
 def balise_accuracy(own: Parts) -> Num:
     """Return the accuracy of the reading, or the national value, mm."""
-    told = own.balise.accuracy
-    return ite(~told.present, own.config.balise_accuracy_mm, told.value)
+    accuracy = own.balise.accuracy
+    return ite(~accuracy.present, own.config.balise_accuracy_mm, accuracy.value)
 
 
 def run_since(own: Parts) -> Num:
     """Return the distance run since the balise, as the reading gives it, mm."""
-    told = own.balise.since
-    return ite(~told.present, as_num(0, MM), told.value)
+    since = own.balise.since
+    return ite(~since.present, as_num(0, MM), since.value)
 
 
 def without_sign(term: Num) -> Num:
@@ -117,10 +117,10 @@ def known_sides(own: Parts) -> tuple[Num, Num]:
     config = own.config
     base = with_unit(config.odometer.rate_ppm * without_sign(run_since(own)), NM) + exact_to(balise_accuracy(own), NM)
     late, whole = ran_late(own, config.balise_latency_ms), ran_late(own, config.period_ms)
-    told, law = own.balise.since.present, law_nm(own)
+    dated, law = own.balise.since.present, law_nm(own)
     return (
-        ite(begun(own), ite(~told, whole[0], late[0]) + base, law + before(own.anchor.above)),
-        ite(begun(own), ite(~told, whole[1], late[1]) + base, law + before(own.anchor.below)),
+        ite(begun(own), ite(~dated, whole[0], late[0]) + base, law + before(own.anchor.above)),
+        ite(begun(own), ite(~dated, whole[1], late[1]) + base, law + before(own.anchor.below)),
     )
 
 

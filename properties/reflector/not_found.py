@@ -101,7 +101,7 @@ def _ends(model: ReflectorMachine) -> Iterator[Property]:
 def _unfit(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties of implausible input: it changes nothing."""
     machine, own = model.machine, model.own
-    unfit = all_of(~slot.judged.eq(FITS) & ~slot.judged_next.eq(FITS) for slot in own.slots)
+    unfit = all_of(~slot.last_verdict.eq(FITS) & ~slot.last_verdict_next.eq(FITS) for slot in own.slots)
     yield for_all_inputs(
         "unfit echoes change nothing",
         (unfit & ~balise_read(own) & machine.flag("valid")).implies(

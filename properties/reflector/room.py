@@ -41,7 +41,7 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
     own, layout = model.own, layout_of(model.own.config)
     clear = ite(begun(own), own.ahead.clear, before(own.target.clear))
     kept = model.machine.flag("valid") & ~model.machine.flag("precise")
-    ambiguous = [slot.judged.eq(AMBIGUOUS) for slot in own.slots]
+    ambiguous = [slot.last_verdict.eq(AMBIGUOUS) for slot in own.slots]
     fine, exact = LayoutConfig().radar_error_mm, further_error(own).eq(0)
     yield always(
         "the layout leaves room",
@@ -55,7 +55,7 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
     )
     yield always(
         "a self-test is ambiguous only if another reflector is in range",
-        (kept & in_test(model) & any_of(ambiguous)).implies(_other_heard(own, clear)),
+        (kept & in_test(model) & any_of(ambiguous)).implies(_other_in_range(own, clear)),
         statement="in a self-test the machine refuses an echo as ambiguous only if the radar could receive another reflector of the "
         "model with the minimum intensity, from somewhere in the interval",
         requirements=("RFL-6", "RFL-10"),
@@ -63,13 +63,13 @@ def _room(model: ReflectorMachine) -> Iterator[Property]:
     )
 
 
-def _other_heard(own: Parts, clear: Num) -> Bool:
+def _other_in_range(own: Parts, clear: Num) -> Bool:
     """Return whether a reflector at the clearance before the reference reflector may be ahead, or one behind it in strong range."""
     forward, backward = ran_late(own, own.config.frame_latency_ms)
     stands = exact_to(looked_for(own) + own.config.radar_offset_mm, NM)
     away = exact_to(clear - own.config.map_accuracy_mm, NM)
-    heard = exact_to(as_num(own.config.strong_range_mm, MM), NM)
-    return (stands - away >= rearmost(own) - forward) | (stands + away <= foremost(own) + backward + heard)
+    strong_range = exact_to(as_num(own.config.strong_range_mm, MM), NM)
+    return (stands - away >= rearmost(own) - forward) | (stands + away <= foremost(own) + backward + strong_range)
 
 
 def _skipped(model: ReflectorMachine) -> Iterator[Property]:

@@ -65,10 +65,13 @@ def _silent(model: ReflectorMachine) -> Iterator[Property]:
 
 def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    valid, heard = machine.flag("valid"), counts(own) | (before(own.odometer.gap) < own.config.gap_limit_cycles)
+    valid, distance_known = (
+        machine.flag("valid"),
+        counts(own) | (before(own.odometer.gap) < own.config.gap_limit_cycles),
+    )
     yield for_all_inputs(
         "no resurrection",
-        (valid & ~earlier_bool(valid)).implies(balise_read(own) & ~own.contradicted & heard),
+        (valid & ~earlier_bool(valid)).implies(balise_read(own) & ~own.contradicted & distance_known),
         statement="after a loss the machine reports a position again only by a balise, and only with an odometer",
         requirements=("RFL-5", "RFL-D3"),
     )
@@ -80,7 +83,7 @@ def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     on_map = abs_(tells.position.value) <= config.position_limit_mm - 2 * config.max_step_mm - config.range_limit_mm
     yield for_all_inputs(
         "a balise locates",
-        (~earlier_bool(valid) & balise_read(own) & ~own.contradicted & heard & fine & on_map).implies(valid),
+        (~earlier_bool(valid) & balise_read(own) & ~own.contradicted & distance_known & fine & on_map).implies(valid),
         statement="without a position, a balise of tolerable accuracy gives one, unless the odometer failed or the route is contradicted",
         requirements=("RFL-5",),
     )

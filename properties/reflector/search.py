@@ -18,7 +18,7 @@ for_all_inputs = partial(always, requirements=("RFL-1", "RFL-10"), unconditional
 
 def search(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties of the odometry zone and the search zone."""
-    for maker in (_clutter, _not_too_early, _zone_begins, _as_told):
+    for maker in (_clutter, _not_too_early, _zone_begins, _as_announced):
         yield from maker(model)
 
 
@@ -56,12 +56,12 @@ def _zone_begins(model: ReflectorMachine) -> Iterator[Property]:
     )
 
 
-def _as_told(model: ReflectorMachine) -> Iterator[Property]:
+def _as_announced(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     changed = any_of(var.ne(before(var)) for var in (*target.kept, target.model))
     yield for_all_inputs(
         "the target is the next reflector of the map",
-        (changed & target.model.ne(NO_MODEL)).implies(_told(own)),
+        (changed & target.model.ne(NO_MODEL)).implies(_announced(own)),
         statement="a new target is the map's next reflector, with all its figures",
         requirements=("RFL-3", "RFL-8"),
     )
@@ -73,7 +73,7 @@ def _as_told(model: ReflectorMachine) -> Iterator[Property]:
     )
 
 
-def _told(own: Parts) -> Bool:
+def _announced(own: Parts) -> Bool:
     target, ahead = own.target, own.ahead
     return (
         ahead.position.present

@@ -127,7 +127,7 @@ def _fails_rightly(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "a test fails only on a wrong distance",
         machine.fired(*FAILED).implies(
-            any_of(slot.judged.eq(FITS) & ~_agrees(own, slot.range.value, slot.error) for slot in own.slots)
+            any_of(slot.last_verdict.eq(FITS) & ~_agrees(own, slot.range.value, slot.error) for slot in own.slots)
         ),
         statement="the self-test fails only if the measured reflector does not have the prescribed distance from the balise, or not its "
         "place on the map",
@@ -200,7 +200,7 @@ def _found_out(model: ReflectorMachine) -> Iterator[Property]:
         statement="if the radar's systematic error exceeds the reference tolerance at a self-test, the machine is neither ready nor "
         "precise in that cycle",
     )
-    measured = any_of(slot.judged.eq(FITS) for slot in own.slots)
+    measured = any_of(slot.last_verdict.eq(FITS) for slot in own.slots)
     yield under_assumption(
         "a radar that errs is reported",
         (in_test(model) & machine.flag("valid") & measured & _beyond(own, figure)).implies(own.error.eq(MISMATCH)),

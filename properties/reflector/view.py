@@ -27,9 +27,9 @@ def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties that no reflector is taken for another, and nothing else for a reflector."""
     own, valid = model.own, model.machine.flag("valid")
     verdicts = {
-        "target": [_from_there(own, slot, valid & slot.judged.eq(FITS), looked_for(own)) for slot in own.slots],
+        "target": [_from_there(own, slot, valid & slot.last_verdict.eq(FITS), looked_for(own)) for slot in own.slots],
         "next reflector": [
-            _from_there(own, slot, slot.judged_next.eq(FITS), own.ahead.position.value) for slot in own.slots
+            _from_there(own, slot, slot.last_verdict_next.eq(FITS), own.ahead.position.value) for slot in own.slots
         ],
     }
     for name, right in verdicts.items():
@@ -82,9 +82,9 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
             (own.track.position + machine.output("range_mm")).eq(place)
             & all_of((least <= side) & (side - least <= late) for side, least in sides)
         ),
-        statement="in the view zone the position is the reflector's place less the range; each margin consists of the errors of echo, "
-        "survey and scale, the systematic error that the last self-test did not exclude, with its drift, and the travel since "
-        "the frame; an earlier position never narrows it",
+        statement="in the view zone the position is the reflector's place less the range. Each margin is the sum of the errors of "
+        "echo, survey and scale, the systematic error that the last self-test left open, its drift, and the travel "
+        "since the frame. An earlier position never narrows it",
         requirements=("RFL-2", "RFL-3", "RFL-D2"),
     )
 
@@ -107,7 +107,7 @@ def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
 
 def _used(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    fits = any_of(slot.judged.eq(FITS) | slot.judged_next.eq(FITS) for slot in own.slots)
+    fits = any_of(slot.last_verdict.eq(FITS) | slot.last_verdict_next.eq(FITS) for slot in own.slots)
     yield under_assumption(
         "an echo that fits is used",
         (machine.flag("valid") & fits).implies(machine.flag("precise") | own.error.eq(MISMATCH)),
@@ -116,7 +116,7 @@ def _used(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "the target's echo is in the window",
         all_of(
-            (machine.flag("valid") & _from_target(own, slot)).implies(slot.judged.ne(OUT_OF_WINDOW))
+            (machine.flag("valid") & _from_target(own, slot)).implies(slot.last_verdict.ne(OUT_OF_WINDOW))
             for slot in own.slots
         ),
         statement="the machine never refuses a true echo of the searched reflector as out of the window",
@@ -137,7 +137,7 @@ def _reasons(model: ReflectorMachine) -> Iterator[Property]:
 
     yield for_all_inputs(
         "an echo that is not evaluated has its true reason",
-        all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.judged, slot.judged_next)),
+        all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.last_verdict, slot.last_verdict_next)),
         statement="the verdicts empty slot, radar pause and too weak appear exactly when they are true",
     )
 

@@ -84,7 +84,7 @@ def _one_story(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "echoes that exclude each other give no position",
         all_of(
-            (by_target & first.judged.eq(FITS) & other.judged.eq(FITS)).implies(_agree(own, first, other))
+            (by_target & first.last_verdict.eq(FITS) & other.last_verdict.eq(FITS)).implies(_agree(own, first, other))
             for other in others
         ),
         statement="a reflector gives the position only if every echo that fits it agrees with the reported one",

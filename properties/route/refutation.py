@@ -8,7 +8,7 @@ from functools import partial
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.models.route import Route
 from safeloc.models.route.variables import Hypothesis, Parts
-from safeloc.properties.route.figures import REQUIREMENTS, Told, carried, ran
+from safeloc.properties.route.figures import REQUIREMENTS, CycleEvidence, carried, ran
 
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
@@ -16,13 +16,13 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 def refutation(model: Route) -> Iterator[Property]:
     """Yield the properties of each route."""
     for route in model.own.routes:
-        told = Told(model.own, route)
-        yield from _possible(model, told)
-        yield from _interval(model.own, route, told)
+        evidence = CycleEvidence(model.own, route)
+        yield from _possible(model, evidence)
+        yield from _interval(model.own, route, evidence)
 
 
-def _possible(model: Route, told: Told) -> Iterator[Property]:
-    route, begun = told.route, model.own.start.present
+def _possible(model: Route, evidence: CycleEvidence) -> Iterator[Property]:
+    route, begun = evidence.route, model.own.start.present
     yield for_all_inputs(
         f"route {route.number} does not come back",
         (route.possible & ~earlier_bool(route.possible)).implies(begun & route.candidate),
@@ -33,40 +33,43 @@ def _possible(model: Route, told: Told) -> Iterator[Property]:
         (begun & carried(model)).implies(route.possible.iff(route.candidate)),
         statement="after a start exactly those routes are possible that begin there",
     )
-    given_up = told.went_on & ~route.possible & carried(model)
+    given_up = evidence.went_on & ~route.possible & carried(model)
     yield for_all_inputs(
         f"route {route.number} is refuted only by what is seen",
-        given_up.implies(told.turned_away | (told.never_there & ~told.unseen)),
+        given_up.implies(evidence.turned_away | (evidence.never_there & ~evidence.unseen)),
         statement="a route is given up only for a sighted reflector that it does not have at that place, or a turn that it does "
         "not take; a reflector that is not seen refutes nothing",
     )
     yield for_all_inputs(
         f"route {route.number} is given up where a reflector is sighted that it does not have",
-        (told.went_on & told.never_there).implies(told.unseen | ~route.possible),
+        (evidence.went_on & evidence.never_there).implies(evidence.unseen | ~route.possible),
         statement="a sighting refutes a route that has no reflector of that model where the vehicle would see it",
     )
     yield for_all_inputs(
         f"route {route.number} is given up for a turn that it does not take",
-        (told.went_on & told.turned_away).implies(~route.possible),
+        (evidence.went_on & evidence.turned_away).implies(~route.possible),
         statement="a turn that is seen refutes each route that takes another course there",
     )
 
 
-def _interval(own: Parts, route: Hypothesis, told: Told) -> Iterator[Property]:
-    kept, width = told.went_on & route.possible, route.high - route.low
-    (least, most), before = ran(own), told.high - told.low
+def _interval(own: Parts, route: Hypothesis, evidence: CycleEvidence) -> Iterator[Property]:
+    kept, width = evidence.went_on & route.possible, route.high - route.low
+    (least, most), before = ran(own), evidence.high - evidence.low
     yield for_all_inputs(
         f"route {route.number} narrows only by a sighting",
-        (kept & told.unseen).implies(width >= before),
+        (kept & evidence.unseen).implies(width >= before),
         statement="without a recognised reflector no interval narrows",
     )
     yield for_all_inputs(
         f"route {route.number} is where its reflector is sighted",
-        kept.implies(told.unseen | ((told.place - route.low <= told.slack) & (route.high - told.place <= told.slack))),
+        kept.implies(
+            evidence.unseen
+            | ((evidence.place - route.low <= evidence.slack) & (route.high - evidence.place <= evidence.slack))
+        ),
         statement="after a sighting the interval lies within the sighting's error of the reflector's place less the range",
     )
     yield for_all_inputs(
         f"route {route.number} widens only by what was run",
-        kept.implies((route.low - told.low >= least) & (route.high - told.high <= most)),
+        kept.implies((route.low - evidence.low >= least) & (route.high - evidence.high <= most)),
         statement="in a cycle neither end moves outward by more than the measured distance and the odometer's error",
     )

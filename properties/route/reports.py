@@ -14,7 +14,7 @@ from safeloc.models.route.variables import NO_REASON, SENSOR_FAILURE, TOLERANCE,
 from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.properties.no_interval import no_interval
-from safeloc.properties.route.figures import REQUIREMENTS, Told, bounds, carried, ran
+from safeloc.properties.route.figures import REQUIREMENTS, CycleEvidence, bounds, carried, ran
 
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
@@ -68,7 +68,7 @@ def _wide(model: Route) -> Iterator[Property]:
     lost = _given_up(model) & own.reason.eq(TOLERANCE)
     yield for_all_inputs(
         "given up for its width only where it may be too wide",
-        lost.implies(any_of(_may_be_too_wide(own, Told(own, route)) for route in own.routes)),
+        lost.implies(any_of(_may_be_too_wide(own, CycleEvidence(own, route)) for route in own.routes)),
         statement="the machine gives the routes up for tolerance only if an interval, run on, may be wider than tolerable to the mm, or "
         "reach beyond the line",
         requirements=("RFL-D6", "RFL-D1"),
@@ -80,9 +80,9 @@ def _given_up(model: Route) -> Bool:
     return earlier_bool(carried(model)) & ~model.own.start.present & ~carried(model)
 
 
-def _may_be_too_wide(own: Parts, told: Told) -> Bool:
+def _may_be_too_wide(own: Parts, evidence: CycleEvidence) -> Bool:
     (least, most), config = ran(own), own.config
-    low, high, line = told.low + least, told.high + most, config.length_limit_mm * NM_PER_MM
+    low, high, line = evidence.low + least, evidence.high + most, config.length_limit_mm * NM_PER_MM
     wide = high - low > 2 * ((config.tolerance_mm - 1) * NM_PER_MM - own.half_nm)
     return any_of([wide, low < -line, high > line])
 
@@ -91,13 +91,13 @@ def _odometer(model: Route) -> Iterator[Property]:
     own, odometer = model.own, model.own.odometer
     yield for_all_inputs(
         "a distance is admitted just if it can have been run",
-        odometer.judged.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
+        odometer.last_verdict.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
         statement="a distance is used exactly if the top speed and the greatest change of speed since the last one allow it",
     )
     counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
     yield for_all_inputs(
         "silent cycles are counted",
-        (odometer.judged.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.judged.ne(ADMITTED) & counted),
+        (odometer.last_verdict.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.last_verdict.ne(ADMITTED) & counted),
         statement="the machine counts the cycles without a usable distance, up to one more than permitted",
     )
     too_long = odometer.gap > own.config.gap_limit_cycles
@@ -116,8 +116,8 @@ def _can_be_run(own: Parts) -> tuple[Bool, Bool]:
     change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
     silent, faster = earlier_num(own.odometer.gap), step - earlier_num(own.odometer.last)
     allowed = with_unit(silent * change, MM) + change
-    heard_lately = silent <= config.gap_limit_cycles
-    return between(-farthest, step, farthest), heard_lately.implies((faster <= allowed) & (-faster <= allowed))
+    measured_lately = silent <= config.gap_limit_cycles
+    return between(-farthest, step, farthest), measured_lately.implies((faster <= allowed) & (-faster <= allowed))
 
 
 def _reasons(model: Route) -> Iterator[Property]:

@@ -13,7 +13,7 @@ from safeloc.models.satellite.variables import (
     LOCATED,
 )
 from safeloc.properties.satellite.prediction import prediction, prediction_error, threshold_rule
-from safeloc.properties.satellite.solutions import judged, narrowed, solutions, used
+from safeloc.properties.satellite.solutions import narrowed, outcomes, solutions, used
 from safeloc.properties.satellite.state import (
     FALSE_SIGNALS,
     LAW,
@@ -28,9 +28,9 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-5"), unconditional=
 
 
 def properties(model: Satellite) -> list[Property]:
-    """Every property of selection and position together, where solutions of usable satellites can be trusted."""
+    """Return all properties of selection and position together, for solutions of usable satellites that can be trusted."""
     makers = (
-        _safety, _restart, _references, solutions, used, narrowed, judged, prediction, prediction_error, _coasting,
+        _safety, _restart, _references, solutions, used, narrowed, outcomes, prediction, prediction_error, _coasting,
         threshold_rule, _anchor,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(model)]
@@ -99,12 +99,12 @@ def _restart(model: Satellite) -> Iterator[Property]:
     """A position begins, and begins anew, with a reference and with nothing of what was before."""
     machine, own, now = model.machine, model.own, now_kept(model)
     of = model.composition.of(machine)
-    valid, told = of.bool(machine.flag("valid")), of.bool(own.reference.present)
+    valid, referenced = of.bool(machine.flag("valid")), of.bool(own.reference.present)
     good = of.num(own.accuracy) <= own.config.tolerance_mm - 2
     knows = of.bool(own.reference_speed.present)
     yield for_all_inputs(
         "a good reference begins a position",
-        (told & good & ~earlier_bool(valid)).implies(valid),
+        (referenced & good & ~earlier_bool(valid)).implies(valid),
         statement="without a position, a reference that is accurate enough to be reported begins one",
         requirements=("SAT-1",),
     )
@@ -114,7 +114,7 @@ def _restart(model: Satellite) -> Iterator[Property]:
     anchored = [of.bool(own.anchored), of.num(own.anchor_offset).eq(0)]
     yield for_all_inputs(
         "a position begins with no earlier data",
-        (valid & ~earlier_bool(valid)).implies(told & all_of([*fresh, *anchored])),
+        (valid & ~earlier_bool(valid)).implies(referenced & all_of([*fresh, *anchored])),
         statement="a position begins at the reference, with its speed or none, no change of speed, no cycle coasted, and "
         "odometry counts from there",
         requirements=("SAT-1", "SAT-D1"),
@@ -125,13 +125,13 @@ def _references(model: Satellite) -> Iterator[Property]:
     """A reference while a position is reported."""
     machine, own, now, was = model.machine, model.own, now_kept(model), kept_before(model)
     of = model.composition.of(machine)
-    valid, told = of.bool(machine.flag("valid")), of.bool(own.reference.present)
+    valid, referenced = of.bool(machine.flag("valid")), of.bool(own.reference.present)
     place, accuracy = (exact_to(of.num(one), NM) for one in (own.reference.value, own.accuracy))
     behind = was.low - place > accuracy + most_way(model) - run_at(model, was.slowest)
     ahead = place - was.high > accuracy + most_way(model) + run_at(model, was.fastest)
     yield for_all_inputs(
         "a reference that contradicts ends the position",
-        (earlier_bool(valid) & told & (behind | ahead)).implies(~valid),
+        (earlier_bool(valid) & referenced & (behind | ahead)).implies(~valid),
         statement="a reference that lies where the vehicle cannot have come to ends the position in the same cycle",
     )
     taken = of.bool(machine.fired("trusted reference", "reference while located"))

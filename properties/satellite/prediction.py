@@ -50,7 +50,7 @@ def prediction(model: Satellite) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a solution meets the prediction",
-        of.num(model.own.judged).eq(ACCEPTED).implies(meets(model)),
+        of.num(model.own.last_verdict).eq(ACCEPTED).implies(meets(model)),
         statement="a solution counts only where its interval and the predicted one have a place and a speed in common",
         requirements=("SAT-1", "SAT-5"),
     )
@@ -100,10 +100,10 @@ def threshold_rule(model: Satellite) -> Iterator[Property]:
         yield always(
             f"channel {one.number}: braking excludes no healthy one",
             standing.eq(EXCLUDED).implies(~_healthy_while_braking(model, one)),
-            statement="a satellite whose errors are within the noise is kept through every change of speed that a train can "
-            "make, while the state was no farther off than the configuration says: the threshold rule",
+            statement="the selection keeps a satellite whose errors are within the noise through every change of speed that a "
+            "train can make, as long as the state's error was within the configured figure: the threshold rule",
             requirements=("SAT-4",),
-            assumption=f"{MOVES}; what the prediction's error makes of a difference is no greater than that error",
+            assumption=f"{MOVES}; the prediction's error changes a difference by no more than that error",
         )
 
 

@@ -40,7 +40,7 @@ for_all_inputs = partial(always, requirements=("SAT-5",), unconditional=True)
 
 def solutions(model: Satellite) -> Iterator[Property]:
     own, of = model.own, model.composition.of(model.machine)
-    accepted = of.num(own.judged).eq(ACCEPTED)
+    accepted = of.num(own.last_verdict).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
     yield for_all_inputs(
         "only usable satellites count",
@@ -56,14 +56,14 @@ def solutions(model: Satellite) -> Iterator[Property]:
 def used(model: Satellite) -> Iterator[Property]:
     """Properties of each satellite of an accepted solution, by its measured values."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.composition.of(model.selection.machine)
-    accepted = of.num(own.judged).eq(ACCEPTED)
+    accepted = of.num(own.last_verdict).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
     config = model.selection.own.config
     bad = [chosen.bool(violated(one, config, config.removal)) for one, _ in channels(model)]
     yield for_all_inputs(
         "a satellite that violates the criterion never counts",
         accepted.implies(all_of(~flag | ~violation for flag, violation in zip(used, bad, strict=True))),
-        statement="no satellite of a solution that counts violates the criterion by what was measured of it in this cycle",
+        statement="an accepted solution uses no satellite whose measurement of this cycle violates the criterion",
         requirements=("SAT-1", "SAT-4", "SAT-5"),
     )
     valid = [model.composition.of(model.selection.machine).bool(one.ephemeris) for one, _ in channels(model)]
@@ -109,27 +109,27 @@ def narrowed(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "a solution narrows to its protection level and no farther",
         of.bool(model.machine.fired("solution counts")).implies(all_of(ends)),
-        statement="a solution that counts leaves of the predicted interval what is within its protection level: its dilution "
-        "times threshold, prediction and clock error together, and the further error; the same of the speed",
+        statement="an accepted solution narrows the predicted interval to its own protection level and no farther: dilution times "
+        "the sum of threshold, prediction error and clock error, plus the further error; likewise for the speed",
         requirements=("SAT-4", "SAT-5"),
     )
 
 
-def judged(model: Satellite) -> Iterator[Property]:
+def outcomes(model: Satellite) -> Iterator[Property]:
     """Properties of the verdict on a solution, and of the reason for none: in this order of reasons."""
     own, of = model.own, model.composition.of(model.machine)
-    told, located = of.num(own.judged), earlier_bool(of.bool(model.machine.flag("valid")))
+    verdict, located = of.num(own.last_verdict), earlier_bool(of.bool(model.machine.flag("valid")))
     used = [of.bool(flag) for flag in own.used]
     foreign = [flag & standing.ne(USABLE) for flag, (_, standing) in zip(used, channels(model), strict=True)]
     few = _satellites(used) - SPARE[own.config.redundancy] < of.num(own.unknowns)
     coarse = most_off(model) >= exact_to(Lit(own.config.protection_limit_mm, MM), NM) + 1
-    apart = ite(meets(model), told.one_of(ACCEPTED, DRIFTED), told.eq(DISJOINT))
-    apart = ite(few, told.eq(TOO_FEW), ite(coarse, told.eq(TOO_COARSE), apart))
-    apart = ite(located, ite(any_of(foreign), told.eq(NOT_USABLE), apart), told.eq(NOT_LOCATED))
+    apart = ite(meets(model), verdict.one_of(ACCEPTED, DRIFTED), verdict.eq(DISJOINT))
+    apart = ite(few, verdict.eq(TOO_FEW), ite(coarse, verdict.eq(TOO_COARSE), apart))
+    apart = ite(located, ite(any_of(foreign), verdict.eq(NOT_USABLE), apart), verdict.eq(NOT_LOCATED))
     there = of.bool(own.fix.present)
     yield for_all_inputs(
         "a solution counts or has the first reason against it",
-        ite(there, apart, told.eq(NO_FIX)),
+        ite(there, apart, verdict.eq(NO_FIX)),
         statement="a solution counts, or has drifted away from odometry, where a position is known, all its satellites are "
         "usable and enough, it is not too coarse and meets the prediction; otherwise the first of these is the reason",
         requirements=("SAT-1", "SAT-5"),

@@ -45,18 +45,18 @@ def kept_before(model: Satellite) -> Kept:
 
 
 def run_at(model: Satellite, speed: Num) -> Num:
-    """The way of a cycle at a speed."""
+    """Return the distance of a cycle at a speed."""
     return exact_to(speed * Lit(model.own.config.period_ms, MS), NM)
 
 
 def most_way(model: Satellite) -> int:
-    """The most that an acceleration adds to the distance of a cycle: A T2 / 2, in nm."""
+    """Return the most that an acceleration adds to the distance of a cycle: A T2 / 2, in nm."""
     config = model.own.config
     return config.max_acceleration_mm_s2 * config.period_ms**2 // 2
 
 
 def most_change(model: Satellite) -> int:
-    """The most by which the speed changes in a cycle: A T, in um/s."""
+    """Return the most by which the speed changes in a cycle: A T, in um/s."""
     return model.own.config.period_ms * model.own.config.max_acceleration_mm_s2
 
 
@@ -75,13 +75,13 @@ def most_speed_off(model: Satellite) -> Num:
 
 
 def channels(model: Satellite) -> list[tuple[Channel, Num]]:
-    """The channels with what each is after the step."""
+    """Return the channels, each with its standing after the step."""
     of = model.composition.of(model.selection.machine)
     return [(one, of.num(one.standing)) for one in model.selection.own.channels]
 
 
 def meets(model: Satellite) -> Bool:
-    """The solution and what the vehicle can have come to have a place and a speed in common."""
+    """Return whether a place and a speed that the vehicle can have reached agree with the solution."""
     own, of, was = model.own, model.composition.of(model.machine), kept_before(model)
     place, level = exact_to(of.num(own.fix.value), NM), most_off(model)
     speed, speed_level = of.num(own.fix_speed), most_speed_off(model)

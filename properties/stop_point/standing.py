@@ -26,7 +26,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def standing(model: StopPoint) -> Iterator[Property]:
     """Yield the properties of a standing vehicle."""
-    for maker in (_in_position, _comes_to_stand, _said_when_it_stands, _found_short_or_beyond):
+    for maker in (_in_position, _comes_to_stand, _reported_when_it_stands, _found_short_or_beyond):
         yield from maker(model)
     yield reachable(
         "repositioned",
@@ -67,7 +67,7 @@ def _comes_to_stand(model: StopPoint) -> Iterator[Property]:
     )
 
 
-def _said_when_it_stands(model: StopPoint) -> Iterator[Property]:
+def _reported_when_it_stands(model: StopPoint) -> Iterator[Property]:
     own, place = model.own, model.machine.flag("in_position")
     measured = own.valid & own.precise & stands(own) & ~own.released
     yield for_all_inputs(

@@ -95,10 +95,10 @@ def _no_early_brake(model: StopPoint) -> Iterator[Property]:
         (ordered_before(model).eq(PROCEED) & model.machine.output("order").eq(BRAKE)).implies(
             due | (rearmost(own) >= near_end(own))
         ),
-        statement="the brake order comes only when the distance left is no longer than the braking distance of the highest possible "
-        "speed, plus a millimetre for rounding: left to the stop from the measured position (without one, from the foremost "
-        "possible place), or to the window's far end from the foremost possible place; or when the vehicle surely reached the "
-        "window",
+        statement="the machine orders the brake only if the vehicle has surely reached the window, or if a distance ahead is at "
+        "most the braking distance at the highest possible speed, plus 1 mm for rounding. That distance is from the "
+        "measured position (without one, from the foremost possible place) to the stop, or from the foremost possible "
+        "place to the window's far end",
     )
 
 

@@ -324,12 +324,12 @@ def _handed_over(model: Verification) -> Iterator[Property]:
     """Claim the data that are handed over to the neighbour."""
     machine, own = model.machine, model.own
     length = machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm")
-    said = (
+    handed_over = (
         machine.output("handover_axles").eq(own.kept_count) & length[0].eq(own.kept_low) & length[1].eq(own.kept_high)
     )
     yield for_all_inputs(
         "the record is handed over",
-        machine.flag("handover_trusted").implies(machine.flag("trusted") & said),
+        machine.flag("handover_trusted").implies(machine.flag("trusted") & handed_over),
         statement="the record that is handed over as trusted is the stored one, while the train is trusted",
         requirements=("FVA-D1", *STAY),
     )

@@ -102,10 +102,10 @@ def _reach(model: Verification) -> Iterator[Property]:
     follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
     placed = own.associated & own.located & own.place.present
     grown = exact_to(own.reach - before(own.reach), NM) - Abilities(own).run_nm
-    charged = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
+    widened = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
     yield for_all_inputs(
         "reach grows by the fastest run",
-        follows.implies(ite(placed, own.reach.eq(0), charged)),
+        follows.implies(ite(placed, own.reach.eq(0), widened)),
         statement="without a place the possible distance of the front grows by the run of the cycle at its greatest speed, "
         "rounded up to a millimetre",
     )

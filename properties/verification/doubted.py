@@ -64,14 +64,14 @@ class Figures:
         return between(low - farthest_nm, self.own.truth, high + farthest_nm)
 
     @cached_property
-    def charged_run_mm(self) -> int:
+    def added_run_mm(self) -> int:
         """The run of a cycle at top speed, in whole millimetres."""
         return (self.own.config.max_speed_mm_s * self.own.config.period_ms + 999) // 1_000
 
     @cached_property
     def runs_nm(self) -> int:
         """Two runs at top speed, nm: the true one, and the one that the machine adds in whole millimetres."""
-        return self.own.config.max_speed_mm_s * self.own.config.period_ms * 1_000 + self.charged_run_mm * 1_000_000
+        return self.own.config.max_speed_mm_s * self.own.config.period_ms * 1_000 + self.added_run_mm * 1_000_000
 
     @cached_property
     def tolerance_nm(self) -> int:
@@ -132,8 +132,8 @@ def _place_at_any_time(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "a place at any time",
         trusted.implies(figures.within(limit)),
-        statement="whatever the fibre reported, and for how long, a trusted interval is no farther from the front than "
-        "place_doubt_limit_mm and the place tolerance",
+        statement="a trusted interval is never farther from the front than place_doubt_limit_mm plus the place tolerance, for "
+        "every sequence of fibre reports",
     )
     doubt = exact_to(figures.model.machine.output("place_doubt_mm"), NM)
     yield whatever_the_fibre_tells(
@@ -174,7 +174,7 @@ def _values(figures: Figures) -> Iterator[Property]:
     yield whatever_the_fibre_tells(
         "a wrong count withholds",
         (trusted & counted).implies(own.axles.eq(own.seen_count.value)),
-        statement="a count that is not the train's withholds in the same cycle, whatever else is right or wrong",
+        statement="a wrong count withdraws the position in the same cycle, also if other measurements are wrong",
     )
     yield whatever_the_fibre_tells(
         "a wrong length withholds",
@@ -197,11 +197,11 @@ def _values(figures: Figures) -> Iterator[Property]:
 def _control(figures: Figures) -> Iterator[Property]:
     """Claim that wrong data from train control are withheld."""
     own, trusted = figures.own, figures.trusted
-    said = own.control_count.present.implies(own.axles.eq(own.control_count.value))
+    stated = own.control_count.present.implies(own.axles.eq(own.control_count.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
     yield whatever_the_fibre_tells(
         "wrong data by train control withhold",
-        trusted.implies(said & long),
+        trusted.implies(stated & long),
         statement="a count by train control that is not the train's, or a length beyond tolerance and spread, withholds in the "
         "same cycle",
         requirements=CONTROL,
@@ -220,9 +220,9 @@ def _speed(figures: Figures) -> Iterator[Property]:
     )
 
 
-def _long(figures: Figures, said: Num) -> Bool:
+def _long(figures: Figures, stated: Num) -> Bool:
     slack = figures.train.spread + figures.own.config.length_tolerance_mm * 1_000
-    return between(-slack, figures.own.length - exact_to(said, UM), slack)
+    return between(-slack, figures.own.length - exact_to(stated, UM), slack)
 
 
 def _fast(figures: Figures) -> Bool:
@@ -246,7 +246,7 @@ def _cycles(figures: Figures) -> Iterator[Property]:
         statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
         "currency_cycles and one cycle",
     )
-    serves = own.config.place_doubt_limit_mm // (2 * figures.charged_run_mm)
+    serves = own.config.place_doubt_limit_mm // (2 * figures.added_run_mm)
     yield whatever_the_fibre_tells(
         "a place whose record is old",
         trusted.implies(train.record_ago <= serves),

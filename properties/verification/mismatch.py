@@ -164,11 +164,11 @@ def _of_parameters(own: Parts) -> dict[Lit, Bool]:
     """Return the mismatches of count, length and distance of the ends; the same for train control."""
     near, far, tolerance = own.ends_low, own.ends_high, own.config.length_tolerance_mm
 
-    def length(said: Num) -> Bool:
-        return _against(own, lambda _, low, high: (said + tolerance < low) | (said - tolerance > high))
+    def length(stated: Num) -> Bool:
+        return _against(own, lambda _, low, high: (stated + tolerance < low) | (stated - tolerance > high))
 
-    def count(said: Num) -> Bool:
-        return _against(own, lambda count, _low, _high: said.ne(count))
+    def count(stated: Num) -> Bool:
+        return _against(own, lambda count, _low, _high: stated.ne(count))
 
     apart = _against(
         own,

@@ -71,12 +71,12 @@ def _bounds(model: Verification) -> Iterator[Property]:
 def _reported(model: Verification) -> Iterator[Property]:
     """Claim the outputs for the bounds."""
     machine, own = model.machine, model.own
-    said = machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm")
+    handed_over = machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm")
     limit = own.config.position_limit_mm
     yield for_all_inputs(
         "bounds of the front are handed over",
         machine.flag("handover_trusted").implies(
-            said[0].eq(maximum(own.possible_low, -limit)) & said[1].eq(minimum(own.possible_high, limit))
+            handed_over[0].eq(maximum(own.possible_low, -limit)) & handed_over[1].eq(minimum(own.possible_high, limit))
         ),
         statement="the bounds of the front are handed over to the neighbour, within the line",
         requirements=("FVA-D1", "FVA-2", "FVA-11"),

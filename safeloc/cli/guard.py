@@ -22,7 +22,7 @@ from safeloc.railway.guard.fields import columns_of
 from safeloc.railway.guard.figures import find_vehicle, guard_config
 from safeloc.railway.guard.guard import Guard, Judgement
 from safeloc.railway.guard.inputs import Way, deliveries, form_of, line_of, opened, route_of
-from safeloc.railway.guard.told import SCHEMA, as_data
+from safeloc.railway.guard.judgement_data import SCHEMA, as_data
 from safeloc.railway.guard.tracks import Tracks
 from safeloc.railway.map.projection import WGS84
 from safeloc.report.folder import usable

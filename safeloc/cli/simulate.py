@@ -52,14 +52,14 @@ def simulate(
 ) -> None:
     """Write simulated sensor data with the true position: for one machine, or for vehicles on a line."""
     from safeloc.cli.simulate_line import LineOptions, simulate_line  # numpy is loaded only where it is needed
-    from safeloc.models.line_runs.faults import told
+    from safeloc.models.line_runs.faults import fault_table
 
     options = LineOptions(
         tuple(machines or ()), tuple(vehicles or ()), tuple(routes or ()), start, end, tuple(faults or ()),
         trust_first, unaudited, seed,
     )  # fmt: skip
     if "help" in options.faults:
-        out.print(told(), markup=False)
+        out.print(fault_table(), markup=False)
     elif where is None:
         raise typer.BadParameter("give an output: --out FILE for a machine, --out FOLDER for a line.")
     elif not _is_line(target):

@@ -87,7 +87,7 @@ _COLUMNS = _Source(
 )
 
 
-def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> str:
+def _loop(layout: Layout, name: str, given: str, results: str, source: _Source) -> str:
     """Return a function with two loops: one without outputs, which does not compute them, and one with outputs."""
     p, upper = layout.names.prefix, layout.names.upper
     columns = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
@@ -98,7 +98,7 @@ def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> 
             advance(&now, {source.inputs}, &outputs);
 """
     missing = line(f"if (state == NULL || done == NULL || {source.missing.format(columns=columns)}) {{", 1)
-    return f"""int32_t {p}_{name}({p}_state *state, {given}, {told}, size_t count, size_t *done)
+    return f"""int32_t {p}_{name}({p}_state *state, {given}, {results}, size_t count, size_t *done)
 {{
 {missing}        return {upper}_NO_POINTER;
     }}

@@ -190,8 +190,8 @@ class CMachine:
             raise InputError(f"{self.system.name}: {self._text(status)}.")
 
     def _text(self, status: int) -> str:
-        said: bytes = self._function("status_text")(status)
-        return said.decode("utf-8")
+        text: bytes = self._function("status_text")(status)
+        return text.decode("utf-8")
 
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.layout.names.prefix}_{name}")

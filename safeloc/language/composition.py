@@ -20,7 +20,7 @@ from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Option
 from safeloc.language.first_values import Any_, Initial
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
-from safeloc.language.renamed import refuse_old_keywords
+from safeloc.language.renamed import check_keywords
 from safeloc.language.spec import Property
 from safeloc.language.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
 from safeloc.language.terms import Sharing, Substitution, variables
@@ -78,7 +78,7 @@ def _before(var: Expr) -> Expr:
     return before(var) if isinstance(var, NumVar) else was(var)
 
 
-@refuse_old_keywords(ModelError, {"owes": "discharge"})
+@check_keywords(ModelError, {"owes": "discharge"})
 def compose(
     name: str,
     machines: Sequence[Machine],

@@ -18,7 +18,7 @@ from safeloc.errors import ModelError, declared_at
 from safeloc.language.checks.machine import check, check_shape
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.language.first_values import ANY, Any_, Initial
-from safeloc.language.renamed import hint, refuse_old_keywords
+from safeloc.language.renamed import check_keywords, hint
 from safeloc.language.transition_table import STAY_NAME, Modes, Transition, current_mode, modes
 from safeloc.language.units import Enumeration
 from safeloc.language.world import World
@@ -37,7 +37,7 @@ _OF_THE_MODES: Final = {
 }
 
 
-@refuse_old_keywords(ModelError, {**_IN_THE_WORLD, **_OF_THE_MODES})
+@check_keywords(ModelError, {**_IN_THE_WORLD, **_OF_THE_MODES})
 @dataclass(frozen=True, eq=False)
 class Machine:
     """A state machine, and the world around it. It is checked when built; a ModelError lists all errors.

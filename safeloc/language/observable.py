@@ -172,14 +172,14 @@ def _memory(terms: Iterable[Expr], moves: Mapping[Var, Expr]) -> dict[Var, Expr]
 
 
 def _alone(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
-    for one, said in known.items():
-        if said.visible:
-            yield Observable((one,), one.term if said.is_whole else all_of(said.visible), said.is_whole)
+    for one, part in known.items():
+        if part.visible:
+            yield Observable((one,), one.term if part.is_whole else all_of(part.visible), part.is_whole)
 
 
 def _together(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
     """Yield conditions of two clauses that bound the same sum; if pairs give equal conditions (two machines on one line), one."""
-    bounding = [one for one, said in known.items() if said.bounds]
+    bounding = [one for one, part in known.items() if part.bounds]
     share, met = Sharing(), set[Bool]()
     for one, other in combinations(bounding, 2):
         parts = compatible(known[one].bounds, known[other].bounds)
@@ -191,7 +191,7 @@ def _together(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
 
 def _running(known: Mapping[Stated, Divided], system: TransitionSystem) -> Iterator[tuple[Observable, list[Running]]]:
     """Yield conditions of two clauses that bound the same sum except for a wandering error: running sums compare them."""
-    bounds = {one: [steady(bound, system.next) for bound in said.bounds] for one, said in known.items()}
+    bounds = {one: [steady(bound, system.next) for bound in part.bounds] for one, part in known.items()}
     for one, other in combinations([one for one, found in bounds.items() if found], 2):
         found = list(running(bounds[one], bounds[other], (str(one), str(other))))
         if found:

@@ -1,4 +1,4 @@
-"""Renamed keywords, variables and outputs. An old name is refused, and the message gives the new one."""
+"""Renamed and unknown names: an old keyword, variable or output is refused with the new one, an unknown one with the nearest."""
 
 from __future__ import annotations
 
@@ -59,20 +59,23 @@ def hint(name: str, known: Collection[str]) -> str:
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
-def refuse_old_keywords(error: type[SafelocError], renamed: Mapping[str, str]) -> Callable[[_Declaring], _Declaring]:
-    """Make a function or class raise `error`, with file and line, if it is called with an old keyword of `renamed`, or with
-    one that it does not take."""
+def check_keywords(error: type[SafelocError], former: Mapping[str, str]) -> Callable[[_Declaring], _Declaring]:
+    """Make a function or class raise `error`, with file and line, for a keyword that it does not take.
 
-    def refusing(declaring: _Declaring) -> _Declaring:
+    For an old keyword, a key of `former`, the message gives the present one; for any other it lists the keywords that are
+    taken, and suggests the nearest. Missing arguments stay Python's own TypeError.
+    """
+
+    def checking(declaring: _Declaring) -> _Declaring:
         made: Any = declaring
         name = made.__name__
         if isinstance(declaring, type):
-            made.__init__ = _guarded(made.__init__, name, error, renamed)
+            made.__init__ = _checked(made.__init__, name, error, former)
         else:
-            made = _guarded(made, name, error, renamed)
+            made = _checked(made, name, error, former)
         return cast("_Declaring", made)
 
-    return refusing
+    return checking
 
 
 def _remedy(old: str, new: str) -> str:
@@ -82,18 +85,18 @@ def _remedy(old: str, new: str) -> str:
     return f"the keyword {old!r} is now {new!r}; write {new}=."
 
 
-def _guarded(call: Any, name: str, error: type[SafelocError], renamed: Mapping[str, str]) -> Any:
+def _checked(call: Any, name: str, error: type[SafelocError], former: Mapping[str, str]) -> Any:
     taken = [key for key in inspect.signature(call).parameters if key not in ("self", "src")]
 
     @wraps(call)
-    def guarded(*values: Any, **named: Any) -> Any:
-        for old, new in renamed.items():
+    def checked(*values: Any, **named: Any) -> Any:
+        for old, new in former.items():
             if old in named:
                 raise error(f"{declared_at()}: {name}: {_remedy(old, new)}")
-        strange = next((key for key in named if key not in (*taken, "src")), None)
-        if strange is not None:
-            known = ", ".join(taken)
-            raise error(f"{declared_at()}: {name} takes no {strange!r}; it takes {known}.{hint(strange, taken)}")
+        unknown = next((key for key in named if key not in (*taken, "src")), None)
+        if unknown is not None:
+            listed = ", ".join(taken)
+            raise error(f"{declared_at()}: {name} takes no {unknown!r}; it takes {listed}.{hint(unknown, taken)}")
         return call(*values, **named)
 
-    return guarded
+    return checked

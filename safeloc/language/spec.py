@@ -26,7 +26,7 @@ from safeloc.language.checks.system import check_system
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Node, Past, Value
-from safeloc.language.renamed import refuse_old_keywords
+from safeloc.language.renamed import check_keywords
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.language.units import COUNT
@@ -35,7 +35,7 @@ _RENAMED = {"given": "further_assumption", "trace": "requirements"}
 NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
-@refuse_old_keywords(PropertyError, _RENAMED)
+@check_keywords(PropertyError, _RENAMED)
 @dataclass(frozen=True, eq=False)
 class Property:
     """A named requirement on every run (or, for `reachable`, on some run).
@@ -80,7 +80,7 @@ class Property:
         return further if self.unconditional or not self.assumption else f"{self.assumption}; {further}"
 
 
-@refuse_old_keywords(PropertyError, _RENAMED)
+@check_keywords(PropertyError, _RENAMED)
 def always(
     name: str,
     term: Bool,
@@ -104,7 +104,7 @@ def always(
     )
 
 
-@refuse_old_keywords(PropertyError, _RENAMED)
+@check_keywords(PropertyError, _RENAMED)
 def never(
     name: str,
     term: Bool,
@@ -128,7 +128,7 @@ def never(
     )
 
 
-@refuse_old_keywords(PropertyError, _RENAMED)
+@check_keywords(PropertyError, _RENAMED)
 def within(
     name: str,
     steps: int,
@@ -161,7 +161,7 @@ def within(
     )
 
 
-@refuse_old_keywords(PropertyError, _RENAMED)
+@check_keywords(PropertyError, _RENAMED)
 def reachable(
     name: str,
     term: Bool,

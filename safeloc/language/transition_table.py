@@ -9,13 +9,13 @@ from typing import Final
 from safeloc.errors import ModelError, declared_at
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Var, members
 from safeloc.language.nodes import Value
-from safeloc.language.renamed import refuse_old_keywords
+from safeloc.language.renamed import check_keywords
 from safeloc.language.units import Enumeration
 
 STAY_NAME: Final = "(stay)"
 
 
-@refuse_old_keywords(ModelError, {"trace": "requirements"})
+@check_keywords(ModelError, {"trace": "requirements"})
 @dataclass(frozen=True, eq=False)
 class Transition:
     """One row of the transition table.

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from safeloc.errors import ModelError
-from safeloc.language.renamed import refuse_old_keywords, renamed
+from safeloc.language.renamed import check_keywords, renamed
 from safeloc.language.system import TransitionSystem
 from safeloc.reported import Reported
 
@@ -80,7 +80,7 @@ class StopSignals:
     called: Mapping[str, str] = field(default_factory=dict)
 
 
-@refuse_old_keywords(ModelError, {"under": "below", "over": "above"})
+@check_keywords(ModelError, {"under": "below", "over": "above"})
 @dataclass(frozen=True)
 class Approach:
     """A picture of speed over distance to the stop point, with orders and stop window (source 001, fig. 2).

@@ -16,7 +16,7 @@ from safeloc.errors import InputError
 from safeloc.models.guard import machine
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.guard import Judgement
-from safeloc.railway.guard.told import as_data, counted
+from safeloc.railway.guard.judgement_data import as_data, counted
 from safeloc.railway.guard.tracks import Tracks
 from safeloc.railway.map.projection import Projector
 from safeloc.report.guard_map import Spot, guard_map

@@ -163,7 +163,7 @@ def _sightings(hunt: _Hunt, axis: Axis, y: float) -> str:
         hunt.recorded.word(seen.model, given[seen.model]) if seen.range in given else ""
         for given in hunt.recorded.given
     ]
-    places = [place if said else None for place, said in zip(hunt.places, words, strict=True)]
+    places = [place if label else None for place, label in zip(hunt.places, words, strict=True)]
     return strip(axis, places, words, hunt.recorded.members(seen.model), y, "reflector in view")
 
 
@@ -197,16 +197,16 @@ def _bars(hunt: _Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[st
     """Yield the bars of a route: a text, with start and end on the page."""
     begin: float | None = None
     last = 0.0
-    for step, said in enumerate(words):
+    for step, label in enumerate(words):
         place = hunt.places[step]
         x = last if place is None else axis.at(place)
-        if begin is None and said is not None:
+        if begin is None and label is not None:
             begin = x
         following = words[step + 1] if step + 1 < len(words) else None
-        if begin is not None and said is not None and following != said:
+        if begin is not None and label is not None and following != label:
             after = hunt.places[step + 1] if step + 1 < len(words) else None
             end = x if after is None else axis.at(after)
-            yield said, min(begin, end), max(begin, end)
+            yield label, min(begin, end), max(begin, end)
             begin = None
         last = x
 
@@ -214,8 +214,8 @@ def _bars(hunt: _Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[st
 def _refutation(x: float, y: float, number: int, refuted: _Refuted, place: float) -> str:
     text = f"{metres(place)}: {refuted.why}"
     right = x + 12 + wide(text) < RIGHT
-    said = word(x + 12 if right else x - 12, y + 4, text, anchor="start" if right else "end", style=_on_bar(right))
-    return cross(x, y, kind=f"refuted-{number}") + said
+    label = word(x + 12 if right else x - 12, y + 4, text, anchor="start" if right else "end", style=_on_bar(right))
+    return cross(x, y, kind=f"refuted-{number}") + label
 
 
 def _on_bar(right: bool) -> str:

@@ -46,9 +46,9 @@ def _reasons(verdict: Refusals, recorded: RecordedRun) -> Iterator[str]:
         if verdict.also
         else [()] * len(recorded.rows)
     )
-    for said, more in zip(recorded.words(verdict.signal), also, strict=True):
+    for label, more in zip(recorded.words(verdict.signal), also, strict=True):
         names = " and ".join(name for name in more if name not in ("", "NONE"))
-        yield "" if said in ("", *verdict.fine) else f"{said}: {names}" if names else said
+        yield "" if label in ("", *verdict.fine) else f"{label}: {names}" if names else label
 
 
 def refusals_table(one: Sources, recorded: RecordedRun) -> dict[str, list[str] | list[list[str]]]:

@@ -124,8 +124,8 @@ def _passed(one: Sources, things: Things, recorded: RecordedRun, zero: Series) -
         step = _reached(zero, at) if things.kind == "reflector" else read
         if step is not None:
             label = recorded.given[read].get(things.label)
-            said = "" if label is None else recorded.word(things.label, label)
-            yield _Passed(things.kind, said, at, step * one.period_ms / 1_000)
+            text = "" if label is None else recorded.word(things.label, label)
+            yield _Passed(things.kind, text, at, step * one.period_ms / 1_000)
 
 
 def _reached(zero: Series, at: int) -> int | None:

@@ -27,8 +27,8 @@ def standings_picture(one: Standings, recorded: RecordedRun) -> str:
     bottom = top + _APART * len(one.rows)
     made.append(across_axis(axis, bottom + 4, "distance along the line in m"))
     made.append(violations(recorded, places, axis, bottom))
-    said = [name for row in one.rows for name in words[row]]
-    drawn, y = legend(strip_legend(said, members), bottom + 62)
+    labels = [name for row in one.rows for name in words[row]]
+    drawn, y = legend(strip_legend(labels, members), bottom + 62)
     return picture([*made, drawn], y, f"{one.title}, recording {recorded.name}")
 
 

@@ -49,16 +49,16 @@ def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
 
 def _pieces(axis: Axis, places: Series, words: Sequence[str]) -> Iterator[_Piece]:
     """Yield the pieces; each reaches to the begin of the next one, unless there is a gap between."""
-    known = [None if place is None else (axis.at(place), said) for place, said in zip(places, words, strict=True)]
+    known = [None if place is None else (axis.at(place), label) for place, label in zip(places, words, strict=True)]
     for gap, run in groupby(known, lambda one: one is None):
         stretch = [one for one in run if one is not None]
         if gap:
             continue
         at = 0
-        for said, group in groupby(stretch, lambda one: one[1]):
+        for label, group in groupby(stretch, lambda one: one[1]):
             length = len(list(group))
             reached = [x for x, _ in stretch[at : at + length + 1]]
-            yield _Piece(min(reached), max(reached), said)
+            yield _Piece(min(reached), max(reached), label)
             at += length
 
 

@@ -20,11 +20,11 @@ from safeloc.assurance.splits.covered import (
     hidden_in_shared_rooms,
     judge,
     targets_of,
-    told,
+    text_of,
 )
 from safeloc.assurance.splits.deciding import Change, changed, changes, deciding
 from safeloc.assurance.splits.folded import cases_of, folded_cases
-from safeloc.assurance.splits.live import splits_of
+from safeloc.assurance.splits.live_splits import splits_of
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import source_of
 from safeloc.config import Configurations
@@ -46,7 +46,7 @@ none can make them live."""
 
 
 def _as_lines(splits: Iterable[Split]) -> str:
-    return "\n".join(sorted({f"  {split.kind} at {split.place}: {told(split)}" for split in splits}))
+    return "\n".join(sorted({f"  {split.kind} at {split.place}: {text_of(split)}" for split in splits}))
 
 
 def assert_nothing_hidden(found: Covered) -> None:
@@ -73,7 +73,7 @@ def test_no_configuration_hides_a_case() -> None:
     for one in found:
         assert_nothing_hidden(one)
     assert hidden_in_shared_rooms(found) == {}
-    unused = {told(split) for one in found for split in one.shared}
+    unused = {text_of(split) for one in found for split in one.shared}
     assert set(SHARED) <= unused
 
 

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import pytest
 
 from safeloc.proof.provers import proved_base, recheck
-from tests.checker.evidence import NAMES, Evidence, made
+from tests.checker.small_proofs import NAMES, Evidence, made
 from tests.cli.calling import Call, caller
 
 

@@ -18,7 +18,7 @@ import z3
 from safeloc.codegen.smt import Terms, constant
 from safeloc.language.system import environment
 from safeloc.proof.provers.proved_base import base
-from tests.checker.evidence import Evidence, refused
+from tests.checker.small_proofs import Evidence, refused
 
 SAMPLE, ALL = 40, 1000
 TOKEN = re.compile(r"\|[^|\n]*\||[A-Za-z0-9_<=>+*-]+|[()]")

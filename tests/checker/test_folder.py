@@ -14,7 +14,7 @@ from safeloc.checker.folder import check_folder
 from safeloc.errors import InputError
 from safeloc.report.certificates import Archives, read_archives, write_archives
 from safeloc.runtime.packed import packed, read_packed
-from tests.checker.evidence import Evidence, refused, written
+from tests.checker.small_proofs import Evidence, refused, written
 from tests.cli.calling import Call
 
 

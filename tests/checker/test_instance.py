@@ -12,7 +12,7 @@ from safeloc.language.expr import before
 from safeloc.language.spec import always
 from safeloc.proof.provers.portfolio import prove
 from tests.checker.declared import KNOWN, PLACE, TICK
-from tests.checker.evidence import LIMITS, Evidence, kept, refused
+from tests.checker.small_proofs import LIMITS, Evidence, kept, refused
 
 DEAD_ENDS = "tracking/obligation/dead ends"
 

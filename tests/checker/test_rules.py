@@ -22,7 +22,7 @@ from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.target import Target
-from tests.checker.evidence import LIMITS, NAMES, Evidence, kept, refused, removed, solved
+from tests.checker.small_proofs import LIMITS, NAMES, Evidence, kept, refused, removed, solved
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -13,7 +13,7 @@ from safeloc.catalogue import load_target
 from safeloc.checker.folder import Checked, check_folder
 from safeloc.proof.provers.obligations import obligations
 from safeloc.runtime.packed import packed, read_packed
-from tests.checker.evidence import LIMITS, kept, written
+from tests.checker.small_proofs import LIMITS, kept, written
 
 BY_ITSELF = "pair/obligation/transition leaper: leap"
 CASE = "counting/obligation/case 1 of answered"

@@ -140,9 +140,9 @@ def test_what_is_refused(call: Call, arguments: tuple[str, ...], told: str) -> N
 
 
 def test_figures_that_pass_nothing_are_refused(call: Call, tmp_path: Path) -> None:
-    """A charge beyond the tolerance is told with its sum."""
+    """An added error beyond the tolerance is reported with its sum."""
     figures = tmp_path / "guard.toml"
     figures.write_text("tolerance_mm = 10_000\n", encoding="utf-8")
     called = call("guard", LINE, CSV, "--config", str(figures))
     assert 2 == called.code
-    assert "is charged 25000 mm" in called.err
+    assert "has an error bound of 25000 mm" in called.err

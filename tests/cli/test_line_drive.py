@@ -12,7 +12,7 @@ from safeloc.runtime.streams.records import MarkerRecord, TruthRecord
 from tests.cli.calling import Call
 from tests.data_sources import data_file
 from tests.railway.map.imports.test_geojson import SWITCH
-from tests.railway.map.recorded import EDGES_31259, PATHS
+from tests.railway.map.recorded_trains import EDGES_31259, PATHS
 
 CONFIG = "period_ms = 400\nreader_latency_ms = 0\nvehicle_length_mm = 100000\ntrust_first_marker = true\n"
 HEADING = "timestamp,longitude,latitude,position_type\n"

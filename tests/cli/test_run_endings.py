@@ -102,7 +102,7 @@ def test_silence_withdraws_without_a_watchdog(tmp_path: Path) -> None:
 
 
 def test_told_to_stop_within_a_turn() -> None:
-    """A turn that takes too long is left: what was not heard is charged as what came while nobody listened."""
+    """A turn that takes too long is left: what was not read adds to the error like what came while nobody listened."""
     heard: list[int] = []
 
     class Fake(loop.Loop):

@@ -177,7 +177,7 @@ def test_a_name_of_somebody_elses_is_not_corrected() -> None:
 
 
 def test_what_is_told_in_parts_now_names_both() -> None:
-    """The level of a solution, which the machine charges itself: with the machine's name, and only where there are the parts."""
+    """The level of a solution, whose error the machine adds itself: with the machine's name, and only where there are the parts."""
     parts = ["position.fix_dilution_permille", "position.fix_further_mm"]
     told = (
         "; 'position.fix_protection_mm' is replaced by 'position.fix_dilution_permille' and 'position.fix_further_mm'"
@@ -246,3 +246,9 @@ def test_a_keyword_that_is_not_taken_is_told_with_those_that_are() -> None:
         Transition("go", mode, mode, updates={})  # type: ignore[call-arg]
     with pytest.raises(ModelError, match=r"Transition takes no 'requirement'; .* Did you mean 'requirements'\?"):
         Transition("go", mode, mode, requirement=())  # type: ignore[call-arg]
+
+
+def test_a_missing_argument_is_pythons_own_error() -> None:
+    """Only keywords are checked: a call that lacks an argument gets the ordinary message, with the argument's name."""
+    with pytest.raises(TypeError, match=r"missing 1 required positional argument: 'term'$"):
+        always("P")  # type: ignore[call-arg]

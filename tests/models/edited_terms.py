@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 
 Made = tuple[Machine, Iterable[Property]]
 

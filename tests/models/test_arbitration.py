@@ -22,7 +22,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.arbitration import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive, without
+from tests.models.inductive import changed, inductive, without
 
 SUBSETS = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]
 FEW = [("satellite",), ("odometry", "balise"), ("reflector", "fibre"), SOURCES]

@@ -14,7 +14,7 @@ from safeloc.models.area.slot import ACCEPTED, ENTERS_LOW, Reach, Slot
 from safeloc.models.sections import SectionsConfig, compose_machines
 from safeloc.properties.sections import properties
 from tests.models.edited_terms import edited
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 
 CONFIG = SectionsConfig(area=AreaConfig(trains=2))
 HELD, LOOSE = "train 1 containment", "loose vehicles are accounted for"
@@ -74,8 +74,8 @@ def only_low(own: Parts) -> Bool:
 Wrong = Callable[..., object]
 OF_A_TRAIN: dict[str, tuple[type, str, Wrong, str]] = {
     "a train not heard of stands": (Slot, "run_on", lambda one, _: at_rest(one), HELD),
-    "age is not charged": (Reach, "charge_mm", lambda _r, _, _age: as_num(0, MM), AGED),
-    "half of the age is added": (Reach, "charge_mm", lambda _r, right, _age: right - 22_000, AGED),
+    "age is not added": (Reach, "added_error_mm", lambda _r, _, _age: as_num(0, MM), AGED),
+    "half of the age is added": (Reach, "added_error_mm", lambda _r, right, _age: right - 22_000, AGED),
     "a part that is lost is forgotten": (Slot, "holds_low", lambda _s, _r: TRUE, LEADS),
     "the other end leads": (Slot, "holds_high", lambda one, _: one.integer | one.downwards, LEADS),
     "an old report narrows": (Slot, "bounds", lambda one, _, *ends: narrows(one, *ends), NARROWS),

@@ -23,7 +23,7 @@ from safeloc.properties import axle_section as section_properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import unproved_of
 from tests.models.fibre_family import labels, mode_labels
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 
 @cache

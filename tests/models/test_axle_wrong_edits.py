@@ -18,7 +18,7 @@ from safeloc.models.axle_section.variables import Parts
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 from tests.models.spoilt import rebuilt
 
 Term = Callable[[Parts], Bool | Num]
@@ -162,7 +162,7 @@ def test_the_right_record_keeps_it(claim: str) -> None:
     assert not _counter_lacks(claim)
 
 
-def test_a_change_of_speed_that_is_not_charged_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_change_of_speed_that_is_not_added_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The world reckons with traction and brake by itself: half of it in the machine loses a proof."""
     monkeypatch.setattr(AxleCounterConfig, "change_mm_s", 75)
     assert _counter_lacks("speed is true")

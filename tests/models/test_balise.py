@@ -143,7 +143,7 @@ def test_intervals_that_exclude_each_other_delocalize() -> None:
     assert (label(trace, "reason"), out(trace)["valid"]) == ("CONTRADICTION", False)
 
 
-def test_the_time_since_the_reading_is_charged() -> None:
+def test_the_time_since_the_reading_adds_error() -> None:
     """10 ms at 44.445 m/s are 0.444 m on the side the vehicle runs to; the latched counter moves the place instead."""
     by_age = read_at(50, NEXT, NEXT, telegram_since_mm=None, telegram_age_ms=10)
     assert interval(by_age) == (50_000, 1_445, 1_000)
@@ -151,7 +151,7 @@ def test_the_time_since_the_reading_is_charged() -> None:
     assert interval(by_counter) == (50_600, 1_030, 1_030)
 
 
-def test_an_old_reading_is_charged_both_ways() -> None:
+def test_an_old_reading_adds_error_both_ways() -> None:
     """A reading older than the cycle: the direction of this cycle says nothing of it."""
     trace = read_at(50, NEXT, NEXT, telegram_since_mm=None, telegram_age_ms=150)
     position, above, below = interval(trace)
@@ -159,15 +159,15 @@ def test_an_old_reading_is_charged_both_ways() -> None:
 
 
 @pytest.mark.parametrize(
-    ("linking", "national", "charged"), [(1_000, 5_000, 1_000), (None, 5_000, 5_000), (None, None, 2_000)]
+    ("linking", "national", "added"), [(1_000, 5_000, 1_000), (None, 5_000, 5_000), (None, None, 2_000)]
 )
-def test_accuracy_by_precedence(linking: int | None, national: int | None, charged: int) -> None:
+def test_accuracy_by_precedence(linking: int | None, national: int | None, added: int) -> None:
     """3.6.4.2.3: linking, else the national value (once received it stays), else the default."""
     group = replace(NEXT, accuracy_mm=linking)
     told: dict[str, Cell] = {} if national is None else {"national_accuracy_mm": national}
     stream = until(50, [step(1_000, telegram(START, since_mm=0)), step(1_000, announcement(group), told)])
     trace = drive([*stream, step(1_000, telegram(group, since_mm=0))])
-    assert trace.steps[-1].state["charged_accuracy_mm"] == charged
+    assert trace.steps[-1].state["charged_accuracy_mm"] == added
 
 
 def test_missing_distance_charges_the_top_speed_and_silence_delocalizes() -> None:

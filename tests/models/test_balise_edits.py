@@ -12,7 +12,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.balise import build
-from safeloc.models.balise.judgement import Judged
+from safeloc.models.balise.judgement import Judgement
 from safeloc.models.balise.linking import Announcement
 from safeloc.models.balise.telegram import Reader, Telegram
 from safeloc.models.balise.variables import BaliseConfig, parts
@@ -36,7 +36,7 @@ def shifted(fix: Interval, by: Num | int) -> Interval:
 
 
 def narrower(fix: Interval, by: Num | int) -> Interval:
-    """The interval with less charged on either side."""
+    """The interval with less added on either side."""
     return Interval(fix.position, fix.above - by, fix.below - by)
 
 
@@ -50,11 +50,11 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "antenna before the front end": (
         Reader, "fix", lambda r, right, *_: shifted(right, -2 * r.antenna_mm * NM_PER_MM),
         "containment"),
-    "detection accuracy not charged": (
+    "detection accuracy not added": (
         Reader, "fix", lambda r, right, *_: narrower(right, r.detection_mm * NM_PER_MM), "containment"),
-    "location accuracy not charged": (
+    "location accuracy not added": (
         Reader, "fix", lambda _r, right, _read, _place, accuracy, *_: narrower(right, exact_to(accuracy, NM)), "containment"),
-    "odometer's constant not charged": (Reader, "fix", lambda r, right, *_: narrower(right, r.constant_nm), "containment"),
+    "odometer's constant not added": (Reader, "fix", lambda r, right, *_: narrower(right, r.constant_nm), "containment"),
     "run since the reading not added": (
         Reader, "fix",
         lambda _r, right, read, *_: shifted(right, -ran(read)), "containment"),
@@ -63,7 +63,7 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
         lambda _r, right, read, *_: shifted(right, ran(read) * -2),
         "containment"),
     "telegram age ignored": (Reader, "run_since", lambda _r, right, *_: (right[0] * 0, right[1] * 0), "containment"),
-    "run since the reading charged on the other side": (
+    "run since the reading added on the other side": (
         Reader, "run_since", lambda _r, right, *_: (right[1], right[0]), "containment"),
     "window on the wrong side of the group": (
         Reader, "window", lambda r, right, *_: tuple(end - 2 * r.antenna_mm * NM_PER_MM for end in right),
@@ -77,15 +77,15 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "direction of the group ignored": (
         Telegram, "against", lambda _t, _r, _o: FALSE, "of the expected group but passed the wrong way changes nothing"),
     "stale telegrams believed": (Telegram, "stale", lambda _t, _r: FALSE, "stale changes nothing"),
-    "interval and telegram always agree": (Judged, "agrees", lambda c, _: c.run_on.low <= c.run_on.high, "containment"),
+    "interval and telegram always agree": (Judgement, "agrees", lambda c, _: c.run_on.low <= c.run_on.high, "containment"),
     "interval and telegram agree without the constant": (
-        Judged, "agrees", lambda c, _: c.run_on.overlap(c.fix) >= -100 * CONFIG.tolerance_mm * NM_PER_MM, "containment"),
+        Judgement, "agrees", lambda c, _: c.run_on.overlap(c.fix) >= -100 * CONFIG.tolerance_mm * NM_PER_MM, "containment"),
     "accuracy that linking gives is forgotten": (
         Announcement, "record", lambda _a, right: replace(right, accurate=FALSE), "announced group 1 stays stored as announced"),
     "announced place taken 10 m farther": (
         Announcement, "record", lambda _a, right: replace(right, place=right.place + 10_000),
         "announced group 1 stays stored as announced"),
-    "odometer error not charged": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
+    "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
     "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, "containment"),
 }  # fmt: skip
 """Where, what, the wrong term, and the claim that notices."""

@@ -1,4 +1,4 @@
-"""Proofs of the balise machine that would notice: each guard or charge, once broken, loses a property."""
+"""Proofs of the balise machine that would notice: each guard or added error, once broken, loses a property."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from safeloc.language.verdict import Proved, word
 from safeloc.models import balise
 from safeloc.models.balise import Balise, build
 from safeloc.models.balise import variables as v
-from safeloc.models.balise.judgement import Judged
+from safeloc.models.balise.judgement import Judgement
 from safeloc.models.balise.telegram import PASSED, Reader
 from safeloc.models.balise.variables import BaliseConfig, Parts, parts
 from safeloc.models.vocabulary.error_law import EDDY_CURRENT, RADAR, ErrorLaw
@@ -85,7 +85,7 @@ def accepting(verdict: Num) -> Breaking:
         table = []
         for t in good.machine.transitions:
             if t.name == "expected group resets the position":
-                wrongly = good.judged.sightings[0].seen & good.judged.verdict.eq(verdict)
+                wrongly = good.judgement.sightings[0].seen & good.judgement.verdict.eq(verdict)
                 table.append(replace(t, when=t.when | wrongly))
             else:
                 table.append(t)
@@ -105,12 +105,12 @@ def changed(name: str, updates: Callable[[Balise], Mapping[Var, Expr]]) -> Break
 
 def less_margin(good: Balise) -> Mapping[Var, Expr]:
     """The margin grows by one nanometre a cycle less than the error may."""
-    return {good.own.held.above: good.judged.run_on.above - 1}
+    return {good.own.held.above: good.judgement.run_on.above - 1}
 
 
 def telegram_alone(good: Balise) -> Mapping[Var, Expr]:
     """The telegram replaces the interval instead of narrowing it."""
-    return dict(good.own.held.become(good.judged.fix))
+    return dict(good.own.held.become(good.judgement.fix))
 
 
 BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
@@ -188,7 +188,7 @@ BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
 def sharper(good: Balise) -> Mapping[Var, Expr]:
     """A reset that forgets the antenna's detection accuracy."""
     reader = replace(good.own.config.reader, detection_mm=0)
-    odometer, cycle = good.own.odometer, good.judged
+    odometer, cycle = good.own.odometer, good.judgement
     fix = reader.fix(good.own.read, cycle.place, cycle.accuracy, odometer.distance, odometer.admitted)
     return dict(good.own.held.become(cycle.run_on.narrowed(fix)))
 
@@ -233,18 +233,18 @@ def test_variant_is_proved(name: str) -> None:
 # ------------------------------------------------------------------ wrong edits of the terms
 
 
-Group = Callable[[Parts, Judged], Updates]
+Group = Callable[[Parts, Judgement], Updates]
 
 
 def _search_forgotten(right: Group) -> Group:
-    def group(own: Parts, cycle: Judged) -> Updates:
+    def group(own: Parts, cycle: Judgement) -> Updates:
         return {**right(own, cycle), own.search.known: FALSE, own.search.place: as_num(0, MM)}
 
     return group
 
 
 def _search_from_the_reflector(right: Group) -> Group:
-    def group(own: Parts, cycle: Judged) -> Updates:
+    def group(own: Parts, cycle: Judgement) -> Updates:
         told, place = own.read.search.present, cycle.place + own.read.reflector.value
         return {**right(own, cycle), own.search.place: ite(told, place, as_num(0, MM))}
 
@@ -262,7 +262,7 @@ def _without_detection(
 
 
 def _early_is_incomplete(right: cached_property[Num]) -> property:
-    def verdict(cycle: Judged) -> Num:
+    def verdict(cycle: Judgement) -> Num:
         judged = right.func(cycle)
         return ite(judged.eq(v.TOO_EARLY), v.INCOMPLETE, judged)
 
@@ -278,7 +278,7 @@ def _never_told(_: object) -> property:
 
 
 def _by_any_second_group(_: object) -> property:
-    def direction(cycle: Judged) -> Num:
+    def direction(cycle: Judgement) -> Num:
         return ite(cycle.own.memory.group.ne(0), v.ALONG, cycle.own.memory.direction)
 
     return property(direction)
@@ -302,11 +302,11 @@ EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
     "window without the detection accuracy": (Reader, "window", _without_detection, "no window closes early"),
     "window without the detection accuracy refuses a right group": (Reader, "window", _without_detection, AT_ITS_PLACE),
     "antenna on the wrong side refuses a right group": (Reader, "window", _wrong_side, AT_ITS_PLACE),
-    "refusals counted by misses": (Judged, "disagrees", lambda _: property(lambda cycle: cycle.missed), IN_A_ROW),
-    "a group out of its window is taken for incomplete": (Judged, "_of_announced", _early_is_incomplete, COUNTED),
-    "direction told by any group": (Judged, "direction", _beyond_always, DIRECTION),
-    "direction never told": (Judged, "direction", _never_told, DIRECTION),
-    "direction by any second group": (Judged, "direction", _by_any_second_group, DIRECTION),
+    "refusals counted by misses": (Judgement, "disagrees", lambda _: property(lambda cycle: cycle.missed), IN_A_ROW),
+    "a group out of its window is taken for incomplete": (Judgement, "_of_announced", _early_is_incomplete, COUNTED),
+    "direction told by any group": (Judgement, "direction", _beyond_always, DIRECTION),
+    "direction never told": (Judgement, "direction", _never_told, DIRECTION),
+    "direction by any second group": (Judgement, "direction", _by_any_second_group, DIRECTION),
     "what was told is never forgotten": (v.Ahead, "lies_ahead", lambda _: lambda told, passed: told.known, TOLD),
 }
 
@@ -325,8 +325,8 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
     assert lost(made.machine, properties(made), broken)
 
 
-def test_a_floor_that_is_not_charged_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """MRK-4: of a unit that errs with time, what the law adds in every cycle is charged."""
+def test_a_floor_that_is_not_added_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MRK-4: of a unit that errs with time, what the law adds in every cycle is added."""
     monkeypatch.setattr(ErrorLaw, "growth_nm", _without_floor(None))
     made = build(parts(VARIANTS["radar"]))
     assert lost(made.machine, properties(made), "rejected telegrams change nothing")

@@ -94,7 +94,7 @@ def test_any_mixture_of_faulty_groups_keeps_every_property(
 
 
 def test_a_wheel_that_begins_to_slide_is_not_believed() -> None:
-    """The sudden change is beyond what the vehicle can do: its distances are refused, and the top speed is charged."""
+    """The sudden change is beyond what the vehicle can do: its distances are refused, and the top speed is added to the error."""
     stream = simulate(
         BaliseConfig(), seed=3, legs=[Leg(39_000, 35)], groups=line(60_000, 80_000, 9), missed=0, dropout=0,
         sensor_faults=[Fault("slide", "odometer", 250, 300)],

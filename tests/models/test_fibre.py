@@ -24,7 +24,7 @@ from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.properties.fibre import properties
 from tests.models.everything_proved import unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 CONFIG = FibreConfig()
 RAISED = Section(1_000_000, 1_300_000, Symbol(rises=True, long=True))
@@ -197,8 +197,8 @@ EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
     ("overdue", _missed_ahead_only, "missed section raises F at once"),
     ("one", lambda cycle: ite(cycle.own.forwards, as_num(1, COUNT), as_num(1, COUNT)), "every signal counts by direction"),
     ("forwards", lambda cycle: cycle.own.forwards, "direction and silence are followed"),
-    ("charge", lambda cycle: as_num(0, NM), "every run adds its error"),
-    ("fresh", lambda cycle: cycle.charge, "an edge adds the run of its cycle to the error"),
+    ("added_error", lambda cycle: as_num(0, NM), "every run adds its error"),
+    ("fresh", lambda cycle: cycle.added_error, "an edge adds the run of its cycle to the error"),
     ("since", lambda cycle: cycle.own.since, "every run adds its error"),
     ("silent", lambda cycle: ~cycle.own.run.present & (cycle.own.gap > 3) & cycle.own.counted, "a pattern that is lost has no place"),
     ("too_wide", lambda cycle: cycle.drift > 10**12, "a pattern that is lost has no place"),
@@ -223,7 +223,7 @@ def lacking(claim: str) -> bool:
 def test_a_wrong_term_is_noticed(
     name: str, wrong: Callable[[Cycle], object], broken: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A fall that is never noticed, a section missed while running down, a charge that is forgotten: each loses a proof."""
+    """A fall that is never noticed, a section missed while running down, an added error that is forgotten: each loses a proof."""
     monkeypatch.setattr(Cycle, name, property(wrong))
     assert lacking(broken)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -27,7 +29,16 @@ from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry, entry
-from safeloc.models.fibre_area.recordings import FOLDER, LATE_RECORD, NAMED, SERVICE, SPLIT, TURNED_BACK, write
+from safeloc.models.fibre_area.recordings import (
+    FOLDER,
+    LATE_RECORD,
+    NAMED,
+    ON_DEMAND,
+    SERVICE,
+    SPLIT,
+    TURNED_BACK,
+    write,
+)
 from safeloc.models.fibre_area.simulate import REMARK, Journey, first_state, simulate_journey
 from safeloc.models.sections import SectionsConfig, section
 from safeloc.models.verification import Verification, VerificationConfig
@@ -39,7 +50,7 @@ from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
 from tests.models.fibre_family import labels
-from tests.models.one_step import changed, inductive_in
+from tests.models.inductive import changed, inductive_in
 
 CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
 Wiring = Callable[[Verification, Fibre, Fibre, Emitter, Entry], dict[Var, Expr]]
@@ -105,6 +116,17 @@ def test_the_recordings_come_out_the_same(tmp_path: Path) -> None:
     made = write(tmp_path)
     assert len(NAMED) == len(made)
     assert [path.name for path in made if path.read_bytes() != (FOLDER / path.name).read_bytes()] == []
+
+
+def test_what_does_not_ship_comes_out_the_same(tmp_path: Path) -> None:
+    """Recordings that are made on demand have the digest of the run that was looked at, and none of them ships."""
+    made = write(tmp_path, ON_DEMAND)
+    digests = {path.name: hashlib.sha256(gzip.decompress(path.read_bytes())).hexdigest()[:16] for path in made}
+    assert {
+        "fibre_area-split.jsonl.gz": "b64fc86ee76cbd41",
+        "fibre_area-turned-back.jsonl.gz": "7f3adc0a9048a14f",
+    } == digests
+    assert not any((FOLDER / name).exists() for name in digests)
 
 
 @pytest.mark.parametrize(
@@ -180,7 +202,7 @@ def test_a_stale_reading_narrows_nothing() -> None:
 
 def labels_of_area(trace: Trace) -> list[str]:
     """What became of the train's report in every cycle."""
-    unit = made().area.own.slots[0].judged.unit
+    unit = made().area.own.slots[0].last_verdict.unit
     return [str(unit.members[int(step.state["area.train_1_judged"])]) for step in trace.steps]  # type: ignore[union-attr]
 
 
@@ -241,7 +263,7 @@ def spoilt(part: str, row: str, **fields: object) -> FibreArea:
         "verification": verification_model.build(verification_model.parts(CONFIG.verification), place_kept=True),
         "report": report_model.build(
             report_model.parts(
-                CONFIG.parting, CONFIG.sections.area.reach, fibre_area.told_run(CONFIG.fibre), 10**13, 1_500_000
+                CONFIG.parting, CONFIG.sections.area.reach, fibre_area.reported_run(CONFIG.fibre), 10**13, 1_500_000
             )
         ),
         "area": area_model.build(slots, kept=slots.slots[:1], counted_out=slots.slots[:1]),

@@ -44,7 +44,7 @@ def test_a_short_section_left_fast_is_no_long_one() -> None:
     assert told[-1]["word_length"] == 0
 
 
-def test_an_edge_unheard_is_charged_the_run_since_the_last_amplitude() -> None:
+def test_an_edge_unheard_gets_the_error_of_the_run_since_the_last_amplitude() -> None:
     """The amplitude fails as a section begins, for four cycles: the interval holds the truth when the section is noticed."""
     config, drive = FibreConfig(), Drive(steady(30_000, 90), flight_off_mm=None)
     steps = simulate(config, seed=1, drive=drive, sections=[SECTION])

@@ -45,13 +45,13 @@ def expected(cycle: Cycle, window_mm: Num | int) -> Bool:
 
 
 def leaving_cycle_free(cycle: Cycle, _right: Num) -> Num:
-    """The run of the cycle in which a section is left is not charged in its length."""
+    """The run of the cycle in which a section is left is not added in its length."""
     return ceil_to(cycle.drift, MM)
 
 
 def of_this_cycle(cycle: Cycle, _right: Num) -> Num:
-    """What was run before without an amplitude is not charged to an edge."""
-    return ite(cycle.own.run.present, exact_to(abs_(cycle.own.run.value), NM), as_num(0, NM)) + cycle.charge
+    """What was run before without an amplitude is not added to an edge."""
+    return ite(cycle.own.run.present, exact_to(abs_(cycle.own.run.value), NM), as_num(0, NM)) + cycle.added_error
 
 
 def half_way(cycle: Cycle, _right: Bool) -> Bool:
@@ -77,14 +77,14 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
         "fits", lambda c, _: c.own.ahead.known & ~c.full, "false section raises F at once"),
     "a section of any kind": (
         "fits", lambda c, _: c.own.next_to(c.forwards)[0] & (abs_(c.place - c.own.next_to(c.forwards)[1]) <= READ_MM), "containment"),
-    "the run of an edge's cycle is not charged": ("fresh", lambda c, _: c.charge, "containment"),
-    "the run without an amplitude is not charged": ("fresh", of_this_cycle, "containment"),
-    "the run without an amplitude is not charged, claimed": (
+    "the run of an edge's cycle is not added": ("fresh", lambda c, _: c.added_error, "containment"),
+    "the run without an amplitude is not added": ("fresh", of_this_cycle, "containment"),
+    "the run without an amplitude is not added, claimed": (
         "fresh", of_this_cycle, "an edge adds the run of its cycle to the error"),
     "an edge after any silence": ("late", lambda _c, _r: FALSE, "a change of long ago is no signal"),
-    "the leaving cycle is not charged in the length": (
+    "the leaving cycle is not added in the length": (
         "edge_slack", leaving_cycle_free, "a length that is read is the true one"),
-    "the leaving cycle is not charged in the map's length": (
+    "the leaving cycle is not added in the map's length": (
         "edge_slack", leaving_cycle_free, "wrong length raises F"),
     "lengths without what the run may be wrong by": ("_reads", reads, "a length that is read is the true one"),
     "turned back by half a section": ("turned_back", half_way, "containment"),
@@ -95,7 +95,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
         "reads_long", lambda c, _: abs_(c.inside) > CONFIG.short_mm, "a length that is read is the true one"),
     "a wrong length is no error": ("wrong_length", lambda _c, _r: FALSE, "disagreement raises F"),
     "a section without end": ("endless", lambda _c, _r: FALSE, "endless section raises F at once"),
-    "rate and floor are not charged": ("charge", lambda _c, _r: as_num(0, NM), "containment"),
+    "rate and floor are not added": ("added_error", lambda _c, _r: as_num(0, NM), "containment"),
     "the run is not followed": ("since", lambda c, _: c.own.since, "containment"),
     "the direction is that of before": ("forwards", lambda c, _: c.own.forwards, "direction and silence are followed"),
     "an unheard pattern is followed": ("silent", lambda _c, _r: FALSE, "a pattern that is lost has no place"),

@@ -25,7 +25,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_handover import properties
 from safeloc.runtime.streams.steps import Cell
-from tests.models.one_step import changed, inductive_in
+from tests.models.inductive import changed, inductive_in
 
 CONFIG = FibreHandoverConfig()
 SHARED_MM = (300_000, 500_000)

@@ -19,7 +19,7 @@ from safeloc.language.units import COUNT, NM, UM_S
 from safeloc.language.verdict import Held, Proved
 from safeloc.models import guard
 from safeloc.models.guard import Guard, box, build, judgement
-from safeloc.models.guard.judgement import Judged
+from safeloc.models.guard.judgement import Judgement
 from safeloc.models.guard.simulate import FIRST_TRUTH, simulate
 from safeloc.models.guard.variables import (
     ACROSS,
@@ -41,7 +41,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
 from safeloc.runtime.streams.steps import read_steps
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive, without
+from tests.models.inductive import changed, inductive, without
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
 
@@ -112,10 +112,10 @@ def keeps(machine: Machine, name: str, only: str = "") -> bool:
 @pytest.mark.parametrize(
     ("name", "fields"),
     [
-        ("receiver believed", {"when": MODEL.judged.agrees & MODEL.judged.begins}),
-        ("receiver believed again", {"when": MODEL.judged.agrees}),
-        ("fix passed on", {"when": MODEL.judged.begins}),
-        ("receiver believed", {"when": MODEL.judged.confirmed}),
+        ("receiver believed", {"when": MODEL.judgement.agrees & MODEL.judgement.begins}),
+        ("receiver believed again", {"when": MODEL.judgement.agrees}),
+        ("fix passed on", {"when": MODEL.judgement.begins}),
+        ("receiver believed", {"when": MODEL.judgement.confirmed}),
     ],
     ids=["one fewer in the row", "one lucky fix on probation", "window not looked at", "agreement not looked at"],
 )
@@ -135,8 +135,8 @@ def spoilt_updates(name: str, change: Callable[[Guard], dict[object, object]]) -
     [
         ("coast while passing", lambda model: {model.own.high: model.own.high}),
         ("coast while probation", lambda model: {model.own.low: model.own.low}),
-        ("implausible fix", lambda model: box.become(model.own, model.judged.with_fix)),
-        ("fix agrees on probation", lambda model: box.become(model.own, model.judged.with_fix)),
+        ("implausible fix", lambda model: box.become(model.own, model.judgement.with_fix)),
+        ("fix agrees on probation", lambda model: box.become(model.own, model.judgement.with_fix)),
         ("fix passed on", lambda model: {model.own.anchor_high: model.own.anchor_low}),
         ("coast while passing", lambda model: {model.own.fast: model.own.fast}),
     ],
@@ -150,7 +150,7 @@ def test_a_broken_update_loses_the_truth(name: str, change: Callable[[Guard], di
 @pytest.mark.parametrize(
     ("prop", "name", "fields"),
     [
-        ("no resurrection", "receiver believed again", {"when": MODEL.judged.agrees}),
+        ("no resurrection", "receiver believed again", {"when": MODEL.judgement.agrees}),
         ("an implausible fix costs the trust", "implausible fix", {"when": FALSE}),
         ("only a full row passes", "fix passed on", {"set": {MODEL.own.agreed: as_num(1, COUNT)}}),
         ("faults are never passed", "fix passed on", {"when": TRUE}),
@@ -260,16 +260,16 @@ COSTS = "an implausible fix costs the trust"
 CONTRADICTS = "a receiver that contradicts itself loses the trust"
 COMPARED = "a fix is compared with the last one near the way"
 EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
-    "trusted with any fix that agrees": (Judged, "confirmed", _trusted_at_once, "no resurrection"),
-    "trusted with one fix too few": (Judged, "confirmed", _one_too_few, "no resurrection"),
-    "a jump costs no trust": (Judged, "implausible", _jumps_forgiven, COSTS),
-    "a speed costs no trust": (Judged, "implausible", _speed_forgiven, COSTS),
-    "a fix in doubt counts": (Judged, "agrees", _doubt_counts, "a delivery agrees or has the first reason against it"),
-    "the row grows by two": (Judged, "more", _row_by_two, "a row that does not agree begins anew"),
-    "anything begins a row": (Judged, "begins", _begins_by_anything, "a row begins with a fix that may be true"),
+    "trusted with any fix that agrees": (Judgement, "confirmed", _trusted_at_once, "no resurrection"),
+    "trusted with one fix too few": (Judgement, "confirmed", _one_too_few, "no resurrection"),
+    "a jump costs no trust": (Judgement, "implausible", _jumps_forgiven, COSTS),
+    "a speed costs no trust": (Judgement, "implausible", _speed_forgiven, COSTS),
+    "a fix in doubt counts": (Judgement, "agrees", _doubt_counts, "a delivery agrees or has the first reason against it"),
+    "the row grows by two": (Judgement, "more", _row_by_two, "a row that does not agree begins anew"),
+    "anything begins a row": (Judgement, "begins", _begins_by_anything, "a row begins with a fix that may be true"),
     "brakes are not reckoned with": (judgement, "moved", _brake_forgotten, "a fix that is withheld narrows nothing"),
-    "age is not charged": (box, "half_nm", _age_forgotten, "an interval begun by a fix covers the fix's whole error"),
-    "a receiver may contradict itself": (Judged, "follows", _contradiction_forgiven, CONTRADICTS),
+    "age is not added": (box, "half_nm", _age_forgotten, "an interval begun by a fix covers the fix's whole error"),
+    "a receiver may contradict itself": (Judgement, "follows", _contradiction_forgiven, CONTRADICTS),
     "a vehicle runs farther than it can": (judgement, "near_now", _farther_than_run, COMPARED),
     "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "a stored interval that bounds nothing is dropped"),
 }  # fmt: skip
@@ -305,7 +305,7 @@ SLOW = ("the row grows by two", "whatever is held is kept", "a jump costs no tru
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", [pytest.param(edit, marks=pytest.mark.slow if edit in SLOW else ()) for edit in EDITS])
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """MRK-D6: gates, charges and trust are claimed in figures of their own."""
+    """MRK-D6: gates, added errors and trust are claimed in figures of their own."""
     where, name, wrong, broken = EDITS[edit]
     monkeypatch.setattr(where, name, wrong(getattr(where, name)))
     made = build(parts(CONFIG))
@@ -447,7 +447,7 @@ def test_the_same_instant_moves_nothing() -> None:
 def test_wrong_configurations_are_refused() -> None:
     """Figures under which no fix could be passed on, an odd period, a window less than the tolerance or of no steps."""
     for figures, told in (
-        ({"fix_error_mm": 20_000}, "is charged 35000 mm"),
+        ({"fix_error_mm": 20_000}, "has an error bound of 35000 mm"),
         ({"period_ms": 101}, "period_ms must be even"),
         ({"window_limit_mm": 20_000}, "window_limit_mm must not be less"),
         ({"track_clearance_mm": 9_999}, "track_clearance_mm must not be less"),

@@ -54,7 +54,7 @@ def near(first: Num, second: Num, bound: int) -> Bool:
 
 
 def stretch(layout: LayoutConfig) -> Claim:
-    """However a stretch is measured, within the law, its charged error keeps the tolerance; 1 mm more and it may not."""
+    """However a stretch is measured, within the law, its added error keeps the tolerance; 1 mm more and it may not."""
     law = exact_to(MEASURED - SPACING - layout.odometry_constant_mm, NM) <= MEASURED * Lit(
         layout.odometry_rate_ppm, PPM
     )

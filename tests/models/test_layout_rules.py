@@ -17,7 +17,7 @@ from safeloc.models.layout_rules import LayoutConfig
 
 LAYOUT = LayoutConfig()
 OFFSET = LayoutConfig(sensor_offset_mm=2_000, antenna_offset_mm=5_000)
-UNIT = {rules.reflector_follows_balise: COUNT, rules.routes_told_apart: COUNT}
+UNIT = {rules.reflector_follows_balise: COUNT, rules.routes_distinguishable: COUNT}
 Rule = Callable[..., Bool]
 
 
@@ -67,20 +67,20 @@ BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], La
         LAYOUT,
     ),
     "distance": (rules.separable_by_distance, (60_501,), (60_500,), LAYOUT),
-    "neighbours": (rules.told_apart, (True, 157_001, 100_000, 3_000), (True, 157_000, 100_000, 3_000), LAYOUT),
+    "neighbours": (rules.distinguishable, (True, 157_001, 100_000, 3_000), (True, 157_000, 100_000, 3_000), LAYOUT),
     "neighbours, overlapping": (
-        rules.told_apart,
+        rules.distinguishable,
         (True, 60_501, 100_000, 3_000),
         (True, 60_500, 100_000, 3_000),
         LAYOUT,
     ),
-    "neighbours, models": (rules.told_apart, (False, 1, 100_000, 3_000), (True, 1, 100_000, 3_000), LAYOUT),
-    "across tracks": (rules.told_apart_across_tracks, (True, 60_501), (True, 60_500), LAYOUT),
+    "neighbours, models": (rules.distinguishable, (False, 1, 100_000, 3_000), (True, 1, 100_000, 3_000), LAYOUT),
+    "across tracks": (rules.distinguishable_across_tracks, (True, 60_501), (True, 60_500), LAYOUT),
     "branches": (rules.branch_models_differ, (False,), (True,), LAYOUT),
     "switch in view, far": (rules.switch_in_view, (98_000, 100_000, 3_000), (98_001, 100_000, 3_000), OFFSET),
     "switch in view, near": (rules.switch_in_view, (1_000, 100_000, 3_000), (999, 100_000, 3_000), OFFSET),
     "direction": (rules.direction_shows, (False,), (True,), LAYOUT),
-    "routes": (rules.routes_told_apart, (1,), (0,), LAYOUT),
+    "routes": (rules.routes_distinguishable, (1,), (0,), LAYOUT),
     "balise windows": (rules.expectation_windows_apart, (74_001, 12_000, 0), (74_000, 12_000, 0), LAYOUT),
     "stop view, far": (
         rules.stop_reflector_in_view,
@@ -115,7 +115,7 @@ def test_rules_hold_to_the_millimetre(bound: str) -> None:
 
 
 def error_nm(measured: int, fix: int, layout: LayoutConfig) -> int:
-    """The charged error after a measured distance."""
+    """The added error after a measured distance."""
     return int(evaluate([rules.odometry_error_nm(as_num(measured, MM), as_num(fix, MM), layout)], {})[0])
 
 
@@ -142,13 +142,13 @@ def worst_measured(true_mm: int, layout: LayoutConfig) -> int:
 
 @given(layouts())
 def test_the_longest_stretch_is_safe_and_no_shorter_than_need_be(figures: tuple[LayoutConfig, int]) -> None:
-    """Up to it the charged error of the worst measurement keeps the tolerance; a little beyond it does not."""
+    """Up to it the added error of the worst measurement keeps the tolerance; a little beyond it does not."""
     layout, fix = figures
     longest = int(evaluate([rules.longest_stretch_mm(as_num(fix, MM), layout)], {})[0])
     if longest >= 0:
         assert error_nm(worst_measured(longest, layout), fix, layout) <= layout.tolerance_mm * 10**6
     beyond = max(longest, 0) + 1
-    spare = PPM_PER_ONE  # one mm of measured distance, rounded down, is charged less than 1 mm
+    spare = PPM_PER_ONE  # one mm of measured distance, rounded down, adds less than 1 mm
     assert error_nm(worst_measured(beyond, layout) + 1, fix, layout) + spare > layout.tolerance_mm * 10**6
 
 
@@ -183,8 +183,8 @@ def test_separable_echoes_fit_one_place(spacing: int, off: int, measured: int, g
 def test_told_apart_on_a_route_is_told_apart_across_tracks() -> None:
     """The rule for one route is the stricter one, for every spacing."""
     for spacing in range(0, 200_000, 500):
-        if holds(rules.told_apart, True, spacing, 100_000, 3_000):
-            assert holds(rules.told_apart_across_tracks, True, spacing)
+        if holds(rules.distinguishable, True, spacing, 100_000, 3_000):
+            assert holds(rules.distinguishable_across_tracks, True, spacing)
 
 
 def test_tolerance_must_leave_room() -> None:

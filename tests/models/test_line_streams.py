@@ -323,7 +323,7 @@ def test_faulty_readings_of_the_front_reader(fault: str, reading: str | None) ->
      ("wheel-stuck", "JUMP")],
 )  # fmt: skip
 def test_a_faulty_wheel_beside_a_radar(fault: str, judged: str) -> None:
-    """The wheel's distances are refused or charged; the interval goes on to hold the truth by the other unit."""
+    """The wheel's distances are refused, or added to the error; the interval goes on to hold the truth by the other unit."""
     told = said(first("few", "odometry", fault, vehicle=LineVehicle()))
     assert withheld_or_contained(told)
     assert judged in told.every("front_wheel_judged")
@@ -336,7 +336,7 @@ def test_a_faulty_wheel_beside_a_radar(fault: str, judged: str) -> None:
      ("distance-jump", "TOO_FAST", {"NO_REFERENCE", "NONE"})],
 )  # fmt: skip
 def test_the_balise_machines_odometer_fails(fault: str, judged: str, reason: set[str]) -> None:
-    """Silent for long: nothing is reported; one impossible distance: refused and charged, and the report goes on."""
+    """Silent for long: nothing is reported; one impossible distance: refused and added to the error, and the report goes on."""
     told = said(first("few", "balise", fault, vehicle=LineVehicle()))
     assert withheld_or_contained(told)
     assert judged in told.every("odometer")

@@ -31,7 +31,7 @@ from safeloc.proof.provers.proved_base import base
 from safeloc.proof.testing import run_tests
 from safeloc.properties.localizer_sections import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed
+from tests.models.inductive import changed
 from tests.proof.provers.small import told
 
 CONFIG = LocalizerSectionsConfig()
@@ -120,11 +120,11 @@ def test_a_train_that_is_not_confirmed_has_no_far_end() -> None:
     assert "the far end is inside" in refuted(changed(ends.machine, "both ends known", when=ends.own.valid))
 
 
-def test_the_length_is_charged_with_its_tolerance() -> None:
+def test_the_length_is_used_with_its_tolerance() -> None:
     """The far end told with the front end's own margin may not hold it."""
     ends = small().ends
     [row] = [t for t in ends.machine.transitions if t.name == "both ends known"]
-    wrong = changed(ends.machine, "both ends known", set={**row.set, ends.own.told_below: ends.own.below})
+    wrong = changed(ends.machine, "both ends known", set={**row.set, ends.own.both_below: ends.own.below})
     assert "the far end is inside" in refuted(wrong)
 
 

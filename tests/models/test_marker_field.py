@@ -9,16 +9,16 @@ import pytest
 from safeloc.language.machine import Machine
 from safeloc.language.spec import observe
 from safeloc.language.verdict import Proved, Violated, word
-from safeloc.models.odometry.field import LONGER, QUEUED, SHORTER, WITHOUT_LENGTH, Arrangement
-from safeloc.models.odometry.marker_field import ONE_LAW, MarkerField, compose_field
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.assumption import assumption_kept
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.provers.proved_base import base
-from safeloc.properties.odometry.marker_field import properties
 from tests.proof.provers.small import told
+from tests.theorems.odometry.field import LONGER, QUEUED, SHORTER, WITHOUT_LENGTH, Arrangement
+from tests.theorems.odometry.marker_field import ONE_LAW, MarkerField, compose_field
+from tests.theorems.odometry.marker_field_claims import properties
 
 ONE_WAITS = ONE_LAW.model_copy(update={"pending_markers": 1})
 CASES: dict[str, tuple[Arrangement, OdometryConfig]] = {

@@ -19,7 +19,7 @@ from safeloc.language.verdict import Proved
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.localizer import CHECKED, Localizer, LocalizerConfig, SourceName, compose_machines
 from safeloc.models.motion import MotionConfig, build, parts
-from safeloc.models.motion.simulate import told
+from safeloc.models.motion.simulate import reported
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
@@ -73,12 +73,12 @@ def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConf
     assert not known.refuted
 
 
-def test_a_creep_is_charged_to_the_last_unit() -> None:
-    """One nm less in a cycle that charges the creep alone: to be discharged, and not kept."""
+def test_a_creep_is_added_to_the_last_unit() -> None:
+    """One nm less in a cycle that adds the creep alone: to be discharged, and not kept."""
     whole = _with(CREEPS)
-    charged = whole.motion.machine.output("more_nm")
-    assert isinstance(charged, Num)
-    one_less = ite(charged.eq(CREEPS.creep_mm_s * 100_000), charged - 1, charged)
+    added = whole.motion.machine.output("more_nm")
+    assert isinstance(added, Num)
+    one_less = ite(added.eq(CREEPS.creep_mm_s * 100_000), added - 1, added)
     assert "contract of balise holds" in names(base(one_user(whole, {"odometer_more_nm": one_less})).refuted)
 
 
@@ -96,7 +96,7 @@ def test_who_rolls_away_is_covered_unless_standing_is_believed() -> None:
     zero = np.zeros_like(drive.step_nm)
     nothing = Distances("odometer", zero, np.ones(len(zero), dtype=np.bool_), zero)
     uncovered = [
-        uncovered_nm(told(motion, nothing, replace(nothing, name="check")), drive)
+        uncovered_nm(reported(motion, nothing, replace(nothing, name="check")), drive)
         for motion in (CHECKED, CREEPS, NOT_BELIEVED)
     ]
     constant = CHECKED.reported_law.constant_mm * 1_000_000
@@ -120,7 +120,7 @@ def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
     "wrong", [_a_little_less, *(pytest.param(one, marks=pytest.mark.slow) for one in (_no_charge, _as_measured))]
 )
 def test_a_smaller_charge_is_not_enough(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
-    """No charge, one nm less, or the odometer as it measured: to be discharged, and not kept."""
+    """No added error, one nm less, or the odometer as it measured: to be discharged, and not kept."""
     whole = compose_machines(LocalizerConfig(sources=("balise",)))
     assert "contract of balise holds" in names(base(one_user(whole, wrong(whole))).refuted)
 
@@ -154,14 +154,14 @@ def _unit(name: str, law: ErrorLaw, rng: np.random.Generator, faults: list[Fault
 
 
 def uncovered_nm(said: Distances, drive: Drive = DRIVE) -> int:
-    """The most by which the error of a run, whenever it began, exceeds the charges of its cycles; nm, to either side."""
+    """The most by which the error of a run, whenever it began, exceeds the added errors of its cycles; nm, to either side."""
     law, worst = CHECKED.reported_law, 0
     error = drive.step_nm - np.where(said.present, said.step_mm, 0) * 1_000_000
     own = np.abs(said.step_mm) * law.rate_ppm
-    charge = np.where(said.present, own, CHECKED.limits.blind_nm) + _more(said)
+    added_error = np.where(said.present, own, CHECKED.limits.blind_nm) + _more(said)
     for side in (error, -error):
         left = 0
-        for one in side - charge:
+        for one in side - added_error:
             left = max(0, left + int(one))
             worst = max(worst, left)
     return worst
@@ -174,9 +174,9 @@ def _more(said: Distances) -> NDArray[np.int64]:
 @pytest.mark.parametrize("kind", [None, *KINDS])
 @pytest.mark.parametrize("faulty", ["odometer", "check"])
 def test_every_run_is_covered(faulty: str, kind: str | None) -> None:
-    """Whichever unit fails, and however: beyond its charges no run errs by more than the one-off constant."""
+    """Whichever unit fails, and however: beyond its added errors no run errs by more than the one-off constant."""
     for seed in range(5):
-        said = told(CHECKED, *measured(seed, faulty, kind))
+        said = reported(CHECKED, *measured(seed, faulty, kind))
         assert uncovered_nm(said) <= CHECKED.reported_law.constant_mm * 1_000_000
 
 
@@ -190,14 +190,14 @@ def test_lawful_units_are_never_refused() -> None:
     for seed in range(10):
         odometer, check = measured(seed, "odometer", None)
         both = odometer.present & check.present
-        assert (told(CHECKED, odometer, check).present == both).all()
+        assert (reported(CHECKED, odometer, check).present == both).all()
 
 
 # ------------------------------------------------------------------ cycles
 
 
 def cycles(*measures: tuple[int | None, int | None]) -> list[dict[str, object]]:
-    """What is said in each of them: distance or None, charge in nm, and the transition."""
+    """What is said in each of them: distance or None, added error in nm, and the transition."""
     system = without_ghosts(lower(build(parts(CHECKED)).machine))
     steps = [
         {name: value for name, value in (("odometer_mm", one), ("check_mm", other)) if value is not None}
@@ -218,20 +218,20 @@ def test_units_that_agree_cost_what_the_worse_law_is() -> None:
 
 
 def test_jitter_within_the_band_costs_nothing() -> None:
-    """Differences that come back are not charged."""
+    """Differences that come back are not added."""
     said = cycles(*[(1_500, 1_500 + (12 if number % 2 else -12)) for number in range(20)])
     assert {one["more"] for one in said} == {0}
 
 
-def test_a_slide_is_told_halfway_and_charged() -> None:
-    """Once the band is used up: a quarter of 2 m is missing; half of it is told, either unit's case is charged."""
+def test_a_slide_is_reported_halfway_and_adds_error() -> None:
+    """Once the band is used up: a quarter of 2 m is missing; half of it is told, the error covers either unit being right."""
     *_, last = cycles(*[(1_500, 2_000)] * 3)
     assert last["fired"] == "units disagree"
     assert last["distance"] == 1_752
     assert isinstance(last["more"], int) and 240_000_000 < last["more"] < 241_000_000
 
 
-def test_a_vehicle_that_stands_is_charged_nothing() -> None:
+def test_a_vehicle_that_stands_gets_no_added_error() -> None:
     """The radar says no more than its floor while no pulse comes."""
     assert {one["more"] for one in cycles(*[(0, 50)] * 50)} == {0}
     assert cycles((0, 60))[0]["more"] != 0
@@ -268,7 +268,7 @@ def with_a_high_floor(law: ErrorLaw) -> ErrorLaw:
 
 
 def test_a_vehicle_has_one_odometer() -> None:
-    """A source that assumes another law than what is told, or does not hear the charge, is refused."""
+    """A source that assumes another law than what is told, or does not receive the added error, is refused."""
     for balise in (BaliseConfig(), BaliseConfig(odometer=CHECKED.reported_law), BaliseConfig(checked_distance=True)):
         with pytest.raises(ValidationError, match="balise"):
             LocalizerConfig(balise=balise)

@@ -1,4 +1,4 @@
-"""Wrong edits of what motion charges, each of which a proof must notice: what its users are owed is not kept any more."""
+"""Wrong edits of the error that motion adds, each of which a proof must notice: what its users are owed is not kept any more."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ EDITS: Mapping[str, Edit] = {
     "standing is believed up to one metre a cycle": _term(UnitCheck, "standing", _standing_up_to_a_metre),
     "standing is believed of the wheel alone": _term(UnitCheck, "standing", _standing_by_the_wheel_alone),
     "standing is believed of the radar alone": _term(UnitCheck, "standing", _standing_by_the_radar_alone),
-    "nothing is charged beyond the law": _term(UnitCheck, "beyond", lambda check: as_num(0, NM)),
-    "no more than 0.1 m a cycle is charged": _term(UnitCheck, "beyond", _capped),
-    "silence is charged with half the top speed": _term(Odometer, "growth", _half_blind),
+    "nothing is added beyond the law": _term(UnitCheck, "beyond", lambda check: as_num(0, NM)),
+    "no more than 0.1 m a cycle is added": _term(UnitCheck, "beyond", _capped),
+    "silence adds half the top speed": _term(Odometer, "growth", _half_blind),
     "what does not come back is forgotten": _term(UnitCheck, "_settled", lambda check: as_num(0, NM)),
 }
 
@@ -62,7 +62,7 @@ def owed(patch: pytest.MonkeyPatch, edit: Edit | None) -> Base:
     return base(one_user(compose_machines(LocalizerConfig(sources=("balise",))), {}), seconds=120)
 
 
-QUICK = ("no more than 0.1 m a cycle is charged", "silence is charged with half the top speed")
+QUICK = ("no more than 0.1 m a cycle is added", "silence adds half the top speed")
 
 
 @pytest.mark.parametrize(

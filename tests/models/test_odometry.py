@@ -25,7 +25,7 @@ from safeloc.properties.odometry import properties
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 from tests.data_sources import log_steps_mm, rows
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 
 FIVE_PERCENT = ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000)
 PLAIN = OdometryConfig(

@@ -85,7 +85,7 @@ def test_a_missing_charge_is_noticed() -> None:
 
 @pytest.mark.parametrize(("safe", "moved"), [(True, 0), (False, 50)])
 def test_a_lone_distance_moves_nothing_where_it_may_be_faulty(safe: bool, moved: int) -> None:
-    """With `single_fault_safe` a distance without its check is charged as if none had come."""
+    """With `single_fault_safe` a distance without its check adds to the error as if none had come."""
     config = OdometryConfig(single_fault_safe=safe, trust_first_marker=True, tolerance_mm=60_000)
     reading = {"front_marker": 1, "front_marker_position_mm": 0, "front_marker_since_mm": 0}
     both = {"front_wheel_mm": 50, "front_radar_mm": 50}

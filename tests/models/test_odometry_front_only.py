@@ -9,15 +9,15 @@ import pytest
 from safeloc.language.machine import Machine
 from safeloc.language.spec import observe, reachable
 from safeloc.language.verdict import Proved, word
-from safeloc.models.odometry.front_only import compose_comparison
-from safeloc.models.odometry.line_ahead import compose_line
 from safeloc.models.odometry.marker_reading import Fix
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.assumption import assumption_kept
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
-from safeloc.properties.odometry.front_only import line_properties, properties
+from tests.theorems.odometry.front_only import compose_comparison
+from tests.theorems.odometry.front_only_claims import line_properties, properties
+from tests.theorems.odometry.line_ahead import compose_line
 
 
 @pytest.mark.slow

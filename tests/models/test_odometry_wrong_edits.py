@@ -24,7 +24,7 @@ from safeloc.models.vocabulary.measured import Limits
 from safeloc.proof.provers.implication import Refuted, unproved
 from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from safeloc.properties.odometry import properties
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 
 FIX = "safeloc.models.odometry.cycle.fix"
 Patch = pytest.MonkeyPatch
@@ -86,7 +86,7 @@ def window_open(patch: Patch) -> None:
 
 
 def half_blind(patch: Patch) -> None:
-    """Silence is charged with half of the highest speed."""
+    """Silence adds half of the highest speed."""
     patch.setattr(Limits, "blind_nm", property(lambda limits: limits.max_speed_mm_s * limits.period_ms * 500))
 
 
@@ -97,7 +97,7 @@ def measured_is_run(patch: Patch) -> None:
 
 
 def constant_free(patch: Patch) -> None:
-    """A fresh reading is not charged the units' one-off constant."""
+    """A fresh reading gets none of the units' one-off constant."""
     sound = Fix.values
     patch.setattr(Fix, "values", lambda fix, wander, tolerance, limit: sound(fix, 0, tolerance, limit))
 
@@ -119,20 +119,20 @@ def readers_swapped(patch: Patch) -> None:
 
 EDITS: Mapping[str, tuple[Edit, str]] = {
     "rear reading without the vehicle length": (reader_with(offset=as_num(0, MM)), "containment"),
-    "length tolerance not charged": (reader_with(offset_tolerance_mm=0), "containment"),
-    "error of the run since the marker not charged": (reader_with(since_ppm=0), "containment"),
-    "latency not charged": (reader_with(latency_ppm=0), "containment"),
-    "a changing speed not charged": (reader_with(unsteady_nm=(0, 0)), "containment"),
-    "accuracy of the map not charged": (reader_with(accuracy_mm=0), "containment"),
+    "length tolerance not added": (reader_with(offset_tolerance_mm=0), "containment"),
+    "error of the run since the marker not added": (reader_with(since_ppm=0), "containment"),
+    "latency not added": (reader_with(latency_ppm=0), "containment"),
+    "a changing speed not added": (reader_with(unsteady_nm=(0, 0)), "containment"),
+    "accuracy of the map not added": (reader_with(accuracy_mm=0), "containment"),
     "run since the marker on the wrong side": (since_backwards, "containment"),
     "what is measured in the latency is taken for what is run": (measured_is_run, "containment"),
     "reading outside its window accepted": (window_open, "containment"),
     "floor of the law dropped": (law_with(floor_mm_s=0), "containment"),
     "rate of the law too small": (law_with(rate_ppm=20_000), "containment"),
     "knee of the law too high": (law_with(knee_mm_s=10_000), "containment"),
-    "one-off constant not charged": (constant_free, "containment"),
-    "silence charged with half the top speed": (half_blind, "containment"),
-    "silence charged with half the top speed, without the world": (
+    "one-off constant not added": (constant_free, "containment"),
+    "silence adds half the top speed": (half_blind, "containment"),
+    "silence adds half the top speed, without the world": (
         half_blind,
         "silence of front_wheel widens the margins",
     ),
@@ -154,7 +154,7 @@ def test_a_wrong_edit_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_a_forgotten_drift_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A unit that drifts with the time since its marker is charged for that."""
+    """A unit that drifts with the time since its marker gets that added."""
     law_with(drift_mm_s2=0)(monkeypatch)
     config = OdometryConfig(devices=1, first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER)
     assert refuted(odometry.build(parts(config)), "containment")

@@ -1,4 +1,4 @@
-"""A train that parts: whenever it does, no section is FREE over what it lost, and each charge for it is needed to the last unit."""
+"""A train that parts: whenever it does, no section is FREE over what it lost, and each addition for it is needed to the last unit."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from safeloc.language.verdict import Proved, Result, Violated
 from safeloc.language.world import Law
 from safeloc.models.area import AreaConfig
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines
-from safeloc.models.fibre_area.entry import Heard, entry
-from safeloc.models.fibre_area.parting import PartingConfig, ToldRun, parts
+from safeloc.models.fibre_area.entry import EntryInputs, entry
+from safeloc.models.fibre_area.parting import PartingConfig, ReportedRun, parts
 from safeloc.models.fibre_area.recordings import CONFIG, SPLIT
 from safeloc.models.fibre_area.report import Believed, Report, build
 from safeloc.models.fibre_area.simulate import LOST_AXLES, REMARK, Journey, first_state, simulate_journey
@@ -29,11 +29,11 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.fibre_area import properties
 from tests.models.edited_terms import edited
-from tests.models.one_step import inductive, inductive_in
+from tests.models.inductive import inductive, inductive_in
 
 FIGURES = PartingConfig(count_run_mm=3_000, roll_back_mm=20)
 REACH = AreaConfig(period_ms=500, limit_mm=1_000_000).reach
-TOLD_RUN = ToldRun(50_000, 60_000, 2_000)
+TOLD_RUN = ReportedRun(50_000, 60_000, 2_000)
 HELD = "what is told of a counted train holds it"
 
 
@@ -61,7 +61,7 @@ def holds(machine: Machine, report: Report) -> Property:
     """Where it is told as whole, the train with all that it lost lies between the bounds, but for the reading's age."""
     own = report.own
     told = machine.flag("told") & machine.flag("integer") & own.age.eq(0)
-    low, high = exact_to(own.told_low, UM), exact_to(own.told_high, UM)
+    low, high = exact_to(own.reported_low, UM), exact_to(own.reported_high, UM)
     inside = (own.next_rear >= low) & (own.next_front <= high)
     return always(HELD, told.implies(inside), statement="it does", assumption="the laws of the report")
 
@@ -95,9 +95,9 @@ def test_a_run_refutes_one_millimetre_less(monkeypatch: pytest.MonkeyPatch) -> N
 
 Wrong = Callable[..., object]
 OF_THE_ENDS: dict[str, tuple[str, Wrong]] = {
-    "the count's run is not charged": ("farthest", lambda own, _: own.own.longest + FIGURES.roll_back_mm),
-    "the length of the train is not charged": ("farthest", lambda own, right: right - own.own.longest),
-    "what rolls back is not charged": ("farthest", lambda _, right: right - FIGURES.roll_back_mm),
+    "the count's run is not added": ("farthest", lambda own, _: own.own.longest + FIGURES.roll_back_mm),
+    "the length of the train is not added": ("farthest", lambda own, right: right - own.own.longest),
+    "what rolls back is not added": ("farthest", lambda _, right: right - FIGURES.roll_back_mm),
     "the trailing low end is believed": ("low", lambda own, _: own.own.low - FIGURES.roll_back_mm),
     "the trailing high end is believed": ("high", lambda own, _: own.own.high + FIGURES.roll_back_mm),
     "the outer bound of the front is taken": ("low", lambda own, _: own.own.high - own.farthest),
@@ -162,7 +162,7 @@ def over_the_lost(trace: Trace, journey: Journey) -> list[str]:
 @pytest.mark.parametrize(("split", "after_mm"), [(47, 800_000), (52, 800_000), (61, 800_000), (60, 300_000)])
 def test_no_section_is_free_over_what_was_lost(split: int, after_mm: int) -> None:
     """Whenever it parts, and however late the detector's count follows: until the rest has left the area, and after that."""
-    journey = replace(SPLIT, split=split, told_after_mm=after_mm)
+    journey = replace(SPLIT, split=split, counted_after_mm=after_mm)
     trace = told(journey)
     assert not [one for one in check_all(trace, properties(whole(CONFIG))) if isinstance(one, Violated)]
     found = over_the_lost(trace, journey)
@@ -215,7 +215,7 @@ def nothing_inside() -> tuple[Machine, Property]:
 def test_a_wrong_edit_of_the_exit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """A train that has left has left with all its axles; not where they are counted, or believed, wrongly."""
     assert inductive(*nothing_inside())
-    edited(monkeypatch, Heard, *OF_THE_EXIT[edit])
+    edited(monkeypatch, EntryInputs, *OF_THE_EXIT[edit])
     assert not inductive(*nothing_inside())
 
 
@@ -229,7 +229,7 @@ def test_a_wrong_edit_of_the_exit_is_noticed(monkeypatch: pytest.MonkeyPatch, ed
 )
 def test_the_whole_notices_a_wrong_exit(monkeypatch: pytest.MonkeyPatch, wrong: Wrong, claim: str) -> None:
     """Each loses a claim of the composition."""
-    edited(monkeypatch, Heard, "complete", wrong)
+    edited(monkeypatch, EntryInputs, "complete", wrong)
     model = compose_machines(CONFIG)
     (prop,) = [one for one in properties(model) if one.name == claim]
     assert not inductive_in(model.composition.system, prop)

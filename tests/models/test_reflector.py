@@ -310,7 +310,7 @@ def test_a_mismatch_ends_the_procedure() -> None:
     assert (last(trace)["valid"], last(trace)["position_mm"]) == (True, 5_000)
 
 
-def test_what_the_self_test_leaves_open_is_charged() -> None:
+def test_what_the_self_test_leaves_open_adds_error() -> None:
     """Measured 0.4 m too far, over a balise known to 0.5 m, by an echo known to 0.1 m: the radar may measure 1.0 m too
     long, or 0.2 m too short, and from then on end A may be so much farther ahead, and behind, than the echo has it."""
     start = step(0, balise(7, 0), ahead(80_000, reference_mm=80_000), echo(80_400))
@@ -354,7 +354,7 @@ def test_the_radar_drifts() -> None:
 
 
 def test_a_balise_too_coarse_for_a_self_test() -> None:
-    """12 m to either side leave more open than may be charged: a position, and no precise one."""
+    """12 m to either side leave more open than may be added: a position, and no precise one."""
     start = step(0, balise(7, 0, accuracy=12_000), ahead(80_000, reference_mm=80_000))
     trace = run(on_board(), [start])
     assert (modes(trace), labels(trace, "error")) == (["NOT_READY"], ["NO_SELF_TEST"])
@@ -573,7 +573,7 @@ def test_odometer_failure_and_tolerance() -> None:
 
 
 def test_a_distance_faster_than_the_vehicle_is_not_used() -> None:
-    """The position rests, and the highest speed times the period is charged on both sides."""
+    """The position rests, and the highest speed times the period is added on both sides."""
     trace = run(on_board(), [*TESTED, step(19_000)])
     assert (last(trace)["position_mm"], last(trace)["margin_above_mm"]) == (0, 700 + 4_445)
 

@@ -15,7 +15,7 @@ from safeloc.language.units import MM, NM
 from safeloc.models.reflector import build
 from safeloc.models.reflector import cycle as cycles
 from safeloc.models.reflector.balise_reading import BaliseReading
-from safeloc.models.reflector.cycle import Judged
+from safeloc.models.reflector.cycle import Judgement
 from safeloc.models.reflector.echo import Recognition, Situation
 from safeloc.models.reflector.map_data import NextReflector, Reflector, Target
 from safeloc.models.reflector.odometer import ReflectorOdometer as Odometer
@@ -35,7 +35,7 @@ def made(slots: int = 1) -> tuple[Machine, list[Property]]:
     return model.machine, properties(model)
 
 
-def reference(cycle: Judged, *, lax_nm: int = 0, offset_mm: int = CONFIG.radar_offset_mm) -> Bool:
+def reference(cycle: Judgement, *, lax_nm: int = 0, offset_mm: int = CONFIG.radar_offset_mm) -> Bool:
     """The self-test with other figures."""
     missed = exact_to(cycle.target.range + cycle.run - offset_mm - cycle.reference, NM)
     fix, known, more = cycle.target.bare, cycle.known, CONFIG.accuracy_nm + lax_nm
@@ -47,7 +47,7 @@ def nearer(interval: Interval, above: Num | int = 0, below: Num | int = 0) -> In
     return Interval(interval.position, interval.above - above, interval.below - below)
 
 
-def lax_run(cycle: Judged, lax_mm: int) -> Bool:
+def lax_run(cycle: Judgement, lax_mm: int) -> Bool:
     """The check of a steady error, so much too lax."""
     return cycle.target.bare.widened(lax_mm * 1_000_000).meets(cycle.drifted)
 
@@ -61,33 +61,33 @@ Wrong = Callable[..., object]
 Edits = dict[str, tuple[type | ModuleType, str, Wrong, str]]
 EDITS: Edits = {
     "self-test 20 m too lax": (
-        Judged, "reference_holds", lambda c, _: reference(c, lax_nm=20 * M * 1_000_000), "the test is the prescribed distance"),
+        Judgement, "reference_holds", lambda c, _: reference(c, lax_nm=20 * M * 1_000_000), "the test is the prescribed distance"),
     "self-test without the radar's offset": (
-        Judged, "reference_holds", lambda c, _: reference(c, offset_mm=0), "the test is the prescribed distance"),
-    "self-test always passed": (Judged, "reference_holds", lambda _c, _r: TRUE, "the test is the prescribed distance"),
-    "self-test never passed": (Judged, "reference_holds", lambda _c, _r: FALSE, "a test fails only on a wrong distance"),
-    "steadiness 20 m too lax": (Judged, "steady", lambda c, _: lax_run(c, 20 * M), "error is constant"),
-    "never steady": (Judged, "steady", lambda _c, _r: FALSE, "a sound radar raises no alarm"),
+        Judgement, "reference_holds", lambda c, _: reference(c, offset_mm=0), "the test is the prescribed distance"),
+    "self-test always passed": (Judgement, "reference_holds", lambda _c, _r: TRUE, "the test is the prescribed distance"),
+    "self-test never passed": (Judgement, "reference_holds", lambda _c, _r: FALSE, "a test fails only on a wrong distance"),
+    "steadiness 20 m too lax": (Judgement, "steady", lambda c, _: lax_run(c, 20 * M), "error is constant"),
+    "never steady": (Judgement, "steady", lambda _c, _r: FALSE, "a sound radar raises no alarm"),
     "not found 100 m late": (
         Reflector, "over", lambda r, _, held, run: held.low > r.search_ends(run + 100 * M), "the search for a reflector ends in time"),
     "not found 100 m early": (
         Reflector, "over", lambda r, _, held, run: held.low > r.search_ends(run - 100 * M),
         "not found is reported only beyond the search run"),
-    "passed unseen and not said": (Judged, "passed_unseen", lambda _c, _r: FALSE, "nothing is skipped"),
+    "passed unseen and not said": (Judgement, "passed_unseen", lambda _c, _r: FALSE, "nothing is skipped"),
     "passed unseen whatever was found": (
-        Judged, "passed_unseen", lambda c, _: c.own.ahead.known & c.own.ahead.reflector.over(c.held, CONFIG.search_run_mm),
+        Judgement, "passed_unseen", lambda c, _: c.own.ahead.known & c.own.ahead.reflector.over(c.held, CONFIG.search_run_mm),
         "passed unseen is reported only beyond the search run"),
     "the reference is waited for without end": (
-        Judged, "reference_over", lambda _c, _r: FALSE, "the reference reflector is found in time"),
-    "the search goes on behind": (Judged, "search_left", lambda _c, _r: FALSE, "a reflector is searched only where it may be in view"),
+        Judgement, "reference_over", lambda _c, _r: FALSE, "the reference reflector is found in time"),
+    "the search goes on behind": (Judgement, "search_left", lambda _c, _r: FALSE, "a reflector is searched only where it may be in view"),
     "the search is left in the view zone": (
-        Judged, "search_left", lambda c, _: c.held.low < c.reflector.view_begins(), "the search is left only before the view zone"),
+        Judgement, "search_left", lambda c, _: c.held.low < c.reflector.view_begins(), "the search is left only before the view zone"),
     "too close by the rear end": (
-        Judged, "too_close", lambda c, _: c.held.low >= exact_to(c.reflector.place - c.reflector.view_to, NM),
+        Judgement, "too_close", lambda c, _: c.held.low >= exact_to(c.reflector.place - c.reflector.view_to, NM),
         "no echo is waited for when too close"),
     "gone by with the front end": (
-        Judged, "gone_by", lambda c, _: c.held.high >= exact_to(c.reflector.place, NM), "a passed reflector lies behind the vehicle"),
-    "never gone by": (Judged, "gone_by", lambda _c, _r: FALSE, "passing goes on until it lies behind"),
+        Judgement, "gone_by", lambda c, _: c.held.high >= exact_to(c.reflector.place, NM), "a passed reflector lies behind the vehicle"),
+    "never gone by": (Judgement, "gone_by", lambda _c, _r: FALSE, "passing goes on until it lies behind"),
     "any neighbour": (Reflector, "roomy", lambda _r, _, _held: TRUE, "never too early"),
     "view without the radar's offset": (
         Reflector, "view_begins", lambda r, _: exact_to(r.place - CONFIG.radar_offset_mm - r.view_from, NM), "never too early"),
@@ -113,12 +113,12 @@ EDITS: Edits = {
     "balise without the run since it": (
         BaliseReading, "fix", lambda b, right, _o: Interval(right.position - b.run, right.above, right.below), "containment"),
     "balise beyond the position believed": (
-        Judged, "balise_contradicts", lambda _c, _r: FALSE, "a balise far away is noticed"),
+        Judgement, "balise_contradicts", lambda _c, _r: FALSE, "a balise far away is noticed"),
     "a true balise contradicts": (
-        Judged, "balise_contradicts", lambda c, _: c.zones.located & c.own.balise.read, "only a stray balise contradicts"),
-    "odometer error not charged": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
-    "blind cycles not charged": (Odometer, "growth", lambda o, right: ite(o.admitted, right, right * 0), "containment"),
-    "constant not charged": (Odometer, "constant_nm", lambda _o, _r: 0, "containment"),
+        Judgement, "balise_contradicts", lambda c, _: c.zones.located & c.own.balise.read, "only a stray balise contradicts"),
+    "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
+    "blind cycles not added": (Odometer, "growth", lambda o, right: ite(o.admitted, right, right * 0), "containment"),
+    "constant not added": (Odometer, "constant_nm", lambda _o, _r: 0, "containment"),
     "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, "containment"),
     "silent odometer not noticed": (Odometer, "failed", lambda _o, _r: FALSE, "without an odometer nothing is reported"),
     "the lag of the other direction": (
@@ -140,36 +140,36 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
 
 OF_RADAR: Edits = {
     "self-test 1 nm too lax": (
-        Judged, "reference_holds", lambda c, _: reference(c, lax_nm=1), "the test is the prescribed distance"),
+        Judgement, "reference_holds", lambda c, _: reference(c, lax_nm=1), "the test is the prescribed distance"),
     "self-test 1 nm too tight": (
-        Judged, "reference_holds", lambda c, _: reference(c, lax_nm=-1), "a right radar passes the self-test"),
+        Judgement, "reference_holds", lambda c, _: reference(c, lax_nm=-1), "a right radar passes the self-test"),
     "self-test by the prescribed distance alone": (
-        Judged, "agrees", lambda c, _: c.reference_holds, "a radar that passes errs no more than the test can detect"),
+        Judgement, "agrees", lambda c, _: c.reference_holds, "a radar that passes errs no more than the test can detect"),
     "self-test by the map alone": (
-        Judged, "agrees", lambda c, _: c.target.fix.meets(c.known), "the test is the prescribed distance"),
-    "the radar's scale not charged": (
+        Judgement, "agrees", lambda c, _: c.target.fix.meets(c.known), "the test is the prescribed distance"),
+    "the radar's scale not added": (
         Situation, "bare", lambda now, right, _r, range_, _e: nearer(
             right, *2 * (with_unit(range_ * CONFIG.radar_scale_ppm, NM),)), "containment"),
-    "what the self-test left open not charged": (
+    "what the self-test left open not added": (
         Situation, "fix", lambda now, _, *echo: now.bare(*echo), "containment"),
-    "what the self-test left open charged on the wrong sides": (
+    "what the self-test left open added on the wrong sides": (
         Situation, "fix", lambda now, right, *_a: Interval(
             right.position, right.above - now.open[0] + now.open[1], right.below - now.open[1] + now.open[0]), "containment"),
-    "1 nm less charged ahead": (Situation, "fix", lambda _, right, *_a: nearer(right, 1, 0), "containment"),
-    "1 nm less charged behind": (Situation, "fix", lambda _, right, *_a: nearer(right, 0, 1), "containment"),
+    "1 nm less added ahead": (Situation, "fix", lambda _, right, *_a: nearer(right, 1, 0), "containment"),
+    "1 nm less added behind": (Situation, "fix", lambda _, right, *_a: nearer(right, 0, 1), "containment"),
     "1 nm less left open, measured too long": (
-        Judged, "left_open", lambda _, right: (right[0] - 1, right[1]), "containment"),
+        Judgement, "left_open", lambda _, right: (right[0] - 1, right[1]), "containment"),
     "1 nm less left open, measured too short": (
-        Judged, "left_open", lambda _, right: (right[0], right[1] - 1), "containment"),
-    "nothing charged in the cycle of the test": (Judged, "tested_fix", lambda c, _: c.target.bare, "containment"),
-    "nothing charged in the cycle of the test, and claimed": (
-        Judged, "tested_fix", lambda c, _: c.target.bare, "a test that passed makes nothing better known"),
+        Judgement, "left_open", lambda _, right: (right[0], right[1] - 1), "containment"),
+    "nothing added in the cycle of the test": (Judgement, "tested_fix", lambda c, _: c.target.bare, "containment"),
+    "nothing added in the cycle of the test, and claimed": (
+        Judgement, "tested_fix", lambda c, _: c.target.bare, "a test that passed makes nothing better known"),
     "drift 1 nm slower than it is": (ReflectorConfig, "drift_nm", lambda _, right: right - 1, "containment"),
-    "drift not charged": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "the error that a test left open grows by the drift"),
+    "drift not added": (ReflectorConfig, "drift_nm", lambda _c, _r: 0, "the error that a test left open grows by the drift"),
     "never out of date": (
-        Judged, "outdated", lambda _c, _r: FALSE, "precise only with a radar that is nearly right"),
+        Judgement, "outdated", lambda _c, _r: FALSE, "precise only with a radar that is nearly right"),
     "always out of date": (
-        Judged, "outdated", lambda c, _: c.tolerable & ~c.started, "a test is out of date only when it is"),
+        Judgement, "outdated", lambda c, _: c.tolerable & ~c.started, "a test is out of date only when it is"),
     "a test as coarse as can be": (
         Situation, "fine", lambda _n, _r, _f: TRUE, "precise only with a radar that is nearly right"),
     "another reflector heard in the self-test": (
@@ -182,10 +182,10 @@ OF_RADAR: Edits = {
         > now.window.high - exact_to(r.place, NM) + now.lag[1] + now.law.strong_nm, "the target is never mistaken"),
     "no self-test alone enough": (
         Situation, "alone", lambda _n, _, _r: FALSE, "a self-test is ambiguous only if another reflector is in range"),
-    "the balise's one-off constant not charged in the wait": (
-        Judged, "begins_at", lambda c, _: c.balise, "containment"),
-    "a wait however coarse": (Judged, "too_coarse", lambda _c, _r: FALSE, "containment"),
-    "drift taken for a fault": (Judged, "drifted", lambda c, _: c.anchored, "a sound radar raises no alarm"),
+    "the balise's one-off constant not added in the wait": (
+        Judgement, "begins_at", lambda c, _: c.balise, "containment"),
+    "a wait however coarse": (Judgement, "too_coarse", lambda _c, _r: FALSE, "containment"),
+    "drift taken for a fault": (Judgement, "drifted", lambda c, _: c.anchored, "a sound radar raises no alarm"),
     "where the radar has the vehicle, sides exchanged": (
         cycles, "_seen_by", lambda i, _, o: Interval(i.position, i.above + o[0], i.below + o[1]),
         "the target's echo is in the window"),
@@ -201,7 +201,7 @@ OF_RADAR: Edits = {
 @pytest.mark.slow
 @pytest.mark.parametrize("edit", OF_RADAR)
 def test_a_wrong_charge_for_the_radar_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
-    """The same of each charge, of either side, and of the guards of the self-test."""
+    """The same of each addition, of either side, and of the guards of the self-test."""
     owner, name, wrong, claim = OF_RADAR[edit]
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
@@ -215,7 +215,7 @@ OF_TWO: Edits = {
     "the last echo instead of the first": (
         Recognition, "of_chosen", lambda _c, _, terms: terms[-1], "the reported reflector sent the echo"),
     "views that overlap always contradict": (
-        Judged, "overlap_contradicts", lambda c, _: c.target.accepted & c.ahead.accepted, "a sound radar raises no alarm"),
+        Judgement, "overlap_contradicts", lambda c, _: c.target.accepted & c.ahead.accepted, "a sound radar raises no alarm"),
 }  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from safeloc.models.vocabulary.first_of import first_of
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties
-from tests.models.one_step import changed, inductive, without
+from tests.models.inductive import changed, inductive, without
 
 ONE_SLOT = ReflectorConfig(echo_slots=1)
 
@@ -102,7 +102,7 @@ def test_a_forgotten_constant_is_noticed() -> None:
 def test_a_continuation_from_the_balise_is_noticed() -> None:
     """After the view zone odometry goes on from the last measured position, not from an older one."""
     made = model()
-    older = made.own.track.become(made.judged.anchored)
+    older = made.own.track.become(made.judgement.anchored)
     broken = changed(made.machine, "reflector lost", set={**updates(made, "reflector lost"), **older})
     assert not inductive(broken, named(made, "goes on from the last position"), "goes on from the last position")
 

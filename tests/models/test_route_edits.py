@@ -50,8 +50,8 @@ def there(cycle: Cycle, *, anywhere: bool = False, any_model: bool = False) -> B
 
 Wrong = Callable[..., object]
 EDITS: dict[str, tuple[type, str, Wrong, str]] = {
-    "odometer error not charged": (Odometer, "growth", lambda _o, right: right * 0, TRUE_ROUTE),
-    "blind cycles not charged": (Odometer, "growth", lambda o, _: o.most_error, TRUE_ROUTE),
+    "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, TRUE_ROUTE),
+    "blind cycles not added": (Odometer, "growth", lambda o, _: o.most_error, TRUE_ROUTE),
     "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, TRUE_ROUTE),
     "a change of speed is no gate": (
         Odometer, "_jump", lambda _o, _r: FALSE, "a distance is admitted just if it can have been run"),
@@ -59,13 +59,13 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "noticed a cycle early": (
         Odometer, "failed", lambda o, _: ~o.admitted & (o.gap >= o.limits.gap_limit - 1), "a silent odometer ends the report"),
     "the distance is run backwards": (Cycle, "moved", lambda c, _: run(c, -1), TRUE_ROUTE),
-    "a metre too much is charged": (
+    "a metre too much is added": (
         Cycle, "moved", lambda c, _: run(c, more=10**9), "route 1 widens only by what was run"),
     "the range counts from behind": (Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error, NM), 1), TRUE_ROUTE),
-    "the constant is not charged to a sighting": (
+    "the constant is not added to a sighting": (
         Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error, NM)), TRUE_ROUTE),
-    "the sighting's error is not charged": (Cycle, "sighted", lambda c, _: placed(c, c.own.half_nm), TRUE_ROUTE),
-    "the sighting's error is charged twice": (
+    "the sighting's error is not added": (Cycle, "sighted", lambda c, _: placed(c, c.own.half_nm), TRUE_ROUTE),
+    "the sighting's error is added twice": (
         Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error * 2, NM) + c.own.half_nm),
         "route 1 is where its reflector is sighted"),
     "what is sighted does not narrow": (Cycle, "seen", lambda _c, _r: FALSE, "route 1 is where its reflector is sighted"),
@@ -76,8 +76,8 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "nothing has to be there": (Cycle, "has_it", lambda _c, _r: TRUE, HAS_NOT),
     "a turn refutes nothing": (Cycle, "turns_so", lambda _c, _r: TRUE, "route 1 is given up for a turn that it does not take"),
     "no turn refutes a course": (Cycle, "turns_so", lambda c, _: c.own.turned.eq(c.route.course), ONLY_SEEN),
-    "the start's error is not charged": (Cycle, "spread", lambda c, _: as_num(c.own.half_nm, NM), TRUE_ROUTE),
-    "the constant is not charged to a start": (Cycle, "spread", lambda c, _: exact_to(c.own.start.value, NM), TRUE_ROUTE),
+    "the start's error is not added": (Cycle, "spread", lambda c, _: as_num(c.own.half_nm, NM), TRUE_ROUTE),
+    "the constant is not added to a start": (Cycle, "spread", lambda c, _: exact_to(c.own.start.value, NM), TRUE_ROUTE),
     "every width is tolerable": (Bounded, "tolerable", lambda _b, _r: TRUE, "tolerance"),
     "half the width is tolerable": (
         Bounded, "tolerable", lambda b, right: right & (b.high - b.low <= exact_to(as_num(CONFIG.tolerance_mm, MM), NM)),

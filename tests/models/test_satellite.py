@@ -27,7 +27,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 from tests.models.wrong_edits import lost_by
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
@@ -482,7 +482,7 @@ NARROWED = "a solution narrows to its protection level and no farther"
 
 
 def _without(kind: Kind, *left_out: str) -> property:
-    """What a machine charges for a usable signal that leaves some of the terms out."""
+    """What a machine adds for a usable signal that leaves some of the terms out."""
     unit = "mm" if kind == "range" else "mm_s"
     counted = [f"{kind}_{term}_{unit}" for term in TERMS if term not in left_out]
     return property(lambda config: sum(getattr(config, name) for name in counted))
@@ -501,7 +501,7 @@ def _uncharged(kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("left_out", LEFT_OUT, ids=" and ".join)
-def test_a_term_that_is_not_charged_is_noticed(
+def test_a_term_that_is_not_added_is_noticed(
     kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Threshold, prediction or clock left out of a level, or prediction and clock as it once was."""
@@ -514,7 +514,7 @@ def test_a_term_that_is_not_charged_is_noticed(
 @pytest.mark.parametrize(
     "left_out", [*(pytest.param(one, marks=pytest.mark.slow) for one in LEFT_OUT[:-1]), LEFT_OUT[-1]], ids=" and ".join
 )
-def test_a_term_that_is_not_charged_misses_the_truth(
+def test_a_term_that_is_not_added_misses_the_truth(
     kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The same, as a run whose reported interval does not hold the truth while every law is kept."""
@@ -525,7 +525,7 @@ def test_a_term_that_is_not_charged_misses_the_truth(
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_unit_less_is_noticed(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A machine that charges 1 mm, or 1 mm/s, less than a usable signal may be wrong by; in place with a run that misses the truth."""
+    """A machine that adds 1 mm, or 1 mm/s, less than a usable signal may be wrong by; in place with a run that misses the truth."""
     name = "usable_range_error_mm" if kind == "range" else "usable_speed_error_mm_s"
     right = bounds_in_figures(CONFIG)[KINDS.index(kind)]
     monkeypatch.setattr(SelectionConfig, name, property(lambda _: right - 1))
@@ -563,7 +563,7 @@ def test_the_selection_does_not_guarantee_less(less: tuple[int, int], monkeypatc
     "config", [CONFIG, FINE, *CONFIGURATIONS.named.values()], ids=["defaults", "fine", *CONFIGURATIONS.named]
 )
 def test_machine_and_world_have_the_same_figure(config: SatelliteConfig) -> None:
-    """What the machine charges, what the world takes from the selection, and the sum of the configured terms."""
+    """What the machine adds, what the world takes from the selection, and the sum of the configured terms."""
     chosen = config.selection
     figures = (
         chosen.range_threshold_mm + chosen.range_prediction_mm + chosen.range_clock_mm,

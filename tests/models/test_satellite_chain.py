@@ -107,7 +107,7 @@ def test_no_healthy_satellite_is_excluded() -> None:
 
 
 def test_protection_levels_are_confirmed() -> None:
-    """z3, over the rationals, for the geometry in use: place and speed of every tenth epoch, as told and as the machine charges.
+    """z3, over the rationals, for the geometry in use: place and speed of every tenth epoch, as told and as the machine adds.
 
     A signal may be off by threshold, prediction and clock together, and by what the map and linearising cost.
     """
@@ -119,10 +119,10 @@ def test_protection_levels_are_confirmed() -> None:
             (solved.place, solved.bounds.range_mm, "fix_dilution_permille", "fix_further_mm", charged_mm, 1),
             (solved.speed, solved.bounds.speed_mm_s, "fix_speed_dilution_permille", "fix_speed_further_um_s", charged_mm_s, 1_000),
         )  # fmt: skip
-        for found, beside, dilution, further, charged, fine in levels:
+        for found, beside, dilution, further, added, fine in levels:
             assert found is not None and beside is not None
-            bounds = dict.fromkeys(found.shares, charged + beside)
-            level = int(outcome.inputs[f"position.{dilution}"]) * charged // 1_000
+            bounds = dict.fromkeys(found.shares, added + beside)
+            level = int(outcome.inputs[f"position.{dilution}"]) * added // 1_000
             level += int(outcome.inputs[f"position.{further}"]) // fine + 1
             assert isinstance(protected(found.shares, bounds, level), Proved)
 

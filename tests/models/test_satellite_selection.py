@@ -19,7 +19,7 @@ from safeloc.models.satellite_selection import Channel, Compared, Parts, Removal
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.satellite_selection import properties
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 from tests.models.spoilt import rebuilt
 from tests.models.wrong_edits import lost
 
@@ -188,7 +188,11 @@ EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
     "so its error has no bound": ("accepts", lambda *_: TRUE, "channel 1: a usable range is bounded"),
     "no satellite is accepted": ("accepts", lambda *_: FALSE, "channel 1: exclusion leaves no trace"),
     "excluded for good": ("standing", _excluded_for_good, "channel 1: exclusion leaves no trace"),
-    "no quantity need be measured": ("_heard", lambda *_: TRUE, "channel 1: an unusable satellite has its true reason"),
+    "no quantity need be measured": (
+        "_received",
+        lambda *_: TRUE,
+        "channel 1: an unusable satellite has its true reason",
+    ),
     "no covariance is needed": ("_spread", lambda *_: TRUE, "channel 1: no covariance, not usable"),
     "warm at once": ("warm", lambda *_: as_num(2, COUNT), "channel 1: a window counts one satellite's measurements"),
     "one usable satellite more": ("_count", lambda _: as_num(1, COUNT), "the number of usable satellites is reported"),

@@ -166,7 +166,7 @@ def test_a_report_that_contradicts_is_rejected() -> None:
     steps = simulate(CONFIG, scene(TRAIN, seconds=60), seed=1)
     steps[40] = {**steps[40], "area.train_1_rear_mm": 8_000_000, "area.train_1_front_mm": 8_200_000}
     trace = run(MODEL.composition.system, steps, first=first_state(scene(TRAIN)))
-    verdict = MODEL.area.own.slots[0].judged.unit
+    verdict = MODEL.area.own.slots[0].last_verdict.unit
     labels = verdict.members  # type: ignore[union-attr]
     assert "CONTRADICTED" == labels[int(trace.steps[40].state["area.train_1_judged"])]
     assert trace.steps[40].state["area.train_1_high_mm"] > trace.steps[39].state["area.train_1_high_mm"]

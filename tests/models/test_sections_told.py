@@ -13,7 +13,7 @@ from safeloc.language.verdict import Violated
 from safeloc.models.area import AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
-from safeloc.models.area.judged import EVIDENCE, TRUST
+from safeloc.models.area.judgement import EVIDENCE, TRUST
 from safeloc.models.sections import Sections, SectionsConfig, compose_machines, joined, section
 from safeloc.models.sections.simulate import Scene, TrainRun, first_state, simulate
 from safeloc.proof.provers.limits import Limits

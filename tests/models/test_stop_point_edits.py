@@ -11,7 +11,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, MM_S2, MS
 from safeloc.models.stop_point import build
-from safeloc.models.stop_point.cycle import Judged, Window
+from safeloc.models.stop_point.cycle import Judgement, Window
 from safeloc.models.stop_point.variables import StopPointConfig, parts
 from safeloc.properties.stop_point import properties
 from tests.models.edited_terms import edited, keeps
@@ -25,7 +25,7 @@ def made() -> tuple[Machine, list[Property]]:
     return model.machine, properties(model)
 
 
-def braking(cycle: Judged, *, error: int = CONFIG.speed_error_mm_s, reaction_ms: int = CONFIG.reaction_ms) -> object:
+def braking(cycle: Judgement, *, error: int = CONFIG.speed_error_mm_s, reaction_ms: int = CONFIG.reaction_ms) -> object:
     """The brake order by other figures."""
     speed = maximum(cycle.own.speed + error, 0)
     reaction = ceil_to(speed * Lit(reaction_ms, MS), MM)
@@ -34,74 +34,74 @@ def braking(cycle: Judged, *, error: int = CONFIG.speed_error_mm_s, reaction_ms:
 
 Wrong = Callable[..., object]
 EDITS: dict[str, tuple[type, str, Wrong, str]] = {
-    "no reaction distance": (Judged, "brake_now", lambda c, _: braking(c, reaction_ms=0), "brake order in time"),
-    "no speed error": (Judged, "brake_now", lambda c, _: braking(c, error=0), "brake order in time"),
-    "brakes for nothing": (Judged, "brake_now", lambda _c, _r: TRUE, "no brake order before it is due"),
-    "the estimated position alone": (Judged, "to_brake_in", lambda c, _: c.to_go, "brake order in time"),
+    "no reaction distance": (Judgement, "brake_now", lambda c, _: braking(c, reaction_ms=0), "brake order in time"),
+    "no speed error": (Judgement, "brake_now", lambda c, _: braking(c, error=0), "brake order in time"),
+    "brakes for nothing": (Judgement, "brake_now", lambda _c, _r: TRUE, "no brake order before it is due"),
+    "the estimated position alone": (Judgement, "to_brake_in", lambda c, _: c.to_go, "brake order in time"),
     "the window's far end alone": (
-        Judged,
+        Judgement,
         "to_brake_in",
         lambda c, _: c.pending.ends - c.high,
         "brakes to the stop by the measurement",
     ),
     "the estimate without a measurement": (
-        Judged,
+        Judgement,
         "to_go",
         lambda c, _: c.pending.stop - c.own.position,
         "brakes to the stop by odometry",
     ),
-    "beyond by the near end": (Judged, "beyond", lambda c, _: c.low > c.pending.ends, "never on beyond the window"),
+    "beyond by the near end": (Judgement, "beyond", lambda c, _: c.low > c.pending.ends, "never on beyond the window"),
     "beyond a metre late": (
-        Judged,
+        Judgement,
         "beyond",
         lambda c, _: c.high > c.pending.ends + 1_000,
         "it comes to stand within the window",
     ),
     "short by the far end": (
-        Judged,
+        Judgement,
         "short",
         lambda c, _: c.high < c.pending.begins,
         "it comes to stand within the window",
     ),
     "standing without the sign": (
-        Judged,
+        Judgement,
         "standing",
         lambda c, _: c.own.speed <= CONFIG.standstill_mm_s,
         "in position it stands",
     ),
     "standing at walking pace": (
-        Judged,
+        Judgement,
         "standing",
         lambda c, _: abs_(c.own.speed) <= 20 * CONFIG.standstill_mm_s,
         "reversing begins near the window",
     ),
     "creeping without the speed error": (
-        Judged,
+        Judgement,
         "forwards_too_fast",
         lambda c, _: c.own.speed > CONFIG.reduced_speed_mm_s,
         "creeping is slow",
     ),
     "reversing without the speed error": (
-        Judged,
+        Judgement,
         "backwards_too_fast",
         lambda c, _: -c.own.speed > CONFIG.reduced_speed_mm_s,
         "reversing is slow",
     ),
-    "reversing from any distance": (Judged, "too_far", lambda _c, _r: FALSE, "reversing begins near the window"),
-    "always too far": (Judged, "too_far", lambda _c, _r: TRUE, "repositions when it may"),
+    "reversing from any distance": (Judgement, "too_far", lambda _c, _r: FALSE, "reversing begins near the window"),
+    "always too far": (Judgement, "too_far", lambda _c, _r: TRUE, "repositions when it may"),
     "a stop behind is selected": (
-        Judged,
+        Judgement,
         "selectable",
         lambda c, _: c.own.valid & c.named & c.known & c.own.selected.value.ne(c.own.served),
         "only a stop ahead is selected",
     ),
     "a served stop is selected again": (
-        Judged,
+        Judgement,
         "selectable",
         lambda c, _: c.own.valid & c.named & c.known & (c.high <= c.chosen.ends),
         "a served stop is not selected at once again",
     ),
-    "no stop is selected": (Judged, "selectable", lambda _c, _r: FALSE, "a stop ahead is selected"),
+    "no stop is selected": (Judgement, "selectable", lambda _c, _r: FALSE, "a stop ahead is selected"),
     "the window shifted": (Window, "ends", lambda w, _: w.stop + w.after + w.before, "brake order in time"),
     "the window before the stop": (Window, "begins", lambda w, _: w.stop, "in position when it stands there"),
 }

@@ -16,7 +16,7 @@ from safeloc.models.train_order.cycle import Cycle
 from safeloc.properties.train_order import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import unproved_of
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 
 @cache

@@ -19,7 +19,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.transmission import properties
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 CONFIG = TransmissionConfig(max_speed_mm_s=10_000, age_limit_ms=500)
 RUN_MM = 1_000
@@ -51,7 +51,7 @@ def told(trace: Trace) -> list[tuple[object, ...]]:
     return [tuple(one.outputs[name] for name in names) for one in trace.steps]
 
 
-def test_age_is_charged_on_both_sides() -> None:
+def test_age_adds_error_on_both_sides() -> None:
     """Sent in cycle 1, it arrives in cycle 3, two cycles old, and grows older by one cycle's run on either side."""
     trace = ran(step(5_000), step(), step(arrived=True), step())
     assert told(trace)[2:] == [
@@ -93,7 +93,7 @@ def test_revocation_takes_the_position_away() -> None:
 
 
 def test_what_has_become_too_wide_is_withdrawn() -> None:
-    """The limit of the margin counts with the age charged."""
+    """The limit of the margin counts with the age added."""
     config = TransmissionConfig(max_speed_mm_s=10_000, age_limit_ms=5_000, margin_limit_mm=2_000)
     system = without_ghosts(lower(link(config).machine))
     trace = run(system, [step(5_000), step(arrived=True), step()])
@@ -120,7 +120,7 @@ def test_a_link_without_a_limit_of_width_is_noticed() -> None:
 
 @pytest.mark.parametrize("property_", ["containment", "age widens a stored report"])
 def test_a_link_that_forgets_to_age_is_noticed(property_: str) -> None:
-    """A held report that stays as it is neither keeps the truth nor charges its age."""
+    """A held report that stays as it is neither keeps the truth nor adds the error of its age."""
     model = link()
     wrong = replace(model, machine=changed(model.machine, "report grows older", set={}))
     right_one, wrong_one = (next(one for one in properties(each) if one.name == property_) for each in (model, wrong))

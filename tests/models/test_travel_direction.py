@@ -20,7 +20,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.travel_direction import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 ON_BOARD = without_ghosts(lower(machine()))
 

@@ -14,7 +14,7 @@ from safeloc.models.travel_direction.variables import Parts
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.travel_direction import properties
 from tests.models.edited_terms import edited, keeps
-from tests.models.one_step import changed
+from tests.models.inductive import changed
 
 
 def made() -> tuple[Machine, list[Property]]:

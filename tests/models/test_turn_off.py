@@ -18,7 +18,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.turn_off import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 
 ON_BOARD = without_ghosts(lower(machine()))
 SWITCH = 50_000

@@ -13,7 +13,7 @@ from safeloc.models.turn_off import TurnOff, TurnOffConfig, build, parts
 from safeloc.models.turn_off.variables import Parts
 from safeloc.properties.turn_off import properties
 from tests.models.edited_terms import edited, keeps
-from tests.models.one_step import changed
+from tests.models.inductive import changed
 
 CONFIG = TurnOffConfig()
 

@@ -24,7 +24,7 @@ import json, sys
 from pathlib import Path
 from safeloc.catalogue import load_target
 from safeloc.errors import SafelocError
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 from tests.models.wrong_edits import lost_by
 name, claim, figures, proving = json.loads(sys.argv[1])
 try:

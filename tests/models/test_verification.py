@@ -16,7 +16,7 @@ from safeloc.language.units import MM_S2
 from safeloc.language.verdict import Violated, word
 from safeloc.models.fibre.simulate import Stay, simulate_stay
 from safeloc.models.verification import Verification, VerificationConfig, build, judgement, parts
-from safeloc.models.verification.judgement import Judged
+from safeloc.models.verification.judgement import Judgement
 from safeloc.models.verification.variables import Parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
@@ -25,7 +25,7 @@ from safeloc.properties.verification.mismatch import NAMED
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs, unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
-from tests.models.one_step import changed, inductive
+from tests.models.inductive import changed, inductive
 from tests.models.wrong_edits import lost
 
 CONFIG = VerificationConfig()
@@ -298,10 +298,10 @@ NAMES = {
 } | {reason.label: name for name, (reason, *_) in NAMED.items()}
 
 
-@pytest.mark.parametrize("reason", [why.label for _, why in made().judged.flaws])
+@pytest.mark.parametrize("reason", [why.label for _, why in made().judgement.flaws])
 def test_a_comparison_that_is_left_out_is_noticed(reason: str) -> None:
     """A mismatch that does not count loses the proof of what it is there for, and that every mismatch is latched."""
-    known, flaws = made().judged.known, made().judged.flaws
+    known, flaws = made().judgement.known, made().judgement.flaws
     counted = any_of(flaw for flaw, why in flaws if why.label != reason)
     wrong = replace(made(), machine=changed(made().machine, "mismatch", when=(made().own.due | known) & counted))
     named = {one.name: one for one in properties(wrong)}
@@ -314,16 +314,16 @@ def _own_brake(own: Parts) -> Num:
     return Lit(own.config.brake_mm_s2, MM_S2)
 
 
-RIGHT_ABILITIES: Callable[[Judged], tuple[Num, Num]] = Judged.__dict__["abilities"].func
+RIGHT_ABILITIES: Callable[[Judgement], tuple[Num, Num]] = Judgement.__dict__["abilities"].func
 
 
-def _either(judged: Judged) -> tuple[Num, Num]:
+def _either(judged: Judgement) -> tuple[Num, Num]:
     """Brake and traction taken for one another."""
     slower, faster = RIGHT_ABILITIES(judged)
     return faster, slower
 
 
-EDITS: list[tuple[str, Callable[[Judged], object], str]] = [
+EDITS: list[tuple[str, Callable[[Judgement], object], str]] = [
     ("count_matches", lambda j: j.own.associated & j.own.seen_count.present, "mismatch withholds in the same cycle"),
     ("length_matches", lambda j: j.own.associated & j.own.seen_length.present, "another length is withheld"),
     ("verified", lambda j: j.count_matches, "the age of a verification is counted"),
@@ -354,10 +354,10 @@ EDITS: list[tuple[str, Callable[[Judged], object], str]] = [
 
 @pytest.mark.parametrize(("name", "wrong", "broken"), EDITS, ids=[name for name, *_ in EDITS])
 def test_a_wrong_term_is_noticed(
-    name: str, wrong: Callable[[Judged], object], broken: str, monkeypatch: pytest.MonkeyPatch
+    name: str, wrong: Callable[[Judgement], object], broken: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A term that is shared by several rows and wrong in all of them loses a proof."""
-    monkeypatch.setattr(Judged, name, property(wrong))
+    monkeypatch.setattr(Judgement, name, property(wrong))
     assert lacking(broken)
 
 

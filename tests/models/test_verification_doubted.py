@@ -15,12 +15,12 @@ from safeloc.language.spec import Property, observe
 from safeloc.language.system import lower
 from safeloc.language.verdict import Violated
 from safeloc.models.verification import Verification, VerificationConfig, build, build_doubted, parts
-from safeloc.models.verification.judgement import Judged
+from safeloc.models.verification.judgement import Judgement
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
 from safeloc.properties.verification import properties
 from tests.models.everything_proved import unproved_of
-from tests.models.one_step import inductive
+from tests.models.inductive import inductive
 
 CONFIG = VerificationConfig()
 
@@ -111,7 +111,7 @@ def test_one_less_is_refuted_by_a_run(claim: str, figure: str) -> None:
 # ------------------------------------------------------------------ wrong edits
 
 
-EDITS: dict[str, tuple[str, Callable[[Judged], object], str]] = {
+EDITS: dict[str, tuple[str, Callable[[Judgement], object], str]] = {
     "nothing is a mismatch": ("mismatch", lambda _: FALSE, "a place at any time"),
     "count ignored": (
         "count_matches",
@@ -152,7 +152,7 @@ EDITS: dict[str, tuple[str, Callable[[Judged], object], str]] = {
 def test_a_wrong_edit_is_refuted_by_a_run(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A check that is left out lets the fibre be wrong beyond its figure: a run shows it, with all laws kept."""
     name, wrong, claim = EDITS[edit]
-    monkeypatch.setattr(Judged, name, property(wrong))
+    monkeypatch.setattr(Judgement, name, property(wrong))
     model = made(SHORT)
     assert refuted(model.machine, named(model, claim))
 

@@ -10,7 +10,7 @@ import pytest
 from safeloc.railway.pictures import Approach
 from safeloc.report.approach import approach_picture, due_mm_s
 from safeloc.report.recorded_run import Broken, RecordedRun
-from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, upright, words
+from tests.report.drawing_reader import Drawing, across, begin, drawing, end, kinds, points, upright, words
 from tests.report.shipped_runs import picture, told
 
 KM_H = 1_000_000 / 3_600

@@ -6,8 +6,8 @@ import pytest
 
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recorded_run import Broken, RecordedRun
+from tests.report.drawing_reader import Drawing, across, begin, drawing, end, kinds, points, upright, words
 from tests.report.gauge import PICTURE, TOLERANCE_MM, drive
-from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, upright, words
 
 PLACES = range(0, 100_000, 1_000)
 """A drive over 100 m in steps of 1 m."""

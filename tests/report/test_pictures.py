@@ -24,7 +24,7 @@ from safeloc.report.pictures import pictures_data, recorded_runs
 from safeloc.runtime.packed import read_packed
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps, write_steps
-from tests.report.reading import across, begin, drawing, kinds, points, upright, words
+from tests.report.drawing_reader import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
 
 WRONG_FROM = 400

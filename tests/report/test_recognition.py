@@ -9,7 +9,7 @@ import pytest
 from safeloc.railway.pictures import Recognition
 from safeloc.report.recognition import recognition_picture
 from safeloc.report.recorded_run import Broken, RecordedRun
-from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, words
+from tests.report.drawing_reader import Drawing, across, begin, drawing, end, kinds, points, words
 from tests.report.shipped_runs import picture, told
 
 SECOND_MISSED = "route-adcd-second-missed"

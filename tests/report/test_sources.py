@@ -14,7 +14,7 @@ from safeloc.report.recorded_run import RecordedRun
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
 from safeloc.reported import Reported
-from tests.report.reading import drawing, kinds, words
+from tests.report.drawing_reader import drawing, kinds, words
 
 VERDICT = members("verdict", "NONE", "TOO_LATE", "CONTRADICTION")
 WHO = members("who", "NONE", "RADAR", "BALISE")

@@ -15,7 +15,7 @@ from safeloc.railway.pictures import Standing, Standings, unreadable
 from safeloc.report.recorded_run import Broken, RecordedRun
 from safeloc.report.standings import standings_picture
 from safeloc.reported import Reported
-from tests.report.reading import across, begin, drawing, end, kinds, words
+from tests.report.drawing_reader import across, begin, drawing, end, kinds, words
 
 STATE = members("seat", "FREE", "TAKEN", "BROKEN")
 PICTURE = Standings(

@@ -8,8 +8,8 @@ from safeloc.railway.pictures import Stanford, unreadable
 from safeloc.report.recorded_run import Broken, RecordedRun
 from safeloc.report.stanford import REGIONS, Region, region, stanford_picture
 from safeloc.reported import Reported
+from tests.report.drawing_reader import Drawing, across, drawing, kinds, points, upright, words
 from tests.report.gauge import drive, system
-from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 
 PICTURE = Stanford("Error against margin", Reported(), 10_000)
 PLACES = range(0, 40_000, 1_000)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from safeloc.report.drawing import Axis, across, legend, number, stroke_swatch
 from safeloc.report.strips import strip
 from safeloc.report.thinning import Point, Span, pieces, spans, thinned, thinned_band
-from tests.report.reading import begin, drawing, end, kinds, words
+from tests.report.drawing_reader import begin, drawing, end, kinds, words
 
 POINTS = st.lists(st.builds(Point, st.floats(0, 6), st.floats(-9, 9)), min_size=1, max_size=60)
 

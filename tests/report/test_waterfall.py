@@ -14,8 +14,8 @@ from safeloc.report.png import SIGNATURE
 from safeloc.report.recorded_run import RecordedRun
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table
 from safeloc.reported import Reported
+from tests.report.drawing_reader import Drawing, across, drawing, kinds, points, upright, words
 from tests.report.gauge import drive, system
-from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import picture
 from tests.report.shipped_runs import told as shipped_run
 

@@ -75,12 +75,12 @@ def test_age_is_compensated(speed: int, age_ms: int, ahead_mm: float, unsure: in
     assert held.low <= ahead_mm - speed * age_ms / 1_000 <= held.high
 
 
-def test_age_is_charged_where_the_speed_is_not_known() -> None:
+def test_age_adds_error_where_the_speed_is_not_known() -> None:
     """30 m/s either way and 100 ms: 3 m on either side, and 0.23 m for Doppler's shift."""
     known = distance_now(echo(50_000), CONFIG, Delay(100, 100, 0, 0))
-    charged = distance_now(echo(50_000), CONFIG, Delay(100, 100, -30_000, 30_000))
-    assert float(charged.high - known.high) == pytest.approx(3_231, abs=5)
-    assert float(known.low - charged.low) == pytest.approx(3_231, abs=5)
+    added = distance_now(echo(50_000), CONFIG, Delay(100, 100, -30_000, 30_000))
+    assert float(added.high - known.high) == pytest.approx(3_231, abs=5)
+    assert float(known.low - added.low) == pytest.approx(3_231, abs=5)
 
 
 def test_a_reflector_may_have_been_passed() -> None:
@@ -102,7 +102,7 @@ def test_figures_of_a_delay_are_whole(wrong: object) -> None:
         Delay(0, 0, 0, wrong)  # type: ignore[arg-type]
 
 
-def test_times_in_whole_ms_are_charged_for_rounding() -> None:
+def test_times_in_whole_ms_add_a_rounding_error() -> None:
     """Half a ms at either end; an age is never below 0, and never from after now."""
     assert Delay.since(1_000, 1_050, -5, 5) == Delay(49, 51, -5, 5)
     assert Delay.since(1_000, 1_000, 0, 0) == Delay(0, 1, 0, 0)

@@ -189,7 +189,7 @@ HIGH_AND_NEAR = Sensor(
     bandwidth_mhz=250, scale_error_ppm=0, offset_error_mm=1_000, ground_reflection_percent=30, ground_height_mm2=25_000_000,
     blind_mm=0,
 )  # fmt: skip
-MOST_CHARGES = 14
+MOST_ADDED = 14
 """The bound takes the way over the ground in first order and a quarter more, on both sides. At 1 m, the nearest range, with the highest
 antenna and reflector, the first order is 50 / (sqrt(101) - 1) = 5.52 times the exact way: 2 x 1.25 x 5.52 = 13.8."""
 
@@ -214,14 +214,14 @@ def test_ranges_enclose_what_the_sensor_may_have_measured(
     low, high = math.nextafter(low - row, -math.inf), math.nextafter(high - row, math.inf)
     bound = range_nm(0, one_peak(row, sensor.side_cells, low, high), sensor)
     assert_encloses(bound.low, bound.high, truth * NM)
-    charged = float(ends(ground_shift(sensor, truth))[1]) + sensor.offset_error_mm
+    added = float(ends(ground_shift(sensor, truth))[1]) + sensor.offset_error_mm
     scaled = float(ends(truth)[1]) * sensor.scale_error_ppm / MILLION
-    assert (bound.high - bound.low) / NM < 2.1 * scaled + MOST_CHARGES * charged + 1e-5
+    assert (bound.high - bound.low) / NM < 2.1 * scaled + MOST_ADDED * added + 1e-5
 
 
 @FEWER
 @given(st.integers(0, 10**13), st.sampled_from([0, 5, 30]), st.sampled_from([0, 1, 1_000_000, 25_000_000]))
-def test_the_ground_is_charged_in_full(range_nm_: int, percent: int, height: int) -> None:
+def test_the_ground_adds_error_in_full(range_nm_: int, percent: int, height: int) -> None:
     """`ground_nm`: never below the exact way over the ground, and a quarter more than its first order at most."""
     sensor = Sensor(ground_reflection_percent=percent, ground_height_mm2=height, blind_mm=0)
     told, nearest = ground_nm(sensor, range_nm_), max(exact_mm(range_nm_), Fraction(1_000))

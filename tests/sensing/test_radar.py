@@ -110,7 +110,7 @@ def test_the_minimum_intensity_is_a_condition_on_range() -> None:
 
 
 @pytest.mark.parametrize("bent", range(3))
-def test_a_bent_corner_is_charged(bent: int) -> None:
+def test_a_bent_corner_adds_error(bent: int) -> None:
     """One corner 60 mm too far: the bound grows by about as much, and holds what the two others say."""
     reflector = Reflector(Model.B, PLACE_MM)
     sound = seen(bare([reflector]), PLACE_MM - 50_000)

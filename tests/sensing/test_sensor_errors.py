@@ -1,4 +1,4 @@
-"""What is charged to the sensor: every part shows in the bound, and rounding is outward and exact."""
+"""What the sensor adds to the error: every part shows in the bound, and rounding is outward and exact."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ def test_rounding_is_outward_and_below_one(row: int, column: int, a: float, b: f
     [(9_990_500, {"scale_error_ppm": 100}), (7_000_000, {"offset_error_mm": 7}), (1_387_700, {"ground_reflection_percent": 5})],
     ids=["scale", "offset", "ground"],
 )  # fmt: skip
-def test_each_error_is_charged(more_nm: int, figure: dict[str, int]) -> None:
+def test_each_error_adds_error(more_nm: int, figure: dict[str, int]) -> None:
     """On either side, at 99.9 m."""
     found = peak(666, 8, 0.25, 0.25)
-    bare, charged = range_nm(0, found, PERFECT), range_nm(0, found, PERFECT.model_copy(update=figure))
-    assert charged.high - bare.high == pytest.approx(more_nm, rel=0.06)
-    assert bare.low - charged.low == charged.high - bare.high
+    bare, added = range_nm(0, found, PERFECT), range_nm(0, found, PERFECT.model_copy(update=figure))
+    assert added.high - bare.high == pytest.approx(more_nm, rel=0.06)
+    assert bare.low - added.low == added.high - bare.high
 
 
-def test_mounting_is_charged_to_the_angle() -> None:
+def test_mounting_adds_error_to_the_angle() -> None:
     """3 mrad on either side."""
     found = peak(666, 8, 0.0, 0.0)
     assert sine_ppb(0, found, PERFECT.model_copy(update={"angle_error_urad": 3_000})).high == 3_000_000

@@ -68,7 +68,7 @@ AWAY_EVERY = 1_500
 """Before one cycle of so many the vehicle falls silent, or its connection is lost."""
 
 SILENCE_CYCLES = (2, 58)
-"""Shorter than the longest gap, so that it is charged and the place goes on; longer ones are the pauses between trips."""
+"""Shorter than the longest gap, so that it adds to the error and the place goes on; longer ones are the pauses between trips."""
 
 
 def befall(said: Said, chance: Random) -> str:

@@ -45,7 +45,7 @@ def test_the_truth_of_a_trip_is_that_of_its_records() -> None:
     )
 
 
-def test_a_vehicle_pauses_longer_than_silence_is_charged() -> None:
+def test_a_vehicle_pauses_longer_than_silence_adds_error() -> None:
     """So a place that outlives a pause would be a wrong one; silences within a trip are shorter."""
     pauses_s = [(later.begin_ms - earlier.end_ms) / 1_000 for earlier, later in pairwise(islice(day.trips(1, 7), 40))]
     assert min(pauses_s) > 60 > SILENCE_CYCLES[1]

@@ -53,19 +53,19 @@ def record_of(train: Train, *, miscounted: int = 0) -> Record:
     state, since_first = code.first(), 0
     for step in steps:
         state, _ = code.step(state, code.read({name: cell for name, cell in step.items() if "true" not in name}))
-        told = code.named_outputs(state)
+        outputs = code.named_outputs(state)
         since_first += bool(since_first) or step["axle"] != "NONE"
-        if told["record_ready"] and told["record_sound"]:
-            return _record(told, miscounted, (since_first - 1) * AXLES.period_ms)
+        if outputs["record_ready"] and outputs["record_sound"]:
+            return _record(outputs, miscounted, (since_first - 1) * AXLES.period_ms)
     raise InputError(f"a train of {train.length_m:.0f} m at {speed} mm/s gives no record at an axle counter.")
 
 
-def _record(told: dict[str, Value], miscounted: int, after_ms: int) -> Record:
+def _record(outputs: dict[str, Value], miscounted: int, after_ms: int) -> Record:
     def bounds(name: str) -> tuple[int, int]:
-        return told[f"{name}_low_um"] // UM_PER_MM, -(-told[f"{name}_high_um"] // UM_PER_MM)
+        return outputs[f"{name}_low_um"] // UM_PER_MM, -(-outputs[f"{name}_high_um"] // UM_PER_MM)
 
-    speeds = (told["record_speed_low_mm_s"], told["record_speed_high_mm_s"])
-    return Record(told["record_axles"] + miscounted, bounds("record_length"), speeds, bounds("record_run"), after_ms)
+    speeds = (outputs["record_speed_low_mm_s"], outputs["record_speed_high_mm_s"])
+    return Record(outputs["record_axles"] + miscounted, bounds("record_length"), speeds, bounds("record_run"), after_ms)
 
 
 Stretch = tuple[float, float]

@@ -95,9 +95,11 @@ class EndHost:
         place = passed[0] + run // 2
         return {"reference_accepted": True, "reference_count": self.map.below(place), "reference_position_mm": place}
 
-    def ghosts(self, step: Mapping[str, Cell], was: Mapping[str, Value], told: Mapping[str, Value]) -> dict[str, Cell]:
+    def ghosts(
+        self, step: Mapping[str, Cell], was: Mapping[str, Value], outputs: Mapping[str, Value]
+    ) -> dict[str, Cell]:
         """Return the ghost inputs of the step, from the machine's outputs before and after it."""
-        return self._ghosts.follow(step, was, told)
+        return self._ghosts.follow(step, was, outputs)
 
 
 class _Ghosts:
@@ -112,14 +114,16 @@ class _Ghosts:
         """Set the place of the end before the first step."""
         self._truth_mm = truth_mm
 
-    def follow(self, step: Mapping[str, Cell], was: Mapping[str, Value], told: Mapping[str, Value]) -> dict[str, Cell]:
+    def follow(
+        self, step: Mapping[str, Cell], was: Mapping[str, Value], outputs: Mapping[str, Value]
+    ) -> dict[str, Cell]:
         """Return the ghost inputs of one step."""
         truth = int(step["truth_mm"])
         run = 0 if self._truth_mm is None else truth - self._truth_mm
         self._truth_mm = truth
-        if told["in_section"] != was["in_section"]:
-            self._passes(truth, bool(told["in_section"]))
-        elif not told["in_section"] and self._unseen(truth):
+        if outputs["in_section"] != was["in_section"]:
+            self._passes(truth, bool(outputs["in_section"]))
+        elif not outputs["in_section"] and self._unseen(truth):
             self._count += 1
         if step["reference_accepted"]:
             self._count = int(step["reference_count"])

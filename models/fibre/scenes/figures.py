@@ -131,9 +131,8 @@ TROUBLES = (
     EndScene(
         "drift-of-n",
         "Drift of n",
-        "The index of refraction drifts by 0.15 % a second from 60 s on. Position signals come at their time; the place by time of "
-        "flight goes astray: error F (FLIGHT_DIFFERS) once it differs by more than its threshold. What stays below the "
-        "threshold is not told, and changes no place.",
+        "The index of refraction drifts by 0.15 % a second from 60 s on. Position signals come at their time, but the place by time of flight drifts away: error F (FLIGHT_DIFFERS) as "
+        "soon as it differs by more than its threshold. A smaller difference is not reported and changes no place.",
         _scene(THREE, drift=lambda second: Drift(index_ppm=max(0.0, second - 60) * 1_500), seed=7),
         ghosts=False,
     ),

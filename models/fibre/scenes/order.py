@@ -39,11 +39,11 @@ def places_of(moments: Sequence[Moment], train: int) -> Places:
 def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) -> Ordered:
     """Return the trains that the counters report, by their places, numbered from 1 on in the order given."""
     code = _on_board()
-    told = [events(ends, places) for places in trains]
+    passages = [events(ends, places) for places in trains]
     state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
     inside, whole = [False] * len(trains), list[list[bool]]()
     for number, moment in enumerate(moments):
-        now = [one[number] for one in told]
+        now = [one[number] for one in passages]
         was = any(inside)
         inside = [
             (one or event.startswith("ENTERS")) and not event.startswith("LEAVES")
@@ -89,10 +89,10 @@ def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> Trai
     return next((one for one, owner in zip(seen, owners, strict=False) if owner == train), None)
 
 
-def truth_of(trains: Sequence[Places], told: Ordered) -> Steps:
+def truth_of(trains: Sequence[Places], ordered: Ordered) -> Steps:
     """Return the ghost inputs: each train's middle, its presence in the area, and the train that each pattern of the steps contains."""
     made = Steps()
-    for now, inside, seen in zip(zip(*trains, strict=True), told.inside, told.steps, strict=True):
+    for now, inside, seen in zip(zip(*trains, strict=True), ordered.inside, ordered.steps, strict=True):
         middles = [round(MM_PER_M * UM_PER_MM * (low + high) / 2) for low, high in now]
         step: dict[str, Cell] = {}
         for n in range(1, ORDER.trains + 1):
@@ -102,8 +102,8 @@ def truth_of(trains: Sequence[Places], told: Ordered) -> Steps:
     return made
 
 
-def _held(middles: Sequence[int], told: Mapping[str, Cell], pattern: int) -> int:
-    low, high = (int(told[f"pattern_{pattern}_{side}_mm"]) * UM_PER_MM for side in ("low", "high"))
+def _held(middles: Sequence[int], inputs: Mapping[str, Cell], pattern: int) -> int:
+    low, high = (int(inputs[f"pattern_{pattern}_{side}_mm"]) * UM_PER_MM for side in ("low", "high"))
     return next((number for number, middle in enumerate(middles, 1) if low <= middle <= high), 1)
 
 

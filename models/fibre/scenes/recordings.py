@@ -63,9 +63,9 @@ def recorded_order(made: OrderScene) -> Recording:
     """Return the recording of the patterns of several trains, in their order."""
     moments, begin = listen(made.scene), round(made.from_s * BLOCKS_PER_S)
     trains = [places_of(moments[begin:], number) for number in range(len(made.scene.trains))]
-    told = order_of(made.ends, moments[begin:], trains)
-    ghosts = truth_of(trains, told)
-    whole = [{**step, **truth} for step, truth in zip(told.steps, ghosts, strict=True)]
+    ordered = order_of(made.ends, moments[begin:], trains)
+    ghosts = truth_of(trains, ordered)
+    whole = [{**step, **truth} for step, truth in zip(ordered.steps, ghosts, strict=True)]
     first = {name.removeprefix("next_"): int(cell) for name, cell in ghosts[0].items() if name.endswith("_place_um")}
     marks = {"axle counter 1": made.ends.low_mm, "axle counter 2": made.ends.high_mm}
     picture = {"title": made.title, "says": made.says, **waterfall(made.scene, moments, begin, marks)}

@@ -108,10 +108,11 @@ SCENARIOS = (
     AreaScene(
         "ghost-train",
         "A ghost train",
-        "Something that looks like a second train comes towards the first one, and no counter has told of it: two patterns "
-        "for one train belong to nobody. The position is withheld (NOT_ASSOCIATED) in that cycle, no section that the "
-        "train may be in becomes FREE. A ghost that comes exactly while the train itself is not heard is taken for it by "
-        "order; count, length, speed and jumps are what is left against it.",
+        "A pattern like that of a second train comes towards the first one, and no counter has reported a second train: "
+        "with two patterns for one train, neither is associated with it. The position is withheld (NOT_ASSOCIATED) in "
+        "that cycle, and no section that the train may be in becomes FREE. A ghost that comes exactly while the train "
+        "itself gives no signal is taken for the train by the order; only count, length, speed and jumps can then "
+        "reveal it.",
         replace(
             STAY,
             scene=_with(trains=(unit(), unit(4, 5_600, (0, 0.0), (85, 0.0), (95, -25.0), ahead=False)), seed=2),

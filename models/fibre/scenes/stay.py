@@ -99,8 +99,8 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
         host.before(moment)
     whole = [_whole(stay, moment) for moment in moments]
     patterns = order_of(stay.ends, moments, [whole]).patterns
-    told = events(stay.ends, [_pattern_m(stay, moment) for moment in moments])
-    made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, told, strict=True)]
+    passages = events(stay.ends, [_pattern_m(stay, moment) for moment in moments])
+    made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, passages, strict=True)]
     return Stayed(made, host.states)
 
 
@@ -233,13 +233,13 @@ class _Entry:
         comes = next((place for place, due in self._due_ms.items() if moment.time_ms >= due), None)
         if comes is not None:
             self._due_ms.pop(comes)
-        told: dict[str, Cell] = {
+        inputs: dict[str, Cell] = {
             "entry.event": event,
             "entry.reference_comes": "NOBODY" if comes is None else "AXLE_COUNTER",
         }
         healthy = not (event.startswith("LEAVES") and self._miscounted)
-        told |= {"area.counters_healthy": healthy, "area.counters_clear": self._clear}
-        return told | _recorded(comes or self._places[0], self._record)
+        inputs |= {"area.counters_healthy": healthy, "area.counters_clear": self._clear}
+        return inputs | _recorded(comes or self._places[0], self._record)
 
 
 def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:

@@ -222,19 +222,19 @@ def _links(config: LocalizerConfig, journey: Journey, cycles: int) -> Steps:
     return steps
 
 
-def _named(machine: str, steps: Sequence[Mapping[str, Cell]], heard: Sequence[str] = ()) -> Steps:
+def _named(machine: str, steps: Sequence[Mapping[str, Cell]], received: Sequence[str] = ()) -> Steps:
     """Return a machine's own steps under the names of the composition, without the inputs wired to other machines."""
-    known = (*WIRED, *heard)
+    known = (*WIRED, *received)
     return [{f"{machine}.{key}": cell for key, cell in step.items() if key not in known} for step in steps]
 
 
-def _units_heard(config: LocalizerConfig) -> tuple[str, ...]:
+def _units_received(config: LocalizerConfig) -> tuple[str, ...]:
     """Return odometry's inputs that are wired to the vehicle's own units."""
     first, second = (f"front_{unit.kind}_mm" for unit in (config.odometry.first_unit, config.odometry.second_unit))
     return (first,) if config.motion.check is None else (first, second)
 
 
-def _owed(measured: Measured) -> tuple[str, ...]:
+def _check_inputs(measured: Measured) -> tuple[str, ...]:
     """Return the ghosts that all users of a checked odometer share; none without a check unit."""
     return CHECKED if measured.check is not None else ()
 
@@ -249,7 +249,7 @@ def _odometry(config: LocalizerConfig, journey: Journey, motion: Motion, measure
             config.odometry, seed=seed, motion=motion, markers=journey.markers, dropout=0, missed=0, foreign=0,
             faults=_passed_on("odometry", journey), first_unit=measured.odometer, second_unit=measured.check,
         ),
-        _units_heard(config),
+        _units_received(config),
     )  # fmt: skip
 
 
@@ -263,9 +263,9 @@ def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured:
         "balise",
         balise_streams.simulate(
             config.balise, seed=seed, motion=motion, groups=passed, routes=_routes(journey, motion), missed=0,
-            foreign=0, faults=faults, measured=measured.told,
+            foreign=0, faults=faults, measured=measured.reported,
         ),
-        _owed(measured),
+        _check_inputs(measured),
     )  # fmt: skip
 
 
@@ -285,8 +285,8 @@ def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measur
     scene = Scene(journey.reflectors, pauses=0, dropout=0, disturbances=disturbed)
     return _named(
         "reflector",
-        reflector_streams.simulate(config.reflector, seed=seed, scene=scene, motion=motion, measured=measured.told),
-        _owed(measured),
+        reflector_streams.simulate(config.reflector, seed=seed, scene=scene, motion=motion, measured=measured.reported),
+        _check_inputs(measured),
     )
 
 
@@ -301,17 +301,17 @@ def _speeds_um_s(motion: Motion) -> NDArray[np.int64]:
 
 def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measured, seed: int) -> Steps:
     rng, speeds = np.random.default_rng(seed + 1), _speeds_um_s(motion)
-    heard, drawn, steps = 0, 0, list[dict[str, Cell]]()
+    received, drawn, steps = 0, 0, list[dict[str, Cell]]()
     for cycle, place in enumerate(motion.position_nm):
         truth = int(place) // NM_PER_MM
         dark = any(one.holds(truth) for one in journey.dark) or journey.trouble("satellites lost", cycle) is not None
         missing = "TWO_PORTIONS" if journey.undecided(truth) else "NO_EPOCH"
-        heard = 0 if dark or missing == "TWO_PORTIONS" else heard + 1
+        received = 0 if dark or missing == "TWO_PORTIONS" else received + 1
         drawn += SPOOFED_MM if journey.trouble("spoofing", cycle) else 0
         far = journey.trouble("multipath", cycle) is not None
         selection, speed = config.satellite.selection, int(speeds[cycle + 1])
-        step = signals(selection, rng, journey.satellites, heard, far)
-        step |= solution(selection, rng, journey.satellites, heard, far, truth + drawn, speed, missing)
+        step = signals(selection, rng, journey.satellites, received, far)
+        step |= solution(selection, rng, journey.satellites, received, far, truth + drawn, speed, missing)
         steps.append(step | {"position.next_speed_um_s": speed})
     return steps
 
@@ -358,13 +358,13 @@ def _pattern(
     inside: bool,
 ) -> dict[str, Cell]:
     """Return the features that the fibre determines in a block, every fifth cycle; nothing between them."""
-    told = inside and cycle % BLOCK_CYCLES == 0
+    located = inside and cycle % BLOCK_CYCLES == 0
     step: dict[str, Cell] = {
-        "associated": told, "fibre_located": told, "fibre_margin_above_mm": 12_000, "fibre_margin_below_mm": 12_000,
+        "associated": located, "fibre_located": located, "fibre_margin_above_mm": 12_000, "fibre_margin_below_mm": 12_000,
         "fibre_error": inside and journey.trouble("fibre error", cycle) is not None,
         "chain_tested": inside, "chain_failed": False,
     }  # fmt: skip
-    if not told:
+    if not located:
         return step
     seen: dict[str, Cell] = {
         "fibre_position_mm": front + int(rng.integers(-8_000, 8_000)),

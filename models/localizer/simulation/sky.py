@@ -15,7 +15,7 @@ MULTIPATH_MM = 60_000
 """Excess length of a signal that comes by a detour."""
 
 
-def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool) -> dict[str, Cell]:
+def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, received: int, far: bool) -> dict[str, Cell]:
     """Return each channel's measured value less the predicted one; with `far`, the first signal comes by a detour."""
     step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
     for number in range(1, config.channels + 1):
@@ -26,12 +26,12 @@ def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, heard:
             f"{name}_error_mm": 0, f"{name}_speed_error_mm_s": 0, f"{name}_prediction_mm": 0,
             f"{name}_prediction_mm_s": 0, f"{name}_ephemeris_valid": True,
         }  # fmt: skip
-        if heard and number <= seen:
+        if received and number <= seen:
             step |= {
                 f"{name}_satellite": number, f"{name}_range_off_mm": away, f"{name}_speed_off_mm_s": faster,
                 f"{name}_error_mm": away, f"{name}_speed_error_mm_s": faster,
             }  # fmt: skip
-        if heard >= config.warm_up_cycles and number <= seen:
+        if received >= config.warm_up_cycles and number <= seen:
             spread = config.range_covariance_mm2 // 4, config.speed_covariance_mm2_s2 // 4
             step |= {f"{name}_range_covariance_mm2": spread[0], f"{name}_speed_covariance_mm2_s2": spread[1]}
     return step
@@ -41,14 +41,14 @@ def solution(
     config: SelectionConfig,
     rng: np.random.Generator,
     seen: int,
-    heard: int,
+    received: int,
     far: bool,
     place_mm: int,
     speed_um_s: int,
     missing: str,
 ) -> dict[str, Cell]:
     """Return place and speed along the track from the usable signals; before the warm-up ends none, with `missing` as the reason."""
-    solved = heard >= config.warm_up_cycles
+    solved = received >= config.warm_up_cycles
     step: dict[str, Cell] = {
         f"position.used_{number}": solved and number <= seen and not (far and number == 1)
         for number in range(1, config.channels + 1)

@@ -18,8 +18,8 @@ from safeloc.assurance.mutation.mutants import (
     Mutant,
     numbered,
     other_variables,
+    place_text,
     substitution,
-    told_place,
     written_at,
     wrong_terms,
 )
@@ -93,7 +93,7 @@ def _mutant(
         machine=whole.machine.name,
         kind=kind,
         words=words,
-        place=told_place(place),
+        place=place_text(place),
         source=written_at(place),
         term=infix(term, LONGEST),
         becomes=becomes,

@@ -9,12 +9,12 @@ from functools import cached_property
 from typing import Any
 
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
-from safeloc.assurance.mutation.judging import with_outcome
+from safeloc.assurance.mutation.judge_composition_mutant import WholeBench, of_member, of_wire, whole_bench
+from safeloc.assurance.mutation.judge_machine_mutant import with_outcome
 from safeloc.assurance.mutation.members import Composed, member_mutants
 from safeloc.assurance.mutation.mutants import Mutant, sample
 from safeloc.assurance.mutation.places import Places
 from safeloc.assurance.mutation.results import BY_PROOF, SET_ASIDE, SURVIVED, Judged, Outcome, from_data
-from safeloc.assurance.mutation.whole_judging import WholeBench, of_member, of_wire, whole_bench
 from safeloc.assurance.mutation.wires import WireEdit, wire_edits
 from safeloc.assurance.mutation.work import Judging, OnJudged, Plan
 from safeloc.errors import InputError

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from safeloc.assurance.evidence.interval import ReportedTerms
 from safeloc.assurance.mutation.claims import Canon, Held
 from safeloc.assurance.mutation.equivalence import Side, equal
-from safeloc.assurance.mutation.playing import Trodden, told_side_by_side
+from safeloc.assurance.mutation.playing import Trodden, outputs_side_by_side
 from safeloc.language.expr import Bool, NumVar
 from safeloc.language.nodes import BoolVar, Value
 from safeloc.language.units import Enumeration
@@ -27,7 +27,7 @@ def conservative(
     known: Held, runs: Trodden, mutant: Held, reported: Reported | None, canon: Canon, limits: Limits
 ) -> str:
     """Return a text that says how the mutant was proved conservative, or "". All claims have to be proved for the mutant."""
-    if reported is None or any(_is_worse(reported, *told) for told in told_side_by_side(mutant, runs)):
+    if reported is None or any(_is_worse(reported, *outputs) for outputs in outputs_side_by_side(mutant, runs)):
         return ""
     side = Side(known, mutant, canon, limits, still_proved=True)
     goals = _goals(side, reported)

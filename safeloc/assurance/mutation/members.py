@@ -69,12 +69,12 @@ def joined(whole: Composed, machine: Machine, wires: Mapping[Var, Expr] | None =
     ModelError if the result is not a valid composition.
     """
     was = whole.members[machine.name].machine
-    told = _rewired(whole.plan.wires if wires is None else wires, was, machine)
+    rewired = _rewired(whole.plan.wires if wires is None else wires, was, machine)
     machines = [machine if one is was else one for one in whole.plan.machines]
     made = compose(
         whole.plan.name,
         machines,
-        told,
+        rewired,
         shared=whole.plan.shared,
         discharge=_discharged(whole.plan.discharge, was, machine),
     )

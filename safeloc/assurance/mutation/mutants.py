@@ -135,7 +135,7 @@ def _of_term(whole: Declared, term: Term, change: Change, becomes: str) -> Mutan
         machine=whole.machine.name,
         kind=change.kind,
         words=change.words,
-        place=told_place(term.place),
+        place=place_text(term.place),
         source=written_at(term.place),
         term=infix(term.node, LONGEST),
         becomes=becomes,
@@ -152,7 +152,7 @@ def substitution(term: Term, change: Change) -> Substitution:
     return Substitution({}, [(node, change.make(children(node))) for node in term.nodes])
 
 
-def told_place(place: Place | None) -> str:
+def place_text(place: Place | None) -> str:
     """Return file and line as text; "" if the place was not recorded."""
     return "" if place is None else str(place)
 

@@ -70,7 +70,7 @@ class _Trail:
 
     system: TransitionSystem
     path: Path
-    told: tuple[Row, ...]
+    outputs: tuple[Row, ...]
     fired: tuple[Row, ...]
 
     def seen(self, steps: int | None) -> set[Event]:
@@ -178,7 +178,7 @@ def first_broken(layer: Layer, runs: Sequence[Run]) -> _Broken | None:
 
 def outputs_along(system: TransitionSystem, run: Run) -> tuple[Row, ...]:
     """Return the outputs in each state of a run, without regard to what the world allows."""
-    return _Board(system).trail(run).told
+    return _Board(system).trail(run).outputs
 
 
 # ------------------------------------------------------------------ claims
@@ -285,12 +285,12 @@ class _Judging:
 def _otherwise(mutant: Held, known: Trodden) -> Played:
     """Return where outputs first differ along a recording and along any run, and the events before the mutant differs."""
     one, other = known.board[0].system, without_ghosts(mutant.system)
-    told = any(term is not one.outputs[name] for name, term in other.outputs.items())
+    outputs = any(term is not one.outputs[name] for name, term in other.outputs.items())
     board, words, seen = _Board(mutant.system), dict[bool, str](), set[Event]()
     begins = known.on_board.first_different(_other_moves(other, one), ())
     for trail, moved in zip(known.board, begins, strict=True):
         seen |= trail.seen(moved)
-        begin = 0 if told else moved
+        begin = 0 if outputs else moved
         if begin is not None and trail.path.run.recorded not in words:
             found = board.differs(trail, begin)
             if found:
@@ -299,11 +299,11 @@ def _otherwise(mutant: Held, known: Trodden) -> Played:
     return Played((), recorded, recorded or words.get(False, ""), frozenset(seen))
 
 
-def told_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, Value], dict[str, Value]]]:
+def outputs_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, Value], dict[str, Value]]]:
     """Return the outputs of the machine and of the mutant for each state of the known runs in which they differ."""
     board, names = _Board(mutant.system), list(mutant.system.outputs)
     for trail in known.board:
-        for was, now in zip(trail.told, board.trail(trail.path.run).told, strict=True):
+        for was, now in zip(trail.outputs, board.trail(trail.path.run).outputs, strict=True):
             if was != now:
                 yield dict(zip(names, was, strict=True)), dict(zip(names, now, strict=True))
 
@@ -333,23 +333,23 @@ class _Board:
         states = [_first(self._system, run)]
         for row in rows:
             states.append(self._step(states[-1], row))
-        told = tuple(self._look(state, ()) for state in states)
+        outputs = tuple(self._look(state, ()) for state in states)
         fired = tuple(self._fired(state, row) for state, row in zip(states, rows, strict=False))
-        return _Trail(self._system, Path(run, rows, tuple(states)), told, fired)
+        return _Trail(self._system, Path(run, rows, tuple(states)), outputs, fired)
 
     def differs(self, trail: _Trail, begin: int) -> str:
         """Return a text about the first state from `begin` on with other outputs than in `trail`; "" if there is none."""
         path, state = trail.path, trail.path.states[begin]
         for number in range(begin, len(path.states)):
-            now, was = self._look(state, ()), trail.told[number]
+            now, was = self._look(state, ()), trail.outputs[number]
             if now != was:
                 names = zip(self._system.outputs.items(), now, was, strict=True)
-                told = [
+                outputs = [
                     f"{name} {_shown(term, new)} instead of {_shown(term, old)}"
                     for (name, term), new, old in names
                     if new != old
                 ]
-                return f"{path.run.name}, step {number}: {', '.join(told[:3])}"
+                return f"{path.run.name}, step {number}: {', '.join(outputs[:3])}"
             if number < len(path.rows):
                 state = self._step(state, path.rows[number])
         return ""

@@ -60,23 +60,23 @@ def _changed(machine: Machine, row: Transition, others: Others) -> Iterator[_Edi
 
 
 def _guarded(row: Transition, others: Others) -> Iterator[_Edited]:
-    told = infix(row.when)
+    original = infix(row.when)
     if row.when is not TRUE:
-        yield CONDITION, "always enabled", told, "true", replace(row, when=TRUE)
-    yield CONDITION, "never enabled", told, "false", replace(row, when=FALSE)
+        yield CONDITION, "always enabled", original, "true", replace(row, when=TRUE)
+    yield CONDITION, "never enabled", original, "false", replace(row, when=FALSE)
     if not children(row.when):
         for change in of_operand(row.when, others):
             now = as_bool(change.make((row.when,)))  # type: ignore[arg-type] # a flag becomes a truth value
-            yield change.kind, change.words, told, infix(now), replace(row, when=now)
+            yield change.kind, change.words, original, infix(now), replace(row, when=now)
 
 
 def _updated(row: Transition, others: Others) -> Iterator[_Edited]:
     for var, value in row.set.items():
-        told = f"{var.name} := {_text(var, value)}"
-        yield _SKIPPED, f"{var.name} keeps its value", told, "", replace(row, set=_but(row.set, var))
+        original = f"{var.name} := {_text(var, value)}"
+        yield _SKIPPED, f"{var.name} keeps its value", original, "", replace(row, set=_but(row.set, var))
         for change, now in _other_values(var, value, others):
             words = f"{var.name} := {_text(var, now)}"
-            yield change.kind, change.words, told, words, replace(row, set={**row.set, var: now})
+            yield change.kind, change.words, original, words, replace(row, set={**row.set, var: now})
 
 
 def _but(updates: Mapping[Var, Expr | Value], left_out: Var) -> dict[Var, Expr | Value]:
@@ -108,8 +108,8 @@ def _aimed(machine: Machine, row: Transition) -> Iterator[_Edited]:
     following = machine.modes[(row.target.value + 1) % len(machine.modes)]
     for target in dict.fromkeys([following, *(row.sources if len(row.sources) == 1 else ())]):
         if target is not row.target:
-            told, now = row.target.label, target.label
-            yield _TARGET, f"to {now} instead of {told}", told, now, replace(row, target=target)
+            original, now = row.target.label, target.label
+            yield _TARGET, f"to {now} instead of {original}", original, now, replace(row, target=target)
 
 
 def _exchanged(machine: Machine) -> Iterator[RowEdit]:
@@ -143,7 +143,7 @@ def _of_outputs(machine: Machine, others: Others) -> Iterator[RowEdit]:
         if not children(term):
             for change in of_operand(term, others):
                 now = change.make((term,))
-                make = _told(machine, name, now)
+                make = _with_output(machine, name, now)
                 yield RowEdit(
                     change.kind,
                     change.words,
@@ -156,5 +156,5 @@ def _of_outputs(machine: Machine, others: Others) -> Iterator[RowEdit]:
                 )
 
 
-def _told(machine: Machine, name: str, now: Expr) -> Callable[[], Machine]:
+def _with_output(machine: Machine, name: str, now: Expr) -> Callable[[], Machine]:
     return lambda: remade(machine, outputs={**machine.outputs, name: now})

@@ -66,12 +66,12 @@ class Forms:
         """Return the number of the term's form."""
         first = self._places.origin(term)
         for node in in_order([first], self._of):
-            told = _told(node, self._of)
-            self._of[node] = self._numbers.setdefault(told, len(self._numbers))
+            key = _key(node, self._of)
+            self._of[node] = self._numbers.setdefault(key, len(self._numbers))
         return self._of[first]
 
 
-def _told(node: Expr, of: Mapping[Expr, int]) -> tuple[object, ...]:
+def _key(node: Expr, of: Mapping[Expr, int]) -> tuple[object, ...]:
     """Return the key of a form: operator, constants, and the forms of the parts. Reading before the step does not matter."""
     match node:
         case NumVar() | BoolVar():

@@ -21,8 +21,8 @@ Step = Callable[[Row, Row], Row]
 def stepped(rows: _Rows, terms: Sequence[Expr]) -> Step:
     """Return a function that computes the terms from two rows of values."""
     python, lines = _named(rows, terms)
-    told = "".join(f"{python.code(term)}, " for term in terms)
-    made: Step = _loaded(["def made(first, second):", *lines, f"return ({told})"])
+    code = "".join(f"{python.code(term)}, " for term in terms)
+    made: Step = _loaded(["def made(first, second):", *lines, f"return ({code})"])
     return made
 
 

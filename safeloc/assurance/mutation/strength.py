@@ -52,9 +52,9 @@ class Strength:
     def __str__(self) -> str:
         """Return the strength as one line of text."""
         sample = "" if self.judged == self.of else f" (a sample of {self.judged} of {self.of})"
-        told = f"{self.target}: of {self.wrong} wrong rules {self.by_its_own} noticed by its properties, {self.by_proof} by any proof{sample}"
+        text = f"{self.target}: of {self.wrong} wrong rules {self.by_its_own} noticed by its properties, {self.by_proof} by any proof{sample}"
         alone = ", ".join(f"{name!r} {count}" for name, count in self.alone.items())
-        return f"{told}; alone by {alone}" if alone else told
+        return f"{text}; alone by {alone}" if alone else text
 
 
 def strengths(target: Target, judged: Sequence[Judged], of: int) -> dict[str, Strength]:
@@ -82,10 +82,10 @@ def _strength(
     of: int,
 ) -> Strength:
     rows = [one.everywhere for one in machine if requirement in one.requirements]
-    told = score(rows)
+    text = score(rows)
     noticed = sum(one.fate in BY_PROOF and not own.isdisjoint(one.by) for one in rows)
     counted = Counter({name.removeprefix("property "): alone[name] for name in own if name in alone})
-    return Strength(target, judged, of, told.asked, told.killed_by_proof, noticed, dict(counted.most_common()))
+    return Strength(target, judged, of, text.asked, text.killed_by_proof, noticed, dict(counted.most_common()))
 
 
 def keep_strengths(store: Store, target: Target, judged: Sequence[Judged], of: int) -> None:
@@ -128,11 +128,11 @@ def as_text(found: Sequence[Strength]) -> list[str]:
     """Return the lines about one requirement, one for each target; the last says so if no target shows it."""
     if not found:
         return ["not measured: no run of `safeloc mutate` on the present state of the machines that implement it"]
-    told = list(map(str, found))
+    text = list(map(str, found))
     return (
-        told
+        text
         if any(one.is_shown for one in found)
-        else [*told, "NOT SHOWN: none of its properties notices a wrong rule of it"]
+        else [*text, "NOT SHOWN: none of its properties notices a wrong rule of it"]
     )
 
 

@@ -39,7 +39,7 @@ def lines(
     for part in OTHERS:
         own = of_part(judged, part)
         if own:
-            yield f"  {_WORDS[part]}: {_told(score([one.alone for one in own]))}"
+            yield f"  {_WORDS[part]}: {_score_text(score([one.alone for one in own]))}"
     yield from _counted(judged, reasons, machine_only=machine_only)
     for with_reason in (False, True):
         some = [one for one in judged if (one.id in reasons) == with_reason]
@@ -58,15 +58,15 @@ def _counted(judged: Sequence[Judged], reasons: Mapping[str, str], *, machine_on
 def _of_machine(machine: Sequence[Judged], *, machine_only: bool) -> Iterator[str]:
     everywhere, alone = (score([getattr(one, way) for one in machine]) for way in ("everywhere", "alone"))
     if not machine_only:
-        yield f"  the term wrong wherever it stands: {_told(everywhere)}"
-    yield f"  the machine alone wrong:           {_told(alone)}"
+        yield f"  the term wrong wherever it stands: {_score_text(everywhere)}"
+    yield f"  the machine alone wrong:           {_score_text(alone)}"
     for name, one in by_requirement(machine).items():
-        yield f"  {name}: {_told(one)}"
+        yield f"  {name}: {_score_text(one)}"
     for claim, noticed in kills_alone(machine).items():
         yield f"  only {claim} notices {len(noticed)}: {' '.join(noticed[:4])}{' ...' if len(noticed) > 4 else ''}"
 
 
-def _told(one: Score) -> str:
+def _score_text(one: Score) -> str:
     fates = ", ".join(f"{count} {fate}" for fate, count in sorted(one.fates.items(), key=lambda pair: -pair[1]))
     return f"{one.killed_by_proof} of {one.asked} noticed by a proof ({one.share:.0%}); {fates}"
 
@@ -74,17 +74,17 @@ def _told(one: Score) -> str:
 def _questions(one: Judged, reasons: Mapping[str, str], *, machine_only: bool) -> Iterator[str]:
     outcome = one.outcome(machine_only=machine_only)
     if outcome.fate in QUESTIONS or outcome.fate == UNPROVED:
-        told = f"\n    REASON: {reasons[one.id]}" if one.id in reasons else ""
-        yield f"{_question(one, outcome, machine_only=machine_only)}{told}"
+        suffix = f"\n    REASON: {reasons[one.id]}" if one.id in reasons else ""
+        yield f"{_question(one, outcome, machine_only=machine_only)}{suffix}"
 
 
 def _question(one: Judged, outcome: Outcome, *, machine_only: bool) -> str:
     where = "; ".join(one.where[:2]) + (f" and {len(one.where) - 2} more" if len(one.where) > 2 else "")
     written = f"\n      written: {one.source}" if one.source else ""
-    told = f" ({outcome.how})" if outcome.how else f" ({', '.join(outcome.by[:2])})" if outcome.by else ""
+    suffix = f" ({outcome.how})" if outcome.how else f" ({', '.join(outcome.by[:2])})" if outcome.by else ""
     which = f" [{one.direction}]" if one.direction else ""
     return (
-        f"{outcome.fate}{told}: {one.id}, {one.place}{which}\n"
+        f"{outcome.fate}{suffix}: {one.id}, {one.place}{which}\n"
         f"    {one.kind}: {one.words} [{where}]{written}\n"
         f"      {one.term}  ->  {one.becomes}{_besides(one, machine_only=machine_only)}"
     )

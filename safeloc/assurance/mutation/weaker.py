@@ -21,8 +21,8 @@ from safeloc.assurance.mutation.mutants import (
     Mutant,
     numbered,
     other_variables,
+    place_text,
     substitution,
-    told_place,
     written_at,
     wrong_terms,
 )
@@ -60,19 +60,19 @@ def _of_claim(whole: Declared, prop: Property, places: Places) -> Iterator[Mutan
 
 def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
     """Return the mutants that weaken a claim as a whole: left out, one step later, not asked in a mode."""
-    one, told = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
+    one, term_text = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
     left_out = partial(_with, prop.name, _nothing)
-    yield replace(one, kind=_LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
+    yield replace(one, kind=_LEFT_OUT, words=f"{prop.name} is left out", term=term_text, becomes="", alone=left_out)
     if prop.kind == "within":
         steps = prop.steps + 1
-        told_steps, now = f"within {prop.steps} steps", f"within {steps} steps"
+        steps_text, now = f"within {prop.steps} steps", f"within {steps} steps"
         slower = partial(_with, prop.name, partial(_slower, steps))
-        yield replace(one, kind=_LATER, words=now, term=told_steps, becomes=now, alone=slower)
+        yield replace(one, kind=_LATER, words=now, term=steps_text, becomes=now, alone=slower)
     machine = whole.machine
     for label in machine.modes if prop.kind != "reachable" and len(machine.modes) > 1 else ():
         words = f"not asked in {label.label}"
         elsewhere = partial(_with, prop.name, partial(_elsewhere, machine.mode.eq(label)))
-        yield replace(one, kind=_NOT_ASKED, words=words, term=told, becomes=words, alone=elsewhere)
+        yield replace(one, kind=_NOT_ASKED, words=words, term=term_text, becomes=words, alone=elsewhere)
 
 
 def _nothing(prop: Property) -> Property:
@@ -98,7 +98,7 @@ def _of_term(whole: Declared, prop: Property, term: Term, change: Change, become
         one,
         kind=change.kind,
         words=change.words,
-        place=told_place(term.place),
+        place=place_text(term.place),
         source=written_at(term.place),
         term=infix(term.node, LONGEST),
         becomes=becomes,

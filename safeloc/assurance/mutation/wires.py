@@ -35,8 +35,8 @@ def wire_edits(whole: Composed) -> list[WireEdit]:
 
 def _of_machine(whole: Composed, machine: Machine) -> Iterator[tuple[Mutant, Mapping[Var, Expr]]]:
     wires = whole.plan.wires
-    heard = [var for var in _inputs(machine) if var in wires]
-    for var, other in _next_of_unit(heard).items():
+    wired = [var for var in _inputs(machine) if var in wires]
+    for var, other in _next_of_unit(wired).items():
         if wires[var] is not wires[other]:
             words = f"{var.name} gets the value of {other.name}"
             yield _mutant(whole, machine, var, _CROSSED, words, wires[other]), {**wires, var: wires[other]}
@@ -51,10 +51,10 @@ def _inputs(machine: Machine) -> list[Var]:
     ]
 
 
-def _next_of_unit(heard: list[Var]) -> dict[Var, Var]:
+def _next_of_unit(wired: list[Var]) -> dict[Var, Var]:
     """Return for each wired input the next one of the same unit and range; a value of another range could be inadmissible."""
     alike: dict[object, list[Var]] = defaultdict(list)
-    for var in heard:
+    for var in wired:
         alike[(var.unit, var.low, var.high) if isinstance(var, NumVar) else bool].append(var)
     found: dict[Var, Var] = {}
     for group in alike.values():

@@ -9,12 +9,12 @@ from functools import cached_property, partial
 from typing import Any
 
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
-from safeloc.assurance.mutation.claim_judging import Against, of_claim
 from safeloc.assurance.mutation.declared import Declared
-from safeloc.assurance.mutation.judging import Bench, bench, judged, with_outcome
+from safeloc.assurance.mutation.judge_claim_mutant import Against, of_claim
+from safeloc.assurance.mutation.judge_machine_mutant import Bench, bench, judged, with_outcome
+from safeloc.assurance.mutation.judge_world_mutant import of_world
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.results import SURVIVED, Judged, Outcome, from_data
-from safeloc.assurance.mutation.world_judging import of_world
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.proof.provers.limits import CLOCK, Limits

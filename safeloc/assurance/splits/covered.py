@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from safeloc.assurance.source_places import shown
 from safeloc.assurance.splits.deciding import Change, deciding
-from safeloc.assurance.splits.live import Splits, splits_of, together
+from safeloc.assurance.splits.live_splits import Splits, splits_of, together
 from safeloc.assurance.splits.observed import Split
 from safeloc.assurance.splits.places import source_of
 from safeloc.catalogue import DEFAULTS, ENTRIES
@@ -97,8 +97,8 @@ def judge(folder: str, entries: Sequence[Entry[Any]], on_built: OnBuilt = _quiet
     dead = together(found.values()).dead
     reasons = {place: why for entry in entries for place, why in entry.configurations.never.items()}
     shared = {split: why for split, why in dead.items() if _is_shared(split)}
-    never = {split: reasons[told(split)] for split in dead if told(split) in reasons}
-    needed = {told(split) for split in never}
+    never = {split: reasons[text_of(split)] for split in dead if text_of(split) in reasons}
+    needed = {text_of(split) for split in never}
     hidden = {split: why for split, why in dead.items() if split not in never and split not in shared}
     return Covered(folder, found, hidden, never, shared, tuple(place for place in reasons if place not in needed))
 
@@ -107,7 +107,7 @@ def _made(entry: Entry[Any], config: BaseModel) -> Splits:
     return splits_of(lambda: entry.make(config))
 
 
-def told(split: Split) -> str:
+def text_of(split: Split) -> str:
     """Return the name of a split in `Configurations.never`: file, expression, and the call that led there.
 
     It contains no line number, so it does not change when lines are added above.
@@ -143,4 +143,4 @@ def hidden_in_shared_rooms(found: Iterable[Covered]) -> dict[Split, str]:
     every = list(found)
     live = frozenset().union(*(splits.live for one in every for splits in one.found.values()))
     dead = {split: why for one in every for split, why in one.shared.items() if split not in live}
-    return {split: why for split, why in dead.items() if told(split) not in SHARED}
+    return {split: why for split, why in dead.items() if text_of(split) not in SHARED}

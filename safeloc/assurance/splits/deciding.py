@@ -12,7 +12,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from safeloc.assurance.splits.live import Splits, splits_of
+from safeloc.assurance.splits.live_splits import Splits, splits_of
 from safeloc.assurance.splits.observed import Split
 from safeloc.errors import SafelocError
 from safeloc.target import Entry

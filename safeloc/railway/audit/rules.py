@@ -134,13 +134,13 @@ class Rules:
     def neighbours(self) -> Rule:
         """No reflector can be confused with its neighbour."""
         figures = (_mm("spacing_mm"), _mm("next_view_from_mm"), _mm("previous_view_to_mm"))
-        term = terms.told_apart(boolean("same_model"), *figures, self.layout)
+        term = terms.distinguishable(boolean("same_model"), *figures, self.layout)
         return Rule("neighbours told apart", ("RFL-8", "RFL-10"), term)
 
     @cached_property
     def across_tracks(self) -> Rule:
         """No reflector can be confused with one beside another track."""
-        term = terms.told_apart_across_tracks(boolean("same_model"), _mm("spacing_mm"), self.layout)
+        term = terms.distinguishable_across_tracks(boolean("same_model"), _mm("spacing_mm"), self.layout)
         return Rule("reflectors across tracks", ("RFL-10",), term)
 
     @cached_property
@@ -163,7 +163,7 @@ class Rules:
     def routes(self) -> Rule:
         """Routes are distinguishable."""
         faults = number("faults_to_confuse", COUNT, 0, _REACH_MM)
-        return Rule("routes told apart", ("RFL-D6",), terms.routes_told_apart(faults, self.layout))
+        return Rule("routes told apart", ("RFL-D6",), terms.routes_distinguishable(faults, self.layout))
 
     @cached_property
     def all_ways(self) -> Rule:

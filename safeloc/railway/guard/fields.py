@@ -51,10 +51,10 @@ class Columns:
         return [name for name in (self.time, self.x, self.y, self.speed, self.flag, self.received) if name]
 
 
-def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix: Collection[str]) -> Columns:
+def columns_of(number: Collection[str], *, time_unit: str, speed_unit: str, no_fix: Collection[str]) -> Columns:
     """Return columns from `what=name`, such as `x=lambert72_x`; InputError for any other form."""
     chosen: dict[str, str] = {}
-    for one in told:
+    for one in number:
         what, _, name = one.partition("=")
         if what not in _NAMES or not name:
             raise InputError(f"column {one!r}: expected WHAT=NAME, where WHAT is one of {', '.join(_NAMES)}.")
@@ -119,10 +119,10 @@ def milliseconds(name: str, value: object, unit: str) -> int:
     """Return a time in ms since 1970, or since the start of the receiver's own count; rounded down."""
     if isinstance(value, str) and ("-" in value.strip()[1:] and ":" in value):
         return _since_epoch(name, value)
-    told = _decimal(name, value)
-    if not math.isfinite(told) or abs(told) * _TIME_UNITS[unit] > _LONGEST_TIME_MS:
+    number = _decimal(name, value)
+    if not math.isfinite(number) or abs(number) * _TIME_UNITS[unit] > _LONGEST_TIME_MS:
         raise InputError(f"{name!r}: {quoted(value)} is no time.")
-    exact = Decimal(value.strip() if isinstance(value, str) else told)
+    exact = Decimal(value.strip() if isinstance(value, str) else number)
     return math.floor(exact * _TIME_UNITS[unit])
 
 

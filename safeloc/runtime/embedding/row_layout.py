@@ -56,16 +56,16 @@ def _entry(var: Var, at: int, present_at: int | None) -> Entry:
     return Entry(var, at, present_at, int, var.low, var.high, {label: n for n, label in enumerate(labels)})
 
 
-def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str, tuple[Entry, ...]]:
+def routes_of(entries: Mapping[str, Entry], other_names: Mapping[str, str]) -> dict[str, tuple[Entry, ...]]:
     """Map each name in records to inputs: to one, or in a composition to one of every machine with an input of that name.
 
-    said   further names of inputs
+    other_names  further names of inputs
     """
     routes: dict[str, tuple[Entry, ...]] = {}
     for full, entry in entries.items():
         for name in dict.fromkeys((full, full.rpartition(".")[2])):
             routes[name] = (*routes.get(name, ()), entry)
-    for name, other in said.items():
+    for name, other in other_names.items():
         routes[name] = (*routes.get(name, ()), *routes[other])
     return routes
 

@@ -23,7 +23,7 @@ class TargetInputs:
         self.target = target
         self.system: TransitionSystem = without_ghosts(target.system)
         self.entries: Mapping[str, Entry] = entries_of(self.system)
-        self.routes: Mapping[str, tuple[Entry, ...]] = routes_of(self.entries, target.said)
+        self.routes: Mapping[str, tuple[Entry, ...]] = routes_of(self.entries, target.input_of_record)
         self.places: Places = {
             name: tuple([entry.at for entry in found]) for name, found in self.routes.items()
         }.__getitem__

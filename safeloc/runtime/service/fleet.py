@@ -93,7 +93,7 @@ class Fleet:
         self.on_failure: Callable[[str, Exception], None] = lambda _vehicle, _error: None
         self.vehicles: dict[str, Vehicle] = {}
         self._clock = clock
-        self._heard: dict[str, float] = {}
+        self._last_line_at: dict[str, float] = {}
         self.origins: dict[str, str] = {}
         self._flawed: set[str] = set()
         self._program, self._own = program, own or {}
@@ -131,7 +131,7 @@ class Fleet:
                     self._flawed.add(origin)
                 return self._counted(outputs)
         vehicle = self.vehicles[name]
-        self._heard[name] = self._clock()
+        self._last_line_at[name] = self._clock()
         if self.origins.setdefault(name, origin) != origin:
             self.origins[name] = origin
             vehicle.be_unsure("another peer sends for it")
@@ -174,11 +174,11 @@ class Fleet:
         Return whether there was one.
         """
         silent = self._clock() - self.settings.longest_gap_ms / 1_000
-        found = [name for name in names if self._heard[name] < silent and self.vehicles[name].forgettable]
+        found = [name for name in names if self._last_line_at[name] < silent and self.vehicles[name].forgettable]
         if not found:
             return False
-        name = min(found, key=self._heard.__getitem__)
-        del self.vehicles[name], self._heard[name]
+        name = min(found, key=self._last_line_at.__getitem__)
+        del self.vehicles[name], self._last_line_at[name]
         self.origins.pop(name, None)
         self.by_clock = True
         outputs.append(
@@ -235,7 +235,7 @@ class Fleet:
         """
         for name, one in saved.items():
             vehicle = self.vehicles[name] = self._made(name, whole=True)
-            self._heard[name] = self._clock()
+            self._last_line_at[name] = self._clock()
             try:
                 vehicle.restore(one)
             except SnapshotError as error:

@@ -163,7 +163,7 @@ class Loop:
                 case Arrived(origin, line, vehicle):
                     self._changed = True
                     if self._allowance is not None:
-                        self._allowance.said(origin, len(line.text))
+                        self._allowance.line_came(origin, len(line.text))
                     self._tell(fleet.handle(origin, line, whole=whole, only=vehicle), origin)
                 case Left(origin, why):
                     fleet.gone(origin, why)

@@ -32,7 +32,7 @@ class Allowance:
         self._bytes: dict[str, int] = {}
         self._left_out: dict[str, int] = {}
 
-    def said(self, origin: str, size: int) -> None:
+    def line_came(self, origin: str, size: int) -> None:
         """Count the bytes that a peer sent."""
         had = self._bytes.get(origin, FIRST_BYTES)
         self._bytes[origin] = min(_MOST_BYTES, had + FACTOR * (size or _LONG_LINE))

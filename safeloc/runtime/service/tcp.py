@@ -240,8 +240,8 @@ class TcpPort(Feed, Outlet):
     @property
     def again_s(self) -> float | None:
         """Return 0 while there is something to write or to read."""
-        heard = not self.held and any(not peer.deaf for peers in (self._behind, self._flooding) for peer in peers)
-        return 0.0 if self._left or heard else None
+        readable = not self.held and any(not peer.deaf for peers in (self._behind, self._flooding) for peer in peers)
+        return 0.0 if self._left or readable else None
 
     def put(self, origin: str, data: bytes) -> None:
         """Buffer a line for a peer; if the peer is gone, count it in the log."""

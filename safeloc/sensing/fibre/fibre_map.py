@@ -74,7 +74,7 @@ def one_to_one(fibre_mm: int, error_mm: int = 0) -> FibreMap:
 
 
 def place_of(path: Sequence[Stretch], path_mm: int) -> tuple[str, int]:
-    """(edge, position) of a place along the path; InputError beyond the end of the path."""
+    """Return edge and position of a place along the path; InputError beyond the end of the path."""
     run = 0
     for stretch in path:
         length = abs(stretch.to_mm - stretch.from_mm)

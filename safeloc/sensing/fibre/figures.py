@@ -206,7 +206,7 @@ class Emission(Config):
     emitters: tuple[Emitter, ...] = ()
 
     @model_validator(mode="after")
-    def _told_apart(self) -> Emission:
+    def _distinguishable(self) -> Emission:
         for emitter in self.emitters:
             if emitter.bits[0] == "0":
                 raise ValueError(f"the pattern of {emitter.id} has to begin with 1, so that its beginning is detected.")

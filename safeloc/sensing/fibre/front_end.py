@@ -1,6 +1,6 @@
 """The fibre front end: blocks of backscatter become trains, position signals and test patterns, or are refused.
 
-    block -> in time? joins? -> energy in the band -> shaken fibre -> runs -> tracks -> FibreFrame | NoFibre(reason)
+    block -> in time? joins? -> energy in the band -> shaken fibre -> stretches -> tracks -> FibreFrame | NoFibre(reason)
 
 A train is a candidate, never a position to rely on: the machine decides whether it is trusted. A quiet fibre is no evidence
 that no train stands there.
@@ -24,7 +24,7 @@ from safeloc.sensing.fibre.fibre_map import FibreMap, one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.measures import at_last_frame, end, length, speed
 from safeloc.sensing.fibre.reflections import Reflections, reflections
-from safeloc.sensing.fibre.runs import runs
+from safeloc.sensing.fibre.shaken_stretches import stretches
 from safeloc.sensing.fibre.signals import Signaller
 from safeloc.sensing.fibre.tracks import Fit, Follower, Track
 
@@ -137,7 +137,7 @@ class FrontEnd:
         heard: list[Heard] = []
         for window in range(len(ratio)):
             time_ms = block.time_ms - (len(ratio) - 1 - window) * self._config.window_ms
-            ended = self._follower.follow(time_ms, runs(ratio[window], shaken[window], self._config))
+            ended = self._follower.follow(time_ms, stretches(ratio[window], shaken[window], self._config))
             self._watch(_Window(time_ms, energies.band[window], smooth[window], light), ended)
             heard += self._listen(energies, window, time_ms)
         trains = self._trains(light)
@@ -162,11 +162,11 @@ class FrontEnd:
                 self._count(track, fit, window)
 
     def _count(self, track: Track, fit: Fit, window: _Window) -> None:
-        run, counter = track.last, self._watches[track.number].counter
-        if run.cut_low or run.cut_high:
+        stretch, counter = track.last, self._watches[track.number].counter
+        if stretch.cut_low or stretch.cut_high:
             counter.runs(window.time_ms, fit.speed_mm_s)
         else:
-            length, middle = fit.high_mm - fit.low_mm, (run.low_mm + run.high_mm) / 2
+            length, middle = fit.high_mm - fit.low_mm, (stretch.low_mm + stretch.high_mm) / 2
             counter.follow(window.time_ms, middle, length, fit.speed_mm_s, window.energy)
 
     def _listen(self, energies: Energies, window: int, time_ms: float) -> list[Heard]:
@@ -184,9 +184,9 @@ class FrontEnd:
         fitted = track.fit()
         if fitted is None:
             return None
-        fit, run, watch = at_last_frame(fitted, self._config), track.last, self._watches[track.number]
-        low = None if run.cut_low else self._end(fit.low_mm, fit.off_low_mm, -1, watch, light)
-        high = None if run.cut_high else self._end(fit.high_mm, fit.off_high_mm, 1, watch, light)
+        fit, stretch, watch = at_last_frame(fitted, self._config), track.last, self._watches[track.number]
+        low = None if stretch.cut_low else self._end(fit.low_mm, fit.off_low_mm, -1, watch, light)
+        high = None if stretch.cut_high else self._end(fit.high_mm, fit.off_high_mm, 1, watch, light)
         whole = low is not None and high is not None
         return TrainSeen(
             track.number,

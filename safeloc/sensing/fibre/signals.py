@@ -7,8 +7,8 @@ from safeloc.sensing.fibre.features import Bounds, SectionSignal
 from safeloc.sensing.fibre.fibre_map import one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.measures import by_index, end
-from safeloc.sensing.fibre.runs import Run
 from safeloc.sensing.fibre.sections import Change, Effect, Watcher, amplitude
+from safeloc.sensing.fibre.shaken_stretches import Stretch
 from safeloc.sensing.fibre.tracks import Fit
 from safeloc.sensing.rounding import ExactBounds, exactly
 
@@ -22,11 +22,11 @@ class Signaller:
         self._ends = {-1: Watcher(config), 1: Watcher(config)}
         self._made: list[SectionSignal] = []
 
-    def follow(self, run: Run, fit: Fit, energy: Singles, time_ms: float, faded: Flags | None) -> None:
-        """Process one window: run and course of the train, energy of every channel, and the channels with a meaningless phase."""
+    def follow(self, stretch: Stretch, fit: Fit, energy: Singles, time_ms: float, faded: Flags | None) -> None:
+        """Process one window: stretch and course of the train, energy of every channel, and the channels with a meaningless phase."""
         for side, place, off, cut in (
-            (-1, fit.low_mm, fit.off_low_mm, run.cut_low),
-            (1, fit.high_mm, fit.off_high_mm, run.cut_high),
+            (-1, fit.low_mm, fit.off_low_mm, stretch.cut_low),
+            (1, fit.high_mm, fit.off_high_mm, stretch.cut_high),
         ):
             if cut:
                 continue

@@ -1,6 +1,6 @@
 """Tracks trains from window to window by overlap and order along the fibre, never by nearest distance.
 
-Between two windows a train moves less than the gap between two runs, so a run overlaps only the track that it continues. Trains
+Between two windows a train moves less than the gap between two stretches, so a stretch overlaps only the track that it continues. Trains
 that join or part give new tracks with the old ones as origin; this module does not guess which train is which. A course is
 fitted over a few seconds, with one speed for both ends.
 """
@@ -17,7 +17,7 @@ import numpy as np
 from safeloc.language.units import MS_PER_S
 from safeloc.sensing.array_types import Floats
 from safeloc.sensing.fibre.figures import FibreConfig
-from safeloc.sensing.fibre.runs import Run
+from safeloc.sensing.fibre.shaken_stretches import Stretch
 
 _LEAST_POINTS = 8
 _HALF = 2
@@ -27,10 +27,10 @@ _USUAL_SHARE = 0.8
 
 @dataclass(frozen=True)
 class Seen:
-    """A run with its time, ms."""
+    """A stretch with its time, ms."""
 
     time_ms: float
-    run: Run
+    stretch: Stretch
 
 
 @dataclass(frozen=True)
@@ -63,26 +63,26 @@ class Track:
     first_mm: float = 0.0
     confirmed: bool = False
 
-    def add(self, time_ms: float, run: Run) -> None:
-        """Continue the track with this run."""
+    def add(self, time_ms: float, stretch: Stretch) -> None:
+        """Continue the track with this stretch."""
         if not self.seen:
-            self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / _HALF
-        self.seen.append(Seen(time_ms, run))
+            self.born_ms, self.first_mm = time_ms, (stretch.low_mm + stretch.high_mm) / _HALF
+        self.seen.append(Seen(time_ms, stretch))
         while len(self.seen) > self.keep:
             self.seen.popleft()
 
     @property
-    def last(self) -> Run:
-        """The newest run."""
-        return self.seen[-1].run
+    def last(self) -> Stretch:
+        """The newest stretch."""
+        return self.seen[-1].stretch
 
     def fit(self) -> Fit | None:
         """Return the course over the stored windows; None if there are too few."""
         if len(self.seen) < _LEAST_POINTS:
             return None
         time = np.array([one.time_ms - self.seen[-1].time_ms for one in self.seen]) / MS_PER_S
-        low, low_speed, off_low = _line(time, [one.run.low_mm for one in self.seen])
-        high, high_speed, off_high = _line(time, [one.run.high_mm for one in self.seen])
+        low, low_speed, off_low = _line(time, [one.stretch.low_mm for one in self.seen])
+        high, high_speed, off_high = _line(time, [one.stretch.high_mm for one in self.seen])
         usual = max(_usual(off_low), _usual(off_high))
         speed = _one_speed(low_speed, high_speed, self.last)
         cut = self.last.cut_low or self.last.cut_high
@@ -134,15 +134,15 @@ def _least_squares(seconds: Floats, place: Floats) -> tuple[float, float]:
     return float(place.mean() - speed * seconds.mean()), speed
 
 
-def _one_speed(low: float, high: float, run: Run) -> float:
+def _one_speed(low: float, high: float, stretch: Stretch) -> float:
     """Return the common speed of both ends, ignoring an end beyond the fibre."""
-    if run.cut_low:
+    if stretch.cut_low:
         return high
-    return low if run.cut_high else (low + high) / _HALF
+    return low if stretch.cut_high else (low + high) / _HALF
 
 
 class Follower:
-    """The tracks of a fibre; `tracks` are those with a run in the last window, in order along the fibre."""
+    """The tracks of a fibre; `tracks` are those with a stretch in the last window, in order along the fibre."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._numbers = count(1)
@@ -153,27 +153,30 @@ class Follower:
         self.tracks: list[Track] = []
         self._unseen: list[Track] = []
 
-    def follow(self, time_ms: float, found: Sequence[Run]) -> list[Track]:
-        """Continue the tracks with one window's runs; return the tracks that ended.
+    def follow(self, time_ms: float, found: Sequence[Stretch]) -> list[Track]:
+        """Continue the tracks with one window's stretches; return the tracks that ended.
 
-        A track without a run may continue within a short time, at places that it can have reached meanwhile.
+        A track without a stretch may continue within a short time, at places that it can have reached meanwhile.
         """
         known = [*self.tracks, *self._unseen]
-        heirs = {track.number: [run for run in found if self._continues(track, run, time_ms)] for track in known}
+        heirs = {
+            track.number: [stretch for stretch in found if self._continues(track, stretch, time_ms)] for track in known
+        }
         self.tracks = [
-            self._heir(run, [track for track in known if run in heirs[track.number]], heirs) for run in found
+            self._heir(stretch, [track for track in known if stretch in heirs[track.number]], heirs)
+            for stretch in found
         ]
-        for track, run in zip(self.tracks, found, strict=True):
-            track.add(time_ms, run)
+        for track, stretch in zip(self.tracks, found, strict=True):
+            track.add(time_ms, stretch)
         gone = [track for track in known if track not in self.tracks]
         self._unseen = [track for track in gone if not heirs[track.number] and self._may_come_back(track, time_ms)]
         return [track for track in gone if track not in self._unseen]
 
-    def _heir(self, run: Run, parents: list[Track], heirs: dict[int, list[Run]]) -> Track:
-        """Return the track of a run: that of the only train there, if this is its only run; else a new one."""
+    def _heir(self, stretch: Stretch, parents: list[Track], heirs: dict[int, list[Stretch]]) -> Track:
+        """Return the track of a stretch: that of the only train there, if this is its only stretch; else a new one."""
         seen = [track for track in parents if track in self.tracks] or parents
         trains = [track for track in seen if track.confirmed] or seen
-        if len(trains) == 1 and heirs[trains[0].number] == [run]:
+        if len(trains) == 1 and heirs[trains[0].number] == [stretch]:
             return trains[0]
         return Track(next(self._numbers), tuple(one.number for one in trains), self._keep)
 
@@ -185,9 +188,9 @@ class Follower:
         dropped, self.tracks, self._unseen = [*self.tracks, *self._unseen], [], []
         return dropped
 
-    def _continues(self, track: Track, run: Run, time_ms: float) -> bool:
-        """Return whether the run overlaps the places that the track can have reached since it was last seen."""
+    def _continues(self, track: Track, stretch: Stretch, time_ms: float) -> bool:
+        """Return whether the stretch overlaps the places that the track can have reached since it was last seen."""
         before, since_ms = track.last, time_ms - track.seen[-1].time_ms
         slack = self._fastest_mm_s * since_ms / MS_PER_S + self._channel_mm
         low, high = before.first * self._channel_mm - slack, before.last * self._channel_mm + slack
-        return run.first * self._channel_mm <= high and run.last * self._channel_mm >= low
+        return stretch.first * self._channel_mm <= high and stretch.last * self._channel_mm >= low

@@ -45,7 +45,7 @@ def satellite_name(number: int) -> str:
 
 
 @dataclass(frozen=True)
-class Heard:
+class Received:
     """The selection's inputs in a cycle by the names of its variables, the channel of every satellite, and faults.
 
     off_mm, speed_off_mm_s   differences from the prediction, for each look (portion of track) and satellite
@@ -68,7 +68,7 @@ class Channels:
         self._window_epochs = window_epochs
         self._windows: dict[str, tuple[Window, Window]] = {}
 
-    def hear(self, visible: Set[str], valid: Set[str], looks: Sequence[Residuals]) -> Heard:
+    def hear(self, visible: Set[str], valid: Set[str], looks: Sequence[Residuals]) -> Received:
         """Return the channel inputs for the visible satellites (LSV).
 
         valid   satellites with a valid ephemeris
@@ -87,7 +87,7 @@ class Channels:
                 channels[name] = number
                 inputs |= self._inputs(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
         faults += [Fault(name, Reason.STALE, "no valid ephemeris") for name in sorted(visible - valid)]
-        return Heard(inputs, channels, codes, rates, tuple(dict.fromkeys(faults)))
+        return Received(inputs, channels, codes, rates, tuple(dict.fromkeys(faults)))
 
     def _assign(self, visible: Set[str]) -> list[str]:
         """Give every visible satellite a channel; return those for which none is free."""

@@ -106,8 +106,8 @@ def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
     error, error_rate = got.error_m + false_m, got.error_m_per_s + false_rate
     codes = code_of(true.way_m + systems_m + sights.air_m + usual.code_m + error, one)
     rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
-    heard = got.heard & (sights.elevation > _LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
-    records = _Records(sky.names, heard, codes, rates, error, error_rate, usual, got)
+    tracked = got.received & (sights.elevation > _LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
+    records = _Records(sky.names, tracked, codes, rates, error, error_rate, usual, got)
     epochs = tuple(records.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
     truth = tuple(
         records.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
@@ -207,7 +207,7 @@ class _Records:
     """Converts arrays [epoch, satellite] to records of each epoch."""
 
     names: Sequence[str]
-    heard: Flags
+    received: Flags
     codes: Floats
     rates: Floats
     error: Floats
@@ -217,22 +217,22 @@ class _Records:
 
     def epoch(self, n: int, time_s: float) -> Epoch:
         """Return the receiver's measurements."""
-        heard = self._received(n)
-        return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in heard})
+        received = self._received(n)
+        return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in received})
 
     def truth(self, n: int, time_s: float, place_m: float, speed_m_per_s: float) -> Truth:
         """Return the true values of the same satellites."""
-        heard = self._received(n)
+        received = self._received(n)
         return Truth(
             time_s,
             place_m,
             speed_m_per_s,
-            {name: float(self.error[n, j]) for j, name in heard},
-            {name: float(self.error_rate[n, j]) for j, name in heard},
-            {name: float(self.usual.code_m[n, j]) for j, name in heard},
-            {name: float(self.usual.rate_m_per_s[n, j]) for j, name in heard},
-            frozenset(name for j, name in heard if self.got.reflected[n, j]),
+            {name: float(self.error[n, j]) for j, name in received},
+            {name: float(self.error_rate[n, j]) for j, name in received},
+            {name: float(self.usual.code_m[n, j]) for j, name in received},
+            {name: float(self.usual.rate_m_per_s[n, j]) for j, name in received},
+            frozenset(name for j, name in received if self.got.reflected[n, j]),
         )
 
     def _received(self, n: int) -> list[tuple[int, str]]:
-        return [(j, name) for j, name in enumerate(self.names) if self.heard[n, j]]
+        return [(j, name) for j, name in enumerate(self.names) if self.received[n, j]]

@@ -88,12 +88,12 @@ class Rays:
 class Received:
     """The signals at the antenna, arrays [epoch, satellite].
 
-    heard       a signal arrives, direct or not
+    received    a signal arrives, direct or not
     reflected   it arrives by a detour only
     error_m, error_m_per_s  errors of pseudorange and rate from detour or echo
     """
 
-    heard: Flags
+    received: Flags
     reflected: Flags
     error_m: Floats
     error_m_per_s: Floats

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from safeloc.assurance.mutation.declared import Declared, declared
-from safeloc.assurance.mutation.judging import Bench, bench, judged
+from safeloc.assurance.mutation.judge_machine_mutant import Bench, bench, judged
 from safeloc.assurance.mutation.mutants import Mutant, mutants
 from safeloc.assurance.mutation.places import Places, noted
 from safeloc.assurance.mutation.results import Judged

@@ -10,10 +10,10 @@ import pytest
 
 from safeloc.assurance.mutation.claims import Canon
 from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
+from safeloc.assurance.mutation.judge_composition_mutant import shared
 from safeloc.assurance.mutation.members import Composed, composed, joined
 from safeloc.assurance.mutation.places import Places, noted
 from safeloc.assurance.mutation.results import Judged, by_requirement
-from safeloc.assurance.mutation.whole_judging import shared
 from safeloc.assurance.mutation.wires import wire_edits
 from safeloc.assurance.mutation.work import Plan
 from safeloc.errors import InputError

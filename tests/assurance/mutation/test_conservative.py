@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from safeloc.assurance.mutation.declared import Declared, remade
-from safeloc.assurance.mutation.judging import Bench, bench, judged
+from safeloc.assurance.mutation.judge_machine_mutant import Bench, bench, judged
 from safeloc.assurance.mutation.mutants import Mutant, mutants
 from safeloc.assurance.mutation.places import Places
 from safeloc.assurance.mutation.results import Outcome, score

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from safeloc.assurance.mutation.judging import judged
+from safeloc.assurance.mutation.judge_machine_mutant import judged
 from safeloc.assurance.mutation.results import Judged
 from safeloc.assurance.mutation.strength import as_data, as_text, keep_strengths, kept_strengths, stamp, strengths
 from safeloc.proof.cache.store import Store

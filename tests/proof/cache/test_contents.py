@@ -98,7 +98,7 @@ CHANGES: dict[str, Callable[[], Target]] = {
     "unconditional": lambda: target(properties=(replace(asked(machine())[0], unconditional=True), asked(machine())[1])),
     "reported": lambda: target(reported=None),
     "truth": lambda: target(reported=Reported(truth="elsewhere_nm")),
-    "said": lambda: target(said={"speed": "x"}),
+    "said": lambda: target(input_of_record={"speed": "x"}),
     "given figures": lambda: target(given={"limit": 5}),
 }
 
@@ -140,9 +140,9 @@ def test_a_recording_counts_by_name_and_content(tmp_path: Path) -> None:
 def test_what_cannot_be_told_is_refused() -> None:
     """Rather than left out."""
     with pytest.raises(TypeError, match="cannot enter a digest"):
-        target_digest(target(said={"speed": object()}))
+        target_digest(target(input_of_record={"speed": object()}))
     with pytest.raises(TypeError, match="has no order"):
-        target_digest(target(said={"speed": frozenset([1, 2])}))
+        target_digest(target(input_of_record={"speed": frozenset([1, 2])}))
 
 
 @pytest.mark.thorough

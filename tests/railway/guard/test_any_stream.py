@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from safeloc.models.guard.variables import JUDGED
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.guard import MODES, Judgement
-from safeloc.railway.guard.told import as_data
+from safeloc.railway.guard.judgement_data import as_data
 from tests.railway.guard.made import fix, guard, place
 
 pytest.importorskip("shapely")

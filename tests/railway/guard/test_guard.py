@@ -85,7 +85,7 @@ def test_what_is_withheld(delivery: Delivery, reason: str) -> None:
     assert (reason, False) == (found.reason, found.passed)
 
 
-def test_a_late_fix_is_charged_its_age() -> None:
+def test_a_late_fix_gets_the_error_of_its_age() -> None:
     """What came 100 ms after it was taken is wider by what the vehicle runs in that time, on either side."""
     made = guard()
     found = [made.judge(Delivery(1, 400 * number, *place(100), received_ms=400 * number + 100)) for number in range(3)]

@@ -8,7 +8,7 @@ from itertools import groupby, pairwise
 
 import pytest
 
-from safeloc.models.guard.positions import FAULTS, FOLDER, csv_text, junction, nmea_text, told
+from safeloc.models.guard.positions import FAULTS, FOLDER, csv_text, junction, nmea_text, receiver_reports
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns
@@ -23,7 +23,7 @@ from safeloc.railway.map.routes import Route
 from safeloc.railway.map.toml_files import load_line, to_toml
 from safeloc.railway.map.topology import Topology
 from tests.data_sources import data_file
-from tests.railway.map.recorded import network, route_of
+from tests.railway.map.recorded_trains import network, route_of
 
 pytest.importorskip("shapely")
 pytest.importorskip("pyproj")
@@ -199,7 +199,7 @@ def test_every_fault_is_withheld_for_its_reason() -> None:
 @pytest.mark.parametrize("way", ["stem,main", None], ids=["way known", "way open"])
 def test_the_truth_is_in_every_interval(way: str | None) -> None:
     """Whatever is wrong, every interval that is reported holds the vehicle."""
-    truth = {1_000 * one.second: one.truth_mm for one in told()}
+    truth = {1_000 * one.second: one.truth_mm for one in receiver_reports()}
     start = min(one.delivery.time_ms for one in made_up(way) if one.delivery.time_ms is not None)
     held = 0
     for one in made_up(way):

@@ -13,7 +13,7 @@ from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import Place
 from safeloc.railway.map.projection import LAMBERT72, Projector
 from tests.data_sources import rows
-from tests.railway.map.recorded import network
+from tests.railway.map.recorded_trains import network
 
 EQUATOR_M_PER_DEGREE = 111_319.490793
 

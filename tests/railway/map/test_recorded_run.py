@@ -34,7 +34,7 @@ from safeloc.railway.map.recorded_run import (
 from safeloc.runtime.border import channels_of
 from safeloc.runtime.streams.cycles import Cycle, cycles
 from safeloc.runtime.streams.records import MarkerRecord
-from tests.railway.map.recorded import equipped, fixes_of, route_of
+from tests.railway.map.recorded_trains import equipped, fixes_of, route_of
 
 PERIOD_MS = 400
 LENGTH_MM = 100_000

@@ -270,7 +270,7 @@ def test_missing_channels_are_named() -> None:
 
 
 def test_silence_widens_and_then_loses_the_place() -> None:
-    """Cycles in which nothing comes are charged one by one, and the place is lost within the configured cycles."""
+    """Cycles in which nothing comes add to the error one by one, and the place is lost within the configured cycles."""
     controller = located()
     before = controller.report.interval
     lengths = [before.length_mm if before else 0]
@@ -285,7 +285,7 @@ def test_silence_widens_and_then_loses_the_place() -> None:
 
 
 def test_a_wrong_input_empties_its_cycle() -> None:
-    """Half a reading may mean something else: with one wrong value nothing of the step is used, and time is charged."""
+    """Half a reading may mean something else: with one wrong value nothing of the step is used, and time adds to the error."""
     wrong, empty = located(), located()
     inputs: dict[str, object] = {"front_wheel_mm": 1200, "front_marker": 9, "front_marker_accuracy_mm": 10**9}
     report = wrong.step_inputs(inputs)

@@ -63,7 +63,7 @@ def test_a_vehicle_that_fails_is_withdrawn_and_no_other(monkeypatch: pytest.Monk
 
 
 def test_a_vehicle_that_failed_begins_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The line that failed is charged: the cycle in which the next one comes is not used; then it is located again."""
+    """The line that failed adds to the error: the cycle in which the next one comes is not used; then it is located again."""
     told = Told()
     told.say(*lines(3), end(300))
     breaking(monkeypatch)

@@ -95,7 +95,7 @@ def test_a_vehicle_has_its_own_configuration() -> None:
     assert places["other"] is not None
 
 
-def test_silence_is_charged_cycle_by_cycle() -> None:
+def test_silence_adds_error_cycle_by_cycle() -> None:
     """A gap in time is so many steps without inputs."""
     told, controller = Told(), Controller(ODOMETRY)
     told.say(*lines(3))
@@ -316,7 +316,7 @@ def test_a_step_is_a_cycle() -> None:
     assert counted.say(*(json.dumps({"cycle": n, **one}) for n, one in enumerate(said, 1))) == expected
 
 
-def test_a_missing_step_is_charged() -> None:
+def test_a_missing_step_adds_error() -> None:
     """By cycle numbers a gap is so many steps without inputs; without them a line that says something wrong is one."""
     said = [inputs(records) for records in drive(6)]
     counted, plain = steps(), steps()
@@ -331,7 +331,7 @@ def test_a_missing_step_is_charged() -> None:
 @pytest.mark.parametrize("how", ["\r", " ", "", "x" * 70_000])
 def test_what_cannot_be_read_may_have_been_any_number_of_steps(merged: int, how: str) -> None:
     """Line ends that are damaged swallow steps: without cycle numbers the vehicle begins anew, at the next line or at the
-    end; with them the gap is charged, and the place is kept where it may be."""
+    end; with them the gap adds to the error, and the place is kept where it may be."""
     said = [json.dumps(inputs(records)) for records in drive(60)]
     joined = how.join(said[5 : 5 + merged])
     told = steps()
@@ -427,7 +427,7 @@ MOST = 2**62
 @pytest.mark.parametrize("wrong", [MOST, 900_000, 200])
 def test_a_wrong_number_does_not_mute_a_vehicle(wrong: int, restarted: bool) -> None:
     """After one line with a large number the owner's lines are heard again within ten, also behind a restart, and what
-    is missing is charged: no cycle that was open then is used."""
+    is missing adds to the error: no cycle that was open then is used."""
     told, made = Told(), numbered(30)
     told.say(*made[:11])
     told.say(json.dumps({"number": wrong, "kind": "cycle", "time_ms": 250}))
@@ -487,7 +487,7 @@ def test_a_time_ahead_is_not_believed_of_one_line(ahead_ms: int) -> None:
 
 
 def test_a_silence_is_believed_when_lines_agree() -> None:
-    """Two cycles later it is charged cycle by cycle; who speaks that seldom is believed at once from then on."""
+    """Two cycles later it adds to the error cycle by cycle; who speaks that seldom is believed at once from then on."""
     told = Told()
     told.say(*lines(3), end(300))
     answers = told.say(*[text for at in (5_000, 5_100, 5_200) for text in [*map(line, distances(at)), end(at)]])

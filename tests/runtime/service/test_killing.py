@@ -123,9 +123,9 @@ def by_hand(given: dict[int, list[Any]], last: int) -> list[Data]:
 
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 8))])
-def test_what_was_missed_is_charged(tmp_path: Path, seed: int) -> None:
+def test_what_was_missed_adds_error(tmp_path: Path, seed: int) -> None:
     """Over TCP, killed after a snapshot: afterwards every report is that of an uninterrupted machine which got nothing in
-    the cycles that are lost, and the time between is charged. Lines go on by number, so none is doubted for nothing; where
+    the cycles that are lost, and the time between adds to the error. Lines go on by number, so none is doubted for nothing; where
     the time between is long, lines of two cycles have to agree on it."""
     chance = random.Random(seed)
     snapshot = tmp_path / "snapshot.json"

@@ -178,7 +178,7 @@ def test_refusals_are_a_small_factor_of_what_is_refused(line: bytes) -> None:
     """Of any flood of bad lines; the first few are all answered, and what was left out is counted."""
     allowance, told, left_out = Allowance(), 0, 0
     for _ in range(2_000):
-        allowance.said("peer", len(line) + 1)
+        allowance.line_came("peer", len(line) + 1)
         refusal = allowance.refusal("peer", {"event": "refused"}, 120)
         if refusal is not None:
             told, left_out = told + 1, left_out + refusal.get("left_out", 0)
@@ -191,5 +191,5 @@ def test_peers_that_are_gone_are_forgotten() -> None:
     """What is remembered of them is bounded."""
     allowance = Allowance()
     for number in range(20_000):
-        allowance.said(f"udp:127.0.0.1:{number}", 1)
+        allowance.line_came(f"udp:127.0.0.1:{number}", 1)
     assert len(allowance._bytes) <= 10_000

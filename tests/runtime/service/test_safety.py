@@ -222,7 +222,7 @@ def test_a_place_of_steps_holds_the_truth(seed: int, faults: int) -> None:
     assert (compared > 0, missed) == (True, 0)
 
 
-def test_the_oracle_sees_a_loss_that_is_charged_too_little(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_oracle_sees_a_loss_that_adds_too_little_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """With what cannot be read taken for one step, as it once was, places miss the truth."""
 
     def as_one_step(self: StepsVehicle, why: str) -> list[Output]:

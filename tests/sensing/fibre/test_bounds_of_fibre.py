@@ -129,7 +129,7 @@ def test_ends_of_a_train_enclose(
 def test_ends_of_a_train_are_no_wider_than_their_parts(
     config: FibreConfig, place: float, off: float, outward: int
 ) -> None:
-    """The sum of what is stated, twice, once the overhang, and the rounding: nothing is charged twice."""
+    """The sum of what is stated, twice, once the overhang, and the rounding: nothing is added twice."""
     found, inter, detection = end(place, off, outward, config, MAPS[0], None), config.interrogator, config.detection
     trigger = Fraction(inter.trigger_error_ps * LIGHT_MM_S, 2 * 10**6 * inter.index_ppm)
     axle = detection.end_error_mm + max(Fraction(0), Fraction(off) - Fraction(detection.end_error_mm, 2))

@@ -5,16 +5,16 @@ from __future__ import annotations
 import pytest
 
 from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
-from safeloc.sensing.fibre.runs import Run
+from safeloc.sensing.fibre.shaken_stretches import Stretch
 from safeloc.sensing.fibre.tracks import Follower, Track
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=10_000_000))
 WINDOW_MS = 50.0
 
 
-def run(low_m: float, high_m: float, *, cut_low: bool = False) -> Run:
+def run(low_m: float, high_m: float, *, cut_low: bool = False) -> Stretch:
     """Shaken fibre between two places."""
-    return Run(int(low_m // 10), int(high_m // 10), low_m * 1_000, high_m * 1_000, cut_low, False)
+    return Stretch(int(low_m // 10), int(high_m // 10), low_m * 1_000, high_m * 1_000, cut_low, False)
 
 
 def followed(follower: Follower, places: list[list[tuple[float, float]]], first: int = 0) -> list[Track]:

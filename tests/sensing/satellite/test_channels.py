@@ -6,7 +6,7 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.runtime.border import Reason
-from safeloc.sensing.satellite.channels import Channels, Heard, identity, satellite_name
+from safeloc.sensing.satellite.channels import Channels, Received, identity, satellite_name
 from safeloc.sensing.satellite.residuals import Residuals
 
 NONE: frozenset[str] = frozenset()
@@ -17,7 +17,7 @@ def look(**codes: float) -> Residuals:
     return Residuals(codes, {name: value / 10 for name, value in codes.items()}, {}, NONE, NONE, 0.0)
 
 
-def heard(channels: Channels, *looks: Residuals) -> Heard:
+def heard(channels: Channels, *looks: Residuals) -> Received:
     """All satellites of the looks visible and valid."""
     names = frozenset(name for one in looks for name in one.pseudorange_m)
     return channels.hear(names, names, looks)

@@ -39,7 +39,7 @@ def _got(scene: Scene, rays: Rays) -> Received:
 def test_walls_of_equal_height(elevation: float, beside: float, heard: bool, reflected: bool) -> None:
     """Walls of 20 m, 10 m aside: over them; by the other one (26 m at the far side: no, 52 m over the near: yes); gone; along."""
     got = _got(WALLS, _rays(elevation, beside))
-    assert (heard, reflected) == (bool(got.heard[0, 0]), bool(got.reflected[0, 0]))
+    assert (heard, reflected) == (bool(got.received[0, 0]), bool(got.reflected[0, 0]))
 
 
 def test_a_detour_is_twice_the_distance_of_the_wall() -> None:
@@ -64,9 +64,9 @@ def test_each_scene_in_its_place() -> None:
     def at(place_m: float, up_deg: float) -> Received:
         return received(scenes, _rays(up_deg, 90.0, place_m), np.random.default_rng(1))
 
-    assert at(150.0, 15.0).heard.all() and not at(150.0, 15.0).reflected.any()
-    assert not at(350.0, 80.0).heard.any()
-    assert not at(250.0, 45.0).heard.any() and at(250.0, 50.0).heard.all()
+    assert at(150.0, 15.0).received.all() and not at(150.0, 15.0).reflected.any()
+    assert not at(350.0, 80.0).received.any()
+    assert not at(250.0, 45.0).received.any() and at(250.0, 50.0).received.all()
     assert at(50.0, 80.0).reflected.all() and not at(50.0, 30.0).reflected.any()
 
 

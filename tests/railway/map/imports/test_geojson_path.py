@@ -15,7 +15,7 @@ from safeloc.railway.map.imports.geojson_path import read_path, route_over
 from safeloc.railway.map.imports.notes import Note
 from safeloc.railway.map.topology import Run, Topology
 from tests.railway.map.imports.test_geojson import SWITCH, written
-from tests.railway.map.recorded import route_of
+from tests.railway.map.recorded_trains import route_of
 
 
 @pytest.fixture

@@ -19,10 +19,10 @@ from safeloc.language.terms import Substitution
 from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry.distance_device import Device, Unit
-from safeloc.models.odometry.field import LONGEST_VEHICLE_MM, SHORTER, Arrangement, Field, field_over, readings, world
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.models.odometry.world import on_board
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from tests.theorems.odometry.field import LONGEST_VEHICLE_MM, SHORTER, Arrangement, Field, field_over, readings, world
 
 ONE_LAW = OdometryConfig(
     first_unit=ErrorLaw(kind="wheel"),
@@ -66,7 +66,7 @@ def compose_field(
     config: OdometryConfig = ONE_LAW,
     change: Callable[[Machine], Machine] | None = None,
 ) -> MarkerField:
-    """The field wired to the odometry machine: exact distances, and every reading.
+    """Wire the field to the odometry machine: exact distances, and every reading.
 
     change  what runs in the field instead of the machine itself, to show that a wrong one is noticed
     """
@@ -94,14 +94,14 @@ def _lemmas(whole: MarkerField) -> Iterator[tuple[str, Bool]]:
     own, says = whole.source.own, whole.says
     yield "the vehicle runs forward", says.bool(~own.backwards & own.rolled.eq(0))
     for unit in own.units:
-        yield f"{unit.name} heard", _heard(whole, unit)
+        yield f"{unit.name} heard", _delivered(whole, unit)
     for device, phase in zip(own.devices, (whole.field.phase_a, whole.field.phase_b), strict=True):
         yield from _measured(whole, device, phase)
     yield from _remembered(whole)
     yield from _paired(whole) if whole.arrangement.pairs else _unpaired(whole)
 
 
-def _heard(whole: MarkerField, unit: Unit) -> Bool:
+def _delivered(whole: MarkerField, unit: Unit) -> Bool:
     last = whole.says.num(unit.last).eq(whole.own.num(whole.field.last_step))
     return (whole.says.bool(unit.gap.eq(0)) & last) | whole.says.bool(unit.gap > unit.limits.gap_limit)
 

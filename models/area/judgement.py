@@ -35,7 +35,7 @@ class TrainHere:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class Judgement:
     """Terms of one cycle of a section.
 
     mute, integrity  greatest number of cycles without a trusted report, and without confirmed integrity

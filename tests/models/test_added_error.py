@@ -1,4 +1,4 @@
-"""What an error law shares with its machine: a charge that is left out weakens both, and only a property in figures sees it."""
+"""What an error law shares with its machine: an added error that is left out weakens both, and only a property in figures sees it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from safeloc.models.guard.variables import parts as guard_parts
 from safeloc.properties.fibre import properties as fibre_properties
 from safeloc.properties.guard import properties as guard_properties
 from safeloc.properties.sections import properties as section_properties
-from tests.models.one_step import inductive_in
+from tests.models.inductive import inductive_in
 
 Found = tuple[TransitionSystem, dict[str, Property]]
 CHARGES = {
@@ -60,14 +60,14 @@ BUILT = {"fibre": _fibre, "guard": _guard, "sections": _sections}
 
 
 def _lost(name: str) -> list[str]:
-    """Properties about charges that the machine, as it is built now, does not keep."""
+    """Properties about added errors that the machine, as it is built now, does not keep."""
     system, found = BUILT[name]()
     return [one for one in CHARGES[name] if not inductive_in(system, found[one])]
 
 
 @pytest.mark.parametrize("name", BUILT)
-def test_all_is_charged(name: str) -> None:
-    """Each machine charges what its figures say."""
+def test_every_error_is_added(name: str) -> None:
+    """Each machine adds what its figures say."""
     assert _lost(name) == []
 
 
@@ -77,19 +77,19 @@ def _rate_only(cycle: Cycle) -> Num:
 
 
 def test_a_run_without_its_floor_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A run in a fibre that is charged its rate only."""
-    monkeypatch.setattr(Cycle, "charge", property(_rate_only))
+    """A run in a fibre to which only its rate is added."""
+    monkeypatch.setattr(Cycle, "added_error", property(_rate_only))
     assert "every run adds its error" in _lost("fibre")
 
 
 def test_an_edge_without_its_run_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """An edge in a fibre that is taken to have been passed at the end of its cycle."""
-    monkeypatch.setattr(Cycle, "fresh", property(lambda cycle: as_num(0, NM) + cycle.charge))
+    monkeypatch.setattr(Cycle, "fresh", property(lambda cycle: as_num(0, NM) + cycle.added_error))
     assert _lost("fibre") == ["an edge adds the run of its cycle to the error"]
 
 
 def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A receiver's fix that is charged its error only, neither its age nor its distance off the track."""
+    """A receiver's fix to which only its error is added, neither its age nor its distance off the track."""
 
     def error_only(own: GuardParts) -> Num:
         return exact_to(as_num(own.config.fix_error_mm, MM), NM)
@@ -100,7 +100,7 @@ def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_report_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """A train's report that is taken for one of now."""
-    monkeypatch.setattr(Reach, "charge_mm", lambda reach, age_ms: as_num(0, MM))
+    monkeypatch.setattr(Reach, "added_error_mm", lambda reach, age_ms: as_num(0, MM))
     assert _lost("sections") == ["train 1 report is widened by its age"]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from safeloc.assurance.mutation import results
 from safeloc.assurance.mutation.claims import Held, held
 from safeloc.assurance.mutation.induction import impossible, no_longer
-from safeloc.assurance.mutation.judging import Bench, by_a_run, unproved
+from safeloc.assurance.mutation.judge_machine_mutant import Bench, by_a_run, unproved
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.playing import WORLD, Event, Path, played
 from safeloc.assurance.mutation.results import Outcome

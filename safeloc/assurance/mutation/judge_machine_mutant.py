@@ -130,8 +130,8 @@ def unproved(mutant: Held, failed: Failed, limits: Limits) -> tuple[Outcome, Run
         if found:
             shortest = min(found, key=lambda goal: len(found[goal].steps))
             names = tuple(str(goals[goal]) for goal in found)
-            told = f"{len(found[shortest].steps)} steps: {goals[shortest]}"
-            return Outcome(results.SEARCHED, names, told), run_of(mutant.system, "found", found[shortest])
+            text = f"{len(found[shortest].steps)} steps: {goals[shortest]}"
+            return Outcome(results.SEARCHED, names, text), run_of(mutant.system, "found", found[shortest])
     how = "not all decided within the limits" if failed.undecided else "refuted in one step of induction"
     return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {_SEARCH_DEPTH} steps was found"), None
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
-from safeloc.sensing.fibre.runs import Run, runs
+from safeloc.sensing.fibre.shaken_stretches import Stretch, stretches
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=3_000_000))
 CHANNELS = CONFIG.interrogator.channels
 
 
-def found(*spans: tuple[int, int], level: float = 300.0) -> list[Run]:
+def found(*spans: tuple[int, int], level: float = 300.0) -> list[Stretch]:
     """Runs where channels of these spans, both ends included, are shaken."""
     ratio = np.ones(CHANNELS, dtype=np.float32)
     for first, last in spans:
         ratio[first : last + 1] = level
-    return runs(ratio, ratio > 8, CONFIG)
+    return stretches(ratio, ratio > 8, CONFIG)
 
 
 def test_a_still_fibre_has_no_runs() -> None:
@@ -27,8 +27,8 @@ def test_a_still_fibre_has_no_runs() -> None:
 
 def test_gaps_shorter_than_the_rule_are_bridged() -> None:
     """80 m: eight still channels belong to the train, more part it."""
-    assert [(10, 39)] == [(run.first, run.last) for run in found((10, 20), (29, 39))]
-    assert [(10, 20), (31, 39)] == [(run.first, run.last) for run in found((10, 20), (31, 39))]
+    assert [(10, 39)] == [(stretch.first, stretch.last) for stretch in found((10, 20), (29, 39))]
+    assert [(10, 20), (31, 39)] == [(stretch.first, stretch.last) for stretch in found((10, 20), (31, 39))]
 
 
 def test_ends_lie_within_the_outermost_channels_reach() -> None:

@@ -34,7 +34,7 @@ class LineAhead:
 
 
 def compose_line(config: OdometryConfig | None = None) -> LineAhead:
-    """The odometry machine with its whole assumption, on a line ahead, without a turn."""
+    """Compose the odometry machine, with its whole assumption, and a line ahead without a turn."""
     model = build(parts(config or OdometryConfig()))
     source = replace(model, machine=replace(model.machine, world=_on_the_line(model)))
     line, wires = _line(source)
@@ -47,7 +47,7 @@ def compose_line(config: OdometryConfig | None = None) -> LineAhead:
 def _on_the_line(model: Odometry) -> World:
     """The machine's own world; no turn; and the front reader reads no marker that is not under it."""
     around, stray = model.machine.world, model.own.ghosts.readers[0].stray
-    more = {"the vehicle does not turn": ~model.judged.reversed, "the front reader reads no stray marker": ~stray}
+    more = {"the vehicle does not turn": ~model.judgement.reversed, "the front reader reads no stray marker": ~stray}
     why = "the machine judges by itself whether the vehicle turns; what is shown is of streams on which it does not"
     return replace(around, clauses={**around.clauses, **more}, reads_machine=why)
 

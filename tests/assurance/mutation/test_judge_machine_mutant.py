@@ -10,7 +10,7 @@ import pytest
 from safeloc.assurance.mutation.claims import Canon, held
 from safeloc.assurance.mutation.declared import declared, remade
 from safeloc.assurance.mutation.induction import as_it_is, no_longer
-from safeloc.assurance.mutation.judging import bench, judged, unproved
+from safeloc.assurance.mutation.judge_machine_mutant import bench, judged, unproved
 from safeloc.assurance.mutation.mutants import sample
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.playing import played, tells_otherwise

@@ -7,7 +7,7 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, ite, maximum
 from safeloc.language.spec import Property, always, reachable
-from safeloc.models.odometry.marker_field import MarkerField
+from tests.theorems.odometry.marker_field import MarkerField
 
 GIVEN = "forward run, exact measurement, both readers read every marker, one error law for all units"
 SOURCES = ("MRK-D5", "MRK-D3", "MRK-1")
@@ -15,7 +15,7 @@ under_assumption = partial(always, requirements=SOURCES, assumption=GIVEN)
 
 
 def properties(whole: MarkerField) -> list[Property]:
-    """The run as a function of where the vehicle is, its worst value, and that this is attained."""
+    """Claim the run as a function of the vehicle's place, its worst value, and that this is attained."""
     return list(_gain(whole) if whole.arrangement.pairs else _no_gain(whole))
 
 

@@ -1,4 +1,4 @@
-"""Finds runs of shaken fibre in one window, and estimates the places of a train's outermost axles in them.
+"""Finds stretches of shaken fibre in one window, and estimates the places of a train's outermost axles in them.
 
 An axle shakes the fibre around it; the energy falls with the fourth power of distance. The louder the train, the farther from
 the axle is the last channel above the threshold: with r the ratio of level to threshold, an axle
@@ -21,10 +21,10 @@ _LEVEL_SHARE = 0.15
 
 
 @dataclass(frozen=True)
-class Run:
+class Stretch:
     """Shaken fibre from channel `first` to `last`, and the estimated places of the outermost axles, in mm of fibre.
 
-    cut_low, cut_high   the run touches that end of the fibre, so the train may extend beyond it
+    cut_low, cut_high   the stretch touches that end of the fibre, so the train may extend beyond it
     """
 
     first: int
@@ -35,8 +35,8 @@ class Run:
     cut_high: bool
 
 
-def runs(ratio: Singles, shaken: Flags, config: FibreConfig) -> list[Run]:
-    """Return the runs of one window in order along the fibre.
+def stretches(ratio: Singles, shaken: Flags, config: FibreConfig) -> list[Stretch]:
+    """Return the stretches of one window in order along the fibre.
 
     ratio   energy over quiet level, [channels]; `shaken`: where it exceeds the threshold
     """
@@ -53,7 +53,7 @@ def _is_solid(channels: NDArray[np.intp]) -> bool:
     return len(channels) >= _LEAST_CHANNELS and bool((np.diff(channels) == 1).any())
 
 
-def _run(ratio: Singles, channels: NDArray[np.intp], config: FibreConfig) -> Run:
+def _run(ratio: Singles, channels: NDArray[np.intp], config: FibreConfig) -> Stretch:
     first, last = int(channels[0]), int(channels[-1])
     inter = config.interrogator
     near = max(1, _NEIGHBOURHOOD_MM // inter.channel_mm)
@@ -62,7 +62,7 @@ def _run(ratio: Singles, channels: NDArray[np.intp], config: FibreConfig) -> Run
     low = min(half, _edge(ratio[first : first + min(near, span)], config))
     high = min(half, _edge(ratio[last - min(near, span) + 1 : last + 1][::-1], config))
     middle = inter.span_mm / 2
-    return Run(
+    return Stretch(
         first,
         last,
         first * inter.channel_mm + middle + low,

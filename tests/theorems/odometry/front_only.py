@@ -83,8 +83,8 @@ def _undisturbed(model: Odometry) -> Odometry:
 
 def undisturbed(model: Odometry) -> Bool:
     """Return whether a cycle has no turn, no contradiction between devices, and no refused reading at the front."""
-    verdict = model.judged.readings[0].verdict
-    return ~(model.judged.reversed | model.judged.clash | verdict.one_of(*REFUSED))
+    verdict = model.judgement.readings[0].verdict
+    return ~(model.judgement.reversed | model.judgement.clash | verdict.one_of(*REFUSED))
 
 
 def _same_stream(both: Odometry, alone: Odometry) -> dict[Var, Expr]:
@@ -109,7 +109,7 @@ def _assumed(whole: Comparison) -> Bool:
     A coarse marker is worth less than the values that the front device still has. The machine without a position takes it; the
     one with both readers keeps its better values, of which the second unit may later turn out to be the worse one.
     """
-    verdict = whole.both.judged.readings[0].verdict
+    verdict = whole.both.judgement.readings[0].verdict
     silent = whole.of_alone.bool(~whole.alone.machine.flag("valid"))
     worth = whole.of_both.bool(verdict.ne(NOT_BETTER))
     return silent.implies(worth)
@@ -142,7 +142,7 @@ def _same_values(whole: Comparison) -> Iterator[tuple[str, Bool]]:
 
 def _state(device: Device) -> Iterator[Var]:
     for unit in device.units:
-        yield from (unit.alive, unit.position, unit.above, unit.below, unit.last, unit.gap, unit.judged)
+        yield from (unit.alive, unit.position, unit.above, unit.below, unit.last, unit.gap, unit.last_verdict)
     yield from (device.run, device.age, device.by_leading)
 
 

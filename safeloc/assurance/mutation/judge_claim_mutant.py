@@ -12,7 +12,7 @@ from safeloc.assurance.mutation import results
 from safeloc.assurance.mutation.claims import held
 from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.induction import no_longer
-from safeloc.assurance.mutation.judging import Bench, outcome_of
+from safeloc.assurance.mutation.judge_machine_mutant import Bench, outcome_of
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.results import BY_PROOF, Judged, Outcome
 from safeloc.assurance.mutation.weaker import Relation, relation
@@ -36,8 +36,8 @@ def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Rela
         return Outcome(results.EQUIVALENT if how == "same" else results.NOT_WEAKER, (), ""), how
     failed = no_longer(made, on.proofs, on.canon, on.limits)
     if failed.claims:
-        told = "not all decided within the limits" if failed.undecided else "not proved in one step of induction"
-        return Outcome(results.NEEDED, tuple(map(str, failed.claims)), told), how
+        reason = "not all decided within the limits" if failed.undecided else "not proved in one step of induction"
+        return Outcome(results.NEEDED, tuple(map(str, failed.claims)), reason), how
     return _weighed(on, weaker, _noticed_alone(mutant.claim, against), len(against)), how
 
 

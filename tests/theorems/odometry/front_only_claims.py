@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from safeloc.language.expr import maximum
 from safeloc.language.spec import Property, always
-from safeloc.models.odometry.front_only import Comparison
-from safeloc.models.odometry.line_ahead import LineAhead
 from safeloc.models.odometry.marker_reading import OUT_OF_ORDER, OUT_OF_WINDOW, REPEATED
 from safeloc.properties.odometry import LAW
+from tests.theorems.odometry.front_only import Comparison
+from tests.theorems.odometry.line_ahead import LineAhead
 
 GIVEN = (
     "neither machine turns about, refuses a reading of the front reader, or finds its devices excluding each other; while "
@@ -47,7 +47,7 @@ def properties(whole: Comparison) -> list[Property]:
 
 
 def line_properties(whole: LineAhead) -> list[Property]:
-    """The assumptions of the comparison hold on every line ahead."""
+    """Claim that the assumptions of the comparison hold on every line ahead."""
     source, says = whole.source, whole.says
     verdict = says.num(source.own.readers[0].verdict)
     return [

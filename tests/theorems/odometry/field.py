@@ -133,7 +133,7 @@ def field_over(limits: Limits) -> Field:
 
 
 def world(field: Field, limits: Limits, arrangement: Arrangement) -> Machine:
-    """The field as a machine: each step the vehicle runs `step_mm`, and the readers may pass a marker."""
+    """Return the field as a machine: in each step the vehicle runs `step_mm`, and the readers may pass a marker."""
     (running,) = modes("RUNNING")
     front = field.phase_a + field.step >= field.spacing
     rear = field.phase_b + field.step >= field.spacing
@@ -182,7 +182,7 @@ def _forward(field: Field, limits: Limits) -> Bool:
 
 
 def readings(field: Field, front: Reader, rear: Reader) -> dict[Var, Expr]:
-    """The readers' inputs as the field gives them: every marker is read, with the distance run since."""
+    """Return the readers' inputs from the field: every marker is read, with the distance run since."""
     return {
         **_reading(front, field, field.front_reads, field.place, field.phase_a),
         **_reading(rear, field, field.rear_reads, field.rear_place, field.phase_b),
@@ -190,13 +190,13 @@ def readings(field: Field, front: Reader, rear: Reader) -> dict[Var, Expr]:
 
 
 def _reading(reader: Reader, field: Field, reads: BoolVar, place: Num, since: Num) -> dict[Var, Expr]:
-    said = (
+    options = (
         (reader.marker, with_unit(place, COUNT), 1),
         (reader.place, place, 0),
         (reader.accuracy, field.accuracy, 0),
         (reader.since, since, 0),
     )
     inputs: dict[Var, Expr] = {}
-    for option, value, absent in said:
+    for option, value, absent in options:
         inputs |= {option.present: reads, option.value: ite(reads, value, Lit(absent, option.value.unit))}
     return inputs

@@ -1,0 +1,1 @@
+"""Machines of theorems that only tests prove: no part of the package."""
