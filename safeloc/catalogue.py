@@ -18,7 +18,7 @@ from dataclasses import replace
 from inspect import isfunction
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import BaseModel, ValidationError
 
@@ -317,15 +317,12 @@ def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path,
 def _simulation(module: ModuleType) -> Simulate | None:
     """Return the function `simulate` of a user's module, if it has one; InputError for anything else of that name."""
     declared: object = getattr(module, "simulate", None)
-    if declared is None:
+    if declared is None or isinstance(declared, ModuleType):  # a package may have a file simulate.py
         return None
     if not callable(declared):
-        raise InputError(
-            f"{module.__name__}.simulate is {_described(declared)} ({_file(module)}); expected a function of a seed that "
-            "returns the steps of a run."
-        )
-    made: Simulate = declared
-    return made
+        what = "expected a function of a seed that returns the steps of a run"
+        raise InputError(f"{module.__name__}.simulate is {_described(declared)} ({_file(module)}); {what}.")
+    return cast(Simulate, declared)
 
 
 def _unasked(module: ModuleType) -> str:

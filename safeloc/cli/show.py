@@ -12,6 +12,7 @@ from rich.table import Table
 from safeloc.cli.console import err, out, print_json
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.results import Finding
+from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.data import report_data
 from safeloc.report.headline import KindAndVerdict, counted, headline
 
@@ -99,8 +100,8 @@ def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
 
 
 def print_summary(findings: Sequence[Finding]) -> None:
-    """Print the results that are neither proved nor held, and the headline."""
-    wrong = [finding for finding in findings if word(finding.result) not in ("proved", "held")]
+    """Print the results that are neither proved nor held, and the headline; what a quick run left open is only counted."""
+    wrong = [one for one in findings if word(one.result) not in ("proved", "held") and one.method != QUICK]
     if wrong:
         findings_table(wrong, sum_up=False)
     out.print(summed_up(findings), markup=False)
@@ -108,7 +109,7 @@ def print_summary(findings: Sequence[Finding]) -> None:
 
 def summed_up(findings: Sequence[Finding]) -> str:
     """Return one line with the overall verdict and the number of findings of each verdict."""
-    verdicts = [KindAndVerdict(finding.kind, word(finding.result)) for finding in findings]
+    verdicts = [KindAndVerdict(one.kind, word(one.result), one.method == QUICK) for one in findings]
     return ": ".join(part for part in (headline(verdicts), counted(verdicts)) if part)
 
 

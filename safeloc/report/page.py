@@ -20,6 +20,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.streams.gzipped import name_of
@@ -196,7 +197,7 @@ def _core(one: _Data) -> dict[str, Any]:
 
 
 def _verdicts(rows: Sequence[_Data]) -> list[KindAndVerdict]:
-    return [KindAndVerdict(row["kind"], row["verdict"]) for row in rows]
+    return [KindAndVerdict(row["kind"], row["verdict"], row["method"] == QUICK) for row in rows]
 
 
 def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:

@@ -165,7 +165,9 @@ def properties(of: Machine | Composition) -> list[Property]:
     # A claim of both: `of` rewrites the terms of one machine as terms of the composition.
     too_fast, brakes = whole.of(speedometer).bool(speed > 40_000), whole.of(supervisor).bool(braking)
     return [
-        always("too fast, so it brakes", too_fast.implies(brakes), statement="No train above 144 km/h runs without brake."),
+        always(
+            "too fast, so it brakes", too_fast.implies(brakes), statement="No train above 144 km/h runs without brake."
+        ),
         *(whole.inherited(supervisor, one) for one in of_the_supervisor),
         *(whole.inherited(speedometer, one) for one in of_the_speedometer),
     ]
@@ -189,7 +191,10 @@ def simulate(seed: int) -> list[dict[str, int | bool]]:
     for cycle in range(600):
         slows = 150 <= cycle < 250 or cycle >= 450
         true = max(0, true - 200) if slows else min(true + 280, 41_000 if cycle < 150 else 38_500)
-        step: dict[str, int | bool] = {"speedometer.next_speed_mm_s": true, "supervisor.release_asked": cycle % 100 == 99}
+        step: dict[str, int | bool] = {
+            "speedometer.next_speed_mm_s": true,
+            "supervisor.release_asked": cycle % 100 == 99,
+        }
         if not 400 <= cycle < 440:
             step["speedometer.measured_mm_s"] = max(0, true + draw.randint(-MEASURED_WITHIN_MM_S, MEASURED_WITHIN_MM_S))
         steps.append(step)

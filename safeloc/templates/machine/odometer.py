@@ -24,15 +24,15 @@ from safeloc.language.world import Law, World
 # ------------------------------------------------------------------ figures
 # Each has a name, and the name carries the unit: no bare number stands in a guard.
 
-FASTEST_MM = 5_000
-"""The farthest that the train runs in one cycle."""
-LINE_MM = 10_000_000
+FASTEST_MM = 50_000
+"""The farthest that the train runs in one cycle, which lasts a second."""
+LINE_MM = 100_000_000
 """The line reaches from -LINE_MM to LINE_MM."""
 WHEEL_CONSTANT_UM, WHEEL_RATE_PPM = 500, 12_500
 """The error law of the wheel, cycle by cycle: a constant (its pulses) and a rate (slip and wear) of the distance."""
 MARKER_UM = 200_000
 """The reader of the markers gives the train's place at the end of the cycle, off by at most this distance."""
-TOLERANCE_MM = 20_000
+TOLERANCE_MM = 5_000
 """A position with a greater margin is of no use to anybody."""
 
 # ------------------------------------------------------------------ variables
@@ -139,8 +139,8 @@ properties = [
     ),
     always(
         "never wider than tolerable",
-        valid.implies((below_mm <= 20_000) & (above_mm <= 20_000)),
-        statement="No margin of a reported position is greater than 20 m.",
+        valid.implies((below_mm <= 5_000) & (above_mm <= 5_000)),
+        statement="No margin of a reported position is greater than 5 m.",
     ),
     always(
         "found by a marker only",
@@ -154,13 +154,13 @@ properties = [
     ),
     always(
         "kept while it is good",
-        (was_located & wheel.present & (before(margin) <= 19_900_000) & (before(place) <= 9_900_000)).implies(valid),
-        statement="A position with a margin of up to 19.9 m is not withdrawn while the wheel measures.",
+        (was_located & wheel.present & (before(margin) <= 4_000_000) & (before(place) <= 99_900_000)).implies(valid),
+        statement="A position with a margin of up to 4 m is not withdrawn while the wheel measures.",
     ),
     reachable(
-        "fifty metres on the wheel",
-        located & (margin >= 825_000),
-        statement="A position can be kept over fifty metres without a marker.",
+        "two hundred metres on the wheel",
+        located & (margin >= 2_600_000),
+        statement="A position can be kept over two hundred metres without a marker.",
     ),
 ]
 
@@ -173,20 +173,18 @@ recordings = ["recordings/run.jsonl"]
 def simulate(seed: int) -> list[dict[str, int]]:
     """Return a simulated run, a mapping per cycle, for `safeloc simulate odometer.py:machine --out recordings/run.jsonl`.
 
-    The wheel errs within its law. A marker stands every 700 m, but there is none behind 2.1 km, so that the position has
-    to be withdrawn; in cycle 90 the wheel says nothing.
+    The wheel errs within its law. A marker stands every 250 m. In cycle 110 the wheel says nothing: the position is
+    withdrawn, and the next marker brings it back. Behind 4 km there is no marker: the margin grows to what is tolerable.
     """
     draw, true_nm, steps = Random(seed), 0, list[dict[str, int]]()
-    for cycle in range(1_200):
-        wheel_mm = min(FASTEST_MM - 1_000, 40 * cycle)
+    for cycle in range(200):
+        wheel_mm = min(40_000, 500 * cycle)
         error_nm = wheel_mm * WHEEL_RATE_PPM + WHEEL_CONSTANT_UM * 1_000  # ppm of a mm are nm
         run_nm = max(0, wheel_mm * 1_000_000 + draw.randint(-error_nm, error_nm))
-        step = {"run_nm": run_nm, "wheel_mm": wheel_mm}
-        passed = (true_nm + run_nm) // 700_000_000_000 > true_nm // 700_000_000_000
+        passed = (true_nm + run_nm) // 250_000_000_000 > true_nm // 250_000_000_000
         true_nm += run_nm
-        if cycle == 90:
-            del step["wheel_mm"]
-        if passed and true_nm < 2_200_000_000_000:
+        step = {"run_nm": run_nm} if cycle == 110 else {"run_nm": run_nm, "wheel_mm": wheel_mm}
+        if passed and true_nm < 4_100_000_000_000:
             step["marker_mm"] = true_nm // 1_000_000 + draw.randint(-150, 150)
         steps.append({**step, "truth_mm": true_nm // 1_000_000})
     return steps
