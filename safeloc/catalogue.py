@@ -308,8 +308,7 @@ def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path,
     missing = next((path for path in paths if not path.is_file()), None)
     if missing is not None:
         raise InputError(
-            f"{missing}: no such file, but {module.__name__}.recordings names it. "
-            f"Record it (`safeloc simulate TARGET --out {missing}`), or leave it out of the list."
+            f"{missing}: no such file, but {module.__name__}.recordings names it; correct the path, or leave it out of the list."
         )
     return paths
 

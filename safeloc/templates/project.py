@@ -27,8 +27,8 @@ _COMMON: Mapping[str, str] = {
 }
 """File of the folder `common` -> its place in a project."""
 _NAME = re.compile(r"[A-Za-z](?:[A-Za-z0-9_-]*[A-Za-z0-9])?")
-_LEFT_OUT = ("__init__.py", ".pyc")
-"""Endings of files that only the template has: a project's folders are no packages."""
+_PARTS = ("*.py", "*.md", "recordings/*", "tests/test_*.py")
+"""The files of a template that a project gets. Its __init__.py stay: a project's folders are no packages."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _files(name: str, template: str) -> Iterator[tuple[str, bytes]]:
     for source, place in _COMMON.items():
         yield place, _filled((_HERE / "common" / source).read_bytes(), values)
     root = _HERE / template
-    for path in sorted(path for path in root.rglob("*") if path.is_file() and not path.name.endswith(_LEFT_OUT)):
+    for path in sorted(path for part in _PARTS for path in root.glob(part) if path.name != "__init__.py"):
         content = path.read_bytes()
         yield path.relative_to(root).as_posix(), _filled(content, values) if path.suffix == ".md" else content
 
