@@ -21,9 +21,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 TREES = {"safeloc": "safeloc", "models": "safeloc/models", "properties": "safeloc/properties"}
 LINKS = ("models", "properties")
-LEFT_OUT = shutil.ignore_patterns(
-    ".*", "__pycache__", "*.egg-info", "build", "dist", "tests", "benchmarks", "safeloc-*"
-)
+LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", "dist", "safeloc-*")
+LEFT_OUT_AT_THE_TOP = ("tests", "benchmarks")  # a template of a project has tests of its own
 
 
 def project() -> dict[str, Any]:
@@ -51,11 +50,16 @@ def delivered() -> Iterator[tuple[Path, str]]:
                 yield path, f"{name}/{path.relative_to(ROOT / tree).as_posix()}"
 
 
+def left_out(folder: str, names: list[str]) -> set[str]:
+    """What a copy of the repository for the build does without."""
+    return LEFT_OUT(folder, names) | (set(LEFT_OUT_AT_THE_TOP) if Path(folder) == ROOT else set())
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built from the source distribution, which is built from a copy of the tree."""
     copy, out = tmp_path_factory.mktemp("copy") / "source", tmp_path_factory.mktemp("dist")
-    shutil.copytree(ROOT, copy, symlinks=True, ignore=LEFT_OUT)
+    shutil.copytree(ROOT, copy, symlinks=True, ignore=left_out)
     command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out), str(copy)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=out)
     assert done.returncode == 0, done.stdout + done.stderr
