@@ -18,7 +18,7 @@ from dataclasses import replace
 from inspect import isfunction
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import BaseModel, ValidationError
 
@@ -32,7 +32,7 @@ from safeloc.reported import Reported, usual_names
 from safeloc.runtime.outside import read_bytes
 from safeloc.shipped import ENTRIES
 from safeloc.shipped.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
-from safeloc.target import Entry, Target
+from safeloc.target import Entry, Simulate, Target
 
 if TYPE_CHECKING:
     from safeloc.railway.pictures import Picture
@@ -51,8 +51,9 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     """Load a shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
 
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
-    content of the configuration file). Its module may define `properties`, a list or a function of the machine,
-    `reported`, a Reported that names the outputs of the interval, and `pictures`, a list of drawings of its recorded runs.
+    content of the configuration file). Its module may define `properties` and `recordings` (paths from its file), each a list or
+    a function of the machine, `simulate`, a function of a seed that returns the steps of a run, `reported`, a Reported that names
+    the outputs of the interval, and `pictures`, a list of drawings of its recorded runs.
     The target records the requested name (`spec`) and, if its module declares no property, the reason (`unasked`).
     InputError names the requested machine and the existing ones.
     """
@@ -282,7 +283,6 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
     if missing:
         raise InputError(f"{module.__name__}.reported names {missing[0]!r}; outputs are {', '.join(system.outputs)}.")
     properties = _properties(module, found)
-    pictures = _pictures(module, system)
     return Target(
         system.name,
         system.machines,
@@ -290,10 +290,38 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
         properties,
         None,
         doc,
-        reported=reported,
-        pictures=pictures,
+        _recordings(module, found),
+        reported,
+        _simulation(module),
+        _pictures(module, system),
         unasked="" if properties else _unasked(module),
     )
+
+
+def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path, ...]:
+    """Return the recordings that a user's module names, by their paths from its file; InputError for one that is not there."""
+    named = _listed(module, "recordings", _declared(module, "recordings", found))
+    for item in named:
+        if not isinstance(item, (str, Path)):
+            raise InputError(f"{module.__name__}.recordings holds {_described(item)}; expected paths of files.")
+    paths = tuple(Path(_file(module)).parent / item for item in named)
+    missing = next((path for path in paths if not path.is_file()), None)
+    if missing is not None:
+        raise InputError(
+            f"{missing}: no such file, but {module.__name__}.recordings names it; correct the path, or leave it out of the list."
+        )
+    return paths
+
+
+def _simulation(module: ModuleType) -> Simulate | None:
+    """Return the function `simulate` of a user's module, if it has one; InputError for anything else of that name."""
+    declared: object = getattr(module, "simulate", None)
+    if declared is None or isinstance(declared, ModuleType):  # a package may have a file simulate.py
+        return None
+    if not callable(declared):
+        what = "expected a function of a seed that returns the steps of a run"
+        raise InputError(f"{module.__name__}.simulate is {_described(declared)} ({_file(module)}); {what}.")
+    return cast(Simulate, declared)
 
 
 def _unasked(module: ModuleType) -> str:
@@ -381,11 +409,7 @@ def _as_input_error(where: str) -> Iterator[None]:
 
 
 def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Property, ...]:
-    declared: object = getattr(module, "properties", ())
-    if callable(declared):
-        with _as_input_error(f"{module.__name__}.properties"):
-            declared = declared(found)
-    listed = _listed(module, "properties", declared)
+    listed = _listed(module, "properties", _declared(module, "properties", found))
     for number, item in enumerate(listed):
         if not isinstance(item, Property):
             raise InputError(
@@ -395,12 +419,21 @@ def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Prope
     return listed
 
 
+def _declared(module: ModuleType, name: str, found: Machine | Composition) -> object:
+    """Return what a user's module declares under this name: its value, or the result of its function of the machine."""
+    declared: object = getattr(module, name, ())
+    if callable(declared):
+        with _as_input_error(f"{module.__name__}.{name}"):
+            return declared(found)
+    return declared
+
+
 def _listed(module: ModuleType, name: str, declared: object) -> tuple[Any, ...]:
     """Return the list that a user's module declares under this name; InputError if it is no list."""
     if not isinstance(declared, Sequence) or isinstance(declared, (str, bytes)):
         raise InputError(
             f"{module.__name__}.{name} is {_described(declared)} ({_file(module)}); "
-            f"expected a list{', or a function of the machine that returns one' if name == 'properties' else ''}."
+            f"expected a list{'' if name == 'pictures' else ', or a function of the machine that returns one'}."
         )
     return tuple(declared)
 

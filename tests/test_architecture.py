@@ -76,6 +76,7 @@ ABOVE_THE_ENGINE = (
     "properties",
     "targets",
     "shipped",
+    "templates",
 )
 KNOWS = {
     "language": (),
@@ -103,7 +104,10 @@ KNOWS = {
     "catalogue": ("language", "runtime", "reported", "railway.pictures", "shipped", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
     "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
-    "cli": (*ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue", "target", "config"),
+    "templates": ("language", "proof", "catalogue"),
+    "cli": (
+        *ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue", "target", "config", "templates",
+    ),
 }  # fmt: skip
 """Each room, or module at the root, and what it may import beside itself and the errors. The railway's have a row each.
 

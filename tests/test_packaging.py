@@ -22,9 +22,8 @@ ROOT = Path(__file__).parents[1]
 TREES = {"safeloc": "safeloc", "models": "safeloc/models", "properties": "safeloc/properties"}
 DOCS = {"docs": "safeloc/docs"}
 LINKS = ("models", "properties")
-LEFT_OUT = shutil.ignore_patterns(
-    ".*", "__pycache__", "*.egg-info", "build", "dist", "tests", "benchmarks", "safeloc-*"
-)
+LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", "dist", "safeloc-*")
+LEFT_OUT_AT_THE_TOP = ("tests", "benchmarks")  # a template of a project has tests of its own
 
 
 def project() -> dict[str, Any]:
@@ -57,11 +56,16 @@ def files_of(trees: dict[str, str]) -> Iterator[tuple[Path, str]]:
                 yield path, f"{name}/{path.relative_to(ROOT / tree).as_posix()}"
 
 
+def left_out(folder: str, names: list[str]) -> set[str]:
+    """What a copy of the repository for the build does without."""
+    return LEFT_OUT(folder, names) | (set(LEFT_OUT_AT_THE_TOP) if Path(folder) == ROOT else set())
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built from the source distribution, which is built from a copy of the tree."""
     copy, out = tmp_path_factory.mktemp("copy") / "source", tmp_path_factory.mktemp("dist")
-    shutil.copytree(ROOT, copy, symlinks=True, ignore=LEFT_OUT)
+    shutil.copytree(ROOT, copy, symlinks=True, ignore=left_out)
     command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out), str(copy)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=out)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -283,3 +287,36 @@ def test_wrong_guard_is_shown(installed: Path, tmp_path: Path) -> None:
     assert "door/property/open while moving" in printed
     assert "   0  start  mode=CLOSED" in printed
     assert re.search(r"^   1  release  \[.*open_wanted=true.*\]  mode=OPEN", printed, re.MULTILINE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("template", ["machine", "composition"])
+def test_a_new_project_is_verified(installed: Path, tmp_path: Path, template: str) -> None:
+    """`safeloc init` of the installed wheel: `make verify` finds that all holds, `make quick` says what was not asked."""
+    code, printed = called(installed, tmp_path, "init", "my-train", "--template", template)
+    assert code == 0, printed
+    for rule, says in (("verify", "all holds: "), ("quick", "quick: ")):
+        command = ["make", rule, f"SAFELOC={installed}", f"PYTHON={installed.with_name('python')}"]
+        done = subprocess.run(command, cwd=tmp_path / "my-train", capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert says in done.stdout
+
+
+@pytest.mark.slow
+def test_the_tests_of_a_new_project(installed: Path, tmp_path: Path) -> None:
+    """Without pytest `make test` says what to install; with it, taken from this environment, the tests hold."""
+    called(installed, tmp_path, "init", "train")
+    command = ["make", "test", f"PYTHON={installed.with_name('python')}"]
+    bare = subprocess.run(command, cwd=tmp_path / "train", capture_output=True, text=True, check=False)
+    assert bare.returncode == 2
+    assert "make test needs safeloc and pytest: " in bare.stdout
+    here = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        ["make", "test", f"PYTHON={sys.executable}"],
+        cwd=tmp_path / "train",
+        env=here,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -191,7 +191,7 @@ def _outputs(own: Parts, held: Bool) -> dict[str, Expr]:
         "location_accuracy_mm": ite(held, memory.accuracy, 0),
         "age_ms": ite(held, memory.age, 0),
         "telegram": memory.verdict,
-        "odometer": own.odometer.judged,
+        "odometer": own.odometer.last_verdict,
         "reason": memory.why,
     }
 

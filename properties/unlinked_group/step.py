@@ -72,7 +72,7 @@ class Step:
     @cached_property
     def admitted(self) -> Bool:
         """The odometer's distance was admitted."""
-        return self.model.own.odometer.judged.eq(ADMITTED)
+        return self.model.own.odometer.last_verdict.eq(ADMITTED)
 
     @cached_property
     def distance(self) -> Num:

@@ -25,6 +25,11 @@ class Known:
 
 
 COMMANDS: Mapping[str, Known] = {
+    "init": Known(
+        "init",
+        "init",
+        "Write a project of your own: machine, world, claims, a recording, tests and CI, verified as it stands.",
+    ),
     "list": Known(
         "listing",
         "list_",

@@ -12,6 +12,7 @@ from safeloc.cli.console import err, folded, out, print_json, print_line
 from safeloc.cli.finding_lines import finding_line, finding_lines
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.results import Finding
+from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.data import report_data
 from safeloc.report.headline import KindAndVerdict, counted, headline
 
@@ -113,8 +114,8 @@ def _pages_to_read(findings: Sequence[Finding]) -> list[str]:
 
 
 def print_summary(findings: Sequence[Finding]) -> None:
-    """Print the results that are neither proved nor held, and the headline."""
-    wrong = [finding for finding in findings if word(finding.result) not in ("proved", "held")]
+    """Print the results that are neither proved nor held, and the headline; what a quick run left open is only counted."""
+    wrong = [one for one in findings if word(one.result) not in ("proved", "held") and one.method != QUICK]
     if wrong:
         findings_table(wrong, sum_up=False)
     out.print(summed_up(findings), markup=False)
@@ -122,7 +123,7 @@ def print_summary(findings: Sequence[Finding]) -> None:
 
 def summed_up(findings: Sequence[Finding]) -> str:
     """Return one line with the overall verdict and the number of findings of each verdict."""
-    verdicts = [KindAndVerdict(finding.kind, word(finding.result)) for finding in findings]
+    verdicts = [KindAndVerdict(one.kind, word(one.result), one.method == QUICK) for one in findings]
     return ": ".join(part for part in (headline(verdicts), counted(verdicts)) if part)
 
 

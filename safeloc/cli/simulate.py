@@ -81,7 +81,12 @@ def _machine(target: str, where: Path, config: Path | None, of_lines: list[str],
     loaded = load_target(target, config)
     if loaded.simulate is None:
         able = [name for name in ENTRIES if load_target(name).simulate is not None]
-        raise InputError(f"{loaded.name} has no simulation; these machines have one: {', '.join(able)}.")
+        own = (
+            "; declare a function `simulate` of a seed beside it, which returns the steps of a run"
+            if ":" in target
+            else ""
+        )
+        raise InputError(f"{loaded.name} has no simulation{own}; these machines have one: {', '.join(able)}.")
     steps = loaded.simulate(seed)
     try:
         write_steps(where, steps, machine=loaded.name)

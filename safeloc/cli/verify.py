@@ -57,6 +57,13 @@ def verify(
     seed: SeedOption = 0,
     examples: ExamplesOption = 60,
     steps: StepsOption = 60,
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick",
+            help="property tests and recordings only, in seconds; proves nothing, so the exit code is 3 at best",
+        ),
+    ] = False,
     cache: CacheOption = None,
     fresh: FreshOption = False,
     check: Annotated[
@@ -75,11 +82,13 @@ def verify(
 ) -> None:
     """Prove, test, replay the shipped recordings, and write the report: the main command."""
     names = _named(targets, source)
+    if quick and (check or evidence):
+        raise typer.BadParameter(f"{'--recheck' if check else '--evidence'} is about proofs, and --quick makes none.")
     if again:
         raise typer.Exit(watch(sys.argv[1:], beside(names, config)))
     if config is not None and len(names) > 1 and not source:
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
-    plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
+    plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed, quick)
     store = store_in(cache)
     key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store))
     usable(folder)

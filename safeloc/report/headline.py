@@ -1,7 +1,7 @@
 """The headline of a page or a terminal: one sentence about all findings, and the number of each verdict.
 
 `all holds` requires that properties were declared and proved. If results only held on recordings or in tests, or if there was
-no property, the headline says so.
+no property, the headline says so. That of a quick run counts what was not asked, whatever else was found.
 """
 
 from __future__ import annotations
@@ -27,10 +27,14 @@ BEST_FIRST = tuple(reversed(WORST_FIRST))
 
 @dataclass(frozen=True)
 class KindAndVerdict:
-    """The fields of one finding that a headline needs: its kind and its verdict."""
+    """The fields of one finding that a headline needs.
+
+    quick  whether a quick run left it open (`safeloc verify --quick`)
+    """
 
     kind: str
     verdict: str
+    quick: bool = False
 
 
 def counted(found: Sequence[KindAndVerdict], always: Sequence[str] = ()) -> str:
@@ -41,6 +45,18 @@ def counted(found: Sequence[KindAndVerdict], always: Sequence[str] = ()) -> str:
 
 def headline(found: Sequence[KindAndVerdict]) -> str:
     """Return the sentence, which is never better than the worst verdict."""
+    left_open = sum(one.quick for one in found)
+    if not left_open:
+        return _whole(found)
+    quick, rest = f"quick: {left_open} not asked", [one for one in found if not one.quick]
+    return f"{_whole(rest)}; {quick}" if worst(one.verdict for one in rest) in _WORSE else quick
+
+
+_WORSE = ("violated", "unknown", "vacuous")
+"""Verdicts that the headline of a quick run names before what was not asked."""
+
+
+def _whole(found: Sequence[KindAndVerdict]) -> str:
     match worst(one.verdict for one in found):
         case "violated":
             return "violated"

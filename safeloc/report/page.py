@@ -18,6 +18,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.conditions import conditions, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
@@ -196,7 +197,7 @@ def _core(one: _Data) -> dict[str, Any]:
 
 
 def _verdicts(rows: Sequence[_Data]) -> list[KindAndVerdict]:
-    return [KindAndVerdict(row["kind"], row["verdict"]) for row in rows]
+    return [KindAndVerdict(row["kind"], row["verdict"], row["method"] == QUICK) for row in rows]
 
 
 def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:

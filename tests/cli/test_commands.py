@@ -113,7 +113,7 @@ def test_list_properties(call: Call) -> None:
         (["replay", DOOR, "x.jsonl", "--format", "xml"], "choose table or jsonl"),
         (["export", DOOR, "--to", "pdf"], "choose one of python, mermaid"),
         (["export", DOOR, "--to", "svg", "--out", "no/such/folder/x.svg"], "no/such/folder/x.svg: cannot be written"),
-        (["simulate", DOOR, "--out", "x.jsonl"], "door has no simulation; these machines have one: odometry"),
+        (["simulate", DOOR, "--out", "x.jsonl"], "door has no simulation; declare a function `simulate` of a seed"),
         (["verify", DOOR, "odometry", "--config", "x.toml"], "--config is for one machine; 2 are given: "),
         (["verify", DOOR, "--out", "/dev/null/report"], "/dev/null/report: the report cannot be written here: "),
         (["replay", DOOR, "x.jsonl", "--period-ms", "0"], "--period-ms"),
