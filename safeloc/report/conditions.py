@@ -45,7 +45,7 @@ def figures(law: _Data, machine: _Data) -> list[str]:
 
 def _needed_by(machine: _Data, law: _Data) -> list[str]:
     """Return the claims whose proof core has the law, if the report has cores."""
-    return [claim for claim, ids in needs(machine).items() if law["id"] in ids]
+    return [f"{machine['name']}: {claim}" for claim, ids in needs(machine).items() if law["id"] in ids]
 
 
 def needs(machine: _Data) -> dict[str, list[str]]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import html
 from collections.abc import Mapping, Sequence
 
+from safeloc.report.drawing import Axis, number
+
 _WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 860, 270, 120, 34, 34
 _COLOURS = ("#1f6fb2", "#c4472b", "#3a8f4d", "#8a5bb0", "#9a7b1c")
 
@@ -23,9 +25,10 @@ def line_chart(title: str, unit: str, lines: Mapping[str, _Series], band: tuple[
         colour = _COLOURS[index % len(_COLOURS)]
         body.append(f'<path d="{_path(scale, series)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
         body += [_dot(scale, step, value, colour) for step, value in _lone(series)]
-        body.append(_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
+        if name != title:
+            body.append(_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
     frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{_WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
-    marks = [_mark(scale, value, unit) for value in (scale.low, (scale.low + scale.high) / 2, scale.high)]
+    marks = [_mark(scale, value, unit) for value in scale.ticks]
     ends = [
         _text(LEFT, 13, title),
         _text(LEFT, HEIGHT - 12, "step 0"),
@@ -40,14 +43,18 @@ def line_chart(title: str, unit: str, lines: Mapping[str, _Series], band: tuple[
 class _Scale:
     def __init__(self, low: float, high: float, length: int) -> None:
         pad = (high - low) * 0.04 or 1.0
-        self.low, self.high, self._length = low - pad, high + pad, length
+        self._axis = Axis(low - pad, high + pad, HEIGHT - BOTTOM, TOP + 4)
+        self._length = length
+
+    @property
+    def ticks(self) -> list[float]:
+        return self._axis.ticks
 
     def x(self, step: int) -> float:
         return LEFT + (_WIDTH - LEFT - 10) * step / (self._length - 1)
 
     def y(self, value: float) -> float:
-        share = (value - self.low) / (self.high - self.low)
-        return HEIGHT - BOTTOM - share * (HEIGHT - BOTTOM - TOP - 4)
+        return self._axis.at(value)
 
 
 def _path(scale: _Scale, series: _Series) -> str:
@@ -101,7 +108,7 @@ def _widened(scale: _Scale, run: Sequence[tuple[int, float, float]]) -> list[tup
 def _mark(scale: _Scale, value: float, unit: str) -> str:
     y = scale.y(value)
     return f'<line x1="{LEFT}" x2="{_WIDTH - 10}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>' + _text(
-        4, y + 4, f"{value:,.0f} {unit}".replace(",", " ")
+        4, y + 4, f"{number(value)} {unit}"
     )
 
 

@@ -67,7 +67,7 @@ def with_cores() -> dict[str, Any]:
 def test_claims_name_the_laws_that_they_need() -> None:
     """By the number of the register; a claim without a core says nothing, which is not `none`."""
     assert needs(with_cores()) == {"containment": ["odometry/A1"], "tolerance": []}
-    assert conditions([with_cores()])["laws"][0]["needed_by"] == ["containment"]
+    assert conditions([with_cores()])["laws"][0]["needed_by"] == ["odometry: containment"]
     assert conditions([with_cores()])["laws"][1]["needed_by"] == []
     assert needs(machines("odometry")[0]) == {}
 

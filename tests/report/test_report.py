@@ -436,6 +436,22 @@ def test_a_constant_series_is_a_level_line() -> None:
         assert 0 < float(heights.pop()) < 240
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "labels"),
+    [
+        (0.0, 200.0, ["0 count", "50 count", "100 count", "150 count", "200 count"]),
+        (0.0, 1.0, ["0 count", "0.2 count", "0.4 count", "0.6 count", "0.8 count", "1 count"]),
+        (-3000.0, 1000.0, ["−3000 count", "−2000 count", "−1000 count", "0 count", "1000 count"]),
+    ],
+)
+def test_an_axis_has_round_values(low: float, high: float, labels: list[str]) -> None:
+    """No "-0", and none of the frame's own ends; a single line is named once, by the title."""
+    drawing = ElementTree.fromstring(line_chart("cycles", "count", {"cycles": [low, high]}))
+    texts = [text.text for text in drawing.iter("{http://www.w3.org/2000/svg}text")]
+    assert [text for text in texts if text is not None and text.endswith(" count")] == labels
+    assert texts.count("cycles") == 1
+
+
 def test_nothing_to_draw() -> None:
     """Without lines, without values, or with a single step there is no chart."""
     assert line_chart("none", "mm", {}) == ""
