@@ -35,4 +35,4 @@ RUNS: Mapping[str, WorkedRun[FibreConfig]] = {
         _endless_where_located,
     ),
 }
-"""By name. The first one ships as a recording; of the second, every transition is taken in another recording that ships."""
+"""By the name of the recording that ships."""

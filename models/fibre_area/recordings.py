@@ -43,12 +43,13 @@ UNTRUSTED_ON_THE_WAY_BACK = replace(TURNED_BACK, counted_every=5, emitter_dead=(
 NAMED: Mapping[str, Journey] = {
     "late-record": LATE_RECORD,
     "service": SERVICE,
+    "split": SPLIT,
     "turned-back-untrusted": UNTRUSTED_ON_THE_WAY_BACK,
     "missed-section": Journey(cycles=90, front_missed=(1,)),
 }
 """The recordings that ship, by the end of their name."""
-ON_DEMAND: Mapping[str, Journey] = {"split": SPLIT, "turned-back": TURNED_BACK}
-"""Recordings that do not ship: each of their transitions is also taken in one that does."""
+ON_DEMAND: Mapping[str, Journey] = {"turned-back": TURNED_BACK}
+"""Recordings that do not ship: each of their transitions and cases also occurs in one that does."""
 
 
 def write(folder: Path, journeys: Mapping[str, Journey] = NAMED) -> list[Path]:

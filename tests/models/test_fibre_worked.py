@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from safeloc.language.system import lower
 from safeloc.models.fibre import machine
 from safeloc.models.fibre.variables import FibreConfig
@@ -27,7 +29,7 @@ def test_an_amplitude_that_stays_changed_is_given_up() -> None:
 def test_a_known_section_that_does_not_end_raises_f() -> None:
     """Located until the section is longer than any; then F, with the reason, and no place."""
     made = machine(FibreConfig())
-    trace = replayed(lower(made), list(RUNS["fibre-section-without-end"].steps(FibreConfig())))
+    trace = replayed(lower(made), list(read_steps(STREAMS / "fibre-section-without-end.jsonl.gz").steps))
     modes = mode_labels(made, trace)
     assert ["LOCATED", "FAULTED"] == list(dict.fromkeys(modes))
     raised = modes.index("FAULTED")
@@ -35,6 +37,7 @@ def test_a_known_section_that_does_not_end_raises_f() -> None:
     assert trace.steps[raised - 1].outputs["valid"] and not trace.steps[raised].outputs["valid"]
 
 
-def test_the_recording_is_its_run() -> None:
+@pytest.mark.parametrize("name", RUNS)
+def test_the_recording_is_its_run(name: str) -> None:
     """The file that ships is what the model of it makes."""
-    assert list(read_steps(STREAMS / f"{NAME}.jsonl.gz").steps) == list(RUNS[NAME].steps(FibreConfig()))
+    assert list(read_steps(STREAMS / f"{name}.jsonl.gz").steps) == list(RUNS[name].steps(FibreConfig()))

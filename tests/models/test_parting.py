@@ -193,9 +193,9 @@ def test_a_train_that_leaves_a_part_behind_has_not_left() -> None:
 STAYED = "a train that leaves a part behind has not left"
 UNCOUNTED = "a train of which axles were not counted is not counted out"
 OF_THE_EXIT: dict[str, tuple[str, Wrong]] = {
-    "leaving is believed without a count": ("complete", lambda one, _: one.told_out),
+    "leaving is believed without a count": ("complete", lambda one, _: one.leaving),
     "axles that leave are not counted": ("balance", lambda one, right: right + one.axles_out.value),
-    "one axle less is enough": ("complete", lambda one, _: one.told_out & one.counted & (one.balance <= 1)),
+    "one axle less is enough": ("complete", lambda one, _: one.leaving & one.counted & (one.balance <= 1)),
     "a disturbed counter counts none": ("counted", lambda one, _: one.enters | one.sure),
     "what the train before left is counted": (
         "balance",
@@ -222,8 +222,8 @@ def test_a_wrong_edit_of_the_exit_is_noticed(monkeypatch: pytest.MonkeyPatch, ed
 @pytest.mark.parametrize(
     ("wrong", "claim"),
     [
-        (lambda one, _: one.told_out & one.balance.eq(0), UNCOUNTED),
-        (lambda one, _: one.told_out & one.counted, STAYED),
+        (lambda one, _: one.leaving & one.balance.eq(0), UNCOUNTED),
+        (lambda one, _: one.leaving & one.counted, STAYED),
     ],
     ids=["an unsure count is believed", "what is left behind is not looked at"],
 )

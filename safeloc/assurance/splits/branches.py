@@ -23,6 +23,8 @@ _Made = TypeVar("_Made")
 _Step = tuple[str, CodeType, int, int]
 """File, code, and the places of two instructions in it; code alone is not enough: it is compared without its file."""
 _Deciding = ast.If | ast.IfExp
+_RETURNING = {dis.opmap[name] for name in ("RETURN_VALUE", "RETURN_CONST") if name in dis.opmap}
+"""Python 3.12 and 3.13 return a constant in one instruction, also the None at the end of a function."""
 
 
 def steps_of(make: Callable[[], _Made]) -> tuple[_Made, set[_Step]]:
@@ -45,6 +47,9 @@ def steps_of(make: Callable[[], _Made]) -> tuple[_Made, set[_Step]]:
         return trace
 
     before = sys.gettrace()
+    sys._getframe().f_trace_opcodes = (
+        True  # Python 3.12 reports instructions only if a frame asked for them before `settrace`
+    )
     sys.settrace(enter)
     try:
         return make(), steps
@@ -72,7 +77,7 @@ def taken(steps: set[_Step]) -> tuple[set[Split], set[Split]]:
 
 def _returns(code: CodeType, offset: int) -> bool:
     """Return whether an instruction returns: after a failed test at the end of a function, it has the place of the test."""
-    return code.co_code[offset] == dis.opmap["RETURN_VALUE"]
+    return code.co_code[offset] in _RETURNING
 
 
 def _decides(place: Place, decision: _Deciding) -> bool:

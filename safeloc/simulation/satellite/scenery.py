@@ -119,7 +119,7 @@ def _part(rays: Rays, inside: Flags) -> Rays:
 
 
 def _put(result: Received, inside: Flags, part: Received) -> None:
-    for name in ("heard", "reflected", "error_m", "error_m_per_s"):
+    for name in ("received", "reflected", "error_m", "error_m_per_s"):
         getattr(result, name)[inside] = getattr(part, name)
 
 
