@@ -18,7 +18,7 @@ from dataclasses import replace
 from inspect import isfunction
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -305,11 +305,10 @@ def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path,
         if not isinstance(item, (str, Path)):
             raise InputError(f"{module.__name__}.recordings holds {_described(item)}; expected paths of files.")
     paths = tuple(Path(_file(module)).parent / item for item in named)
-    missing = next((path for path in paths if not path.is_file()), None)
-    if missing is not None:
-        raise InputError(
-            f"{missing}: no such file, but {module.__name__}.recordings names it; correct the path, or leave it out of the list."
-        )
+    for path in paths:
+        if not path.is_file():
+            what = f"no such file, but {module.__name__}.recordings names it; correct the path, or leave it out of the list"
+            raise InputError(f"{path}: {what}.")
     return paths
 
 
@@ -321,7 +320,12 @@ def _simulation(module: ModuleType) -> Simulate | None:
     if not callable(declared):
         what = "expected a function of a seed that returns the steps of a run"
         raise InputError(f"{module.__name__}.simulate is {_described(declared)} ({_file(module)}); {what}.")
-    return cast(Simulate, declared)
+
+    def simulated(seed: int) -> list[dict[str, Any]]:
+        with _as_input_error(f"{module.__name__}.simulate"):
+            return [dict(step) for step in declared(seed)]
+
+    return simulated
 
 
 def _unasked(module: ModuleType) -> str:
