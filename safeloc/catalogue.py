@@ -314,7 +314,7 @@ def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path,
 
 def _simulation(module: ModuleType) -> Simulate | None:
     """Return the function `simulate` of a user's module, if it has one; InputError for anything else of that name."""
-    declared: object = getattr(module, "simulate", None)
+    declared: Any = getattr(module, "simulate", None)
     if declared is None or isinstance(declared, ModuleType):  # a package may have a file simulate.py
         return None
     if not callable(declared):
