@@ -18,7 +18,7 @@ from dataclasses import replace
 from inspect import isfunction
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import BaseModel, ValidationError
 
@@ -314,7 +314,7 @@ def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path,
 
 def _simulation(module: ModuleType) -> Simulate | None:
     """Return the function `simulate` of a user's module, if it has one; InputError for anything else of that name."""
-    declared: object = getattr(module, "simulate", None)
+    declared = getattr(module, "simulate", None)
     if declared is None or isinstance(declared, ModuleType):  # a package may have a file simulate.py
         return None
     if not callable(declared):
@@ -323,7 +323,7 @@ def _simulation(module: ModuleType) -> Simulate | None:
 
     def simulated(seed: int) -> list[dict[str, Any]]:
         with _as_input_error(f"{module.__name__}.simulate"):
-            return [dict(step) for step in declared(seed)]
+            return [dict(step) for step in cast(Simulate, declared)(seed)]
 
     return simulated
 
