@@ -25,7 +25,7 @@ _COMMON: Mapping[str, str] = {
     "github.yml.in": ".github/workflows/verify.yml",
     "gitlab-ci.yml.in": ".gitlab-ci.yml",
 }
-"""File of the folder `common` -> its place in a project."""
+"""File of the folder `common` -> its place in a project; a template may have one of the same name instead."""
 _NAME = re.compile(r"[A-Za-z](?:[A-Za-z0-9_-]*[A-Za-z0-9])?")
 _PARTS = ("*.py", "*.md", "recordings/*", "tests/test_*.py")
 """The files of a template that a project gets. Its __init__.py stay: a project's folders are no packages."""
@@ -33,21 +33,30 @@ _PARTS = ("*.py", "*.md", "recordings/*", "tests/test_*.py")
 
 @dataclass(frozen=True)
 class Template:
-    """A template: what it is about in a line, its Python file, and the name of the machine in it."""
+    """A template: what it is about in a line, its Python file, the name of the machine in it, and what is verified of it.
+
+    prefix  before the file, in the name that the commands take: "contract+" for a source of the localizer
+    """
 
     summary: str
     module: str
     machine: str
+    prefix: str = ""
 
     @property
     def target(self) -> str:
         """The machine as the commands of safeloc name it, seen from the project's folder."""
-        return f"{self.module}.py:{self.machine}"
+        return self.target_in(Path())
+
+    def target_in(self, folder: Path) -> str:
+        """The machine as the commands of safeloc name it, with its file in a folder."""
+        return f"{self.prefix}{folder / self.module}.py:{self.machine}"
 
 
 TEMPLATES: Mapping[str, Template] = {
     "machine": Template("one machine with the error law of a sensor", "odometer", "machine"),
     "composition": Template("a sensor's machine and a supervising one, with a contract", "supervised", "whole"),
+    "source": Template("a source of your own for the localizer", "beacons", "source", prefix="contract+"),
 }
 
 
@@ -97,9 +106,10 @@ def _files(name: str, template: str) -> Iterator[tuple[str, bytes]]:
     """Yield every file of a project: its path in the folder, and its content."""
     chosen = TEMPLATES[template]
     values = {"NAME": name, "MODULE": chosen.module, "MACHINE": chosen.machine, "VERSION": _version()}
-    for source, place in _COMMON.items():
-        yield place, _filled((_HERE / "common" / source).read_bytes(), values)
     root = _HERE / template
+    for source, place in _COMMON.items():
+        own = root / source
+        yield place, _filled((own if own.is_file() else _HERE / "common" / source).read_bytes(), values)
     for path in sorted(path for part in _PARTS for path in root.glob(part) if path.name != "__init__.py"):
         content = path.read_bytes()
         yield path.relative_to(root).as_posix(), _filled(content, values) if path.suffix == ".md" else content

@@ -22,8 +22,8 @@ FILES = {
     "Makefile",
     "README.md",
     "pyproject.toml",
-    "recordings/run.jsonl",
 }
+RECORDING = "recordings/run.jsonl"
 
 
 def files(folder: Path) -> set[str]:
@@ -38,7 +38,8 @@ def test_the_files_of_a_project(call: Call, tmp_path: Path, template: str) -> No
     called = call("init", str(folder), "--template", template)
     assert called.code == 0
     module = TEMPLATES[template].module
-    assert FILES | {f"{module}.py", f"tests/test_{module}.py"} == files(folder)
+    recordings = {RECORDING} if (ROOT / "safeloc" / "templates" / template / RECORDING).is_file() else set()
+    assert FILES | recordings | {f"{module}.py", f"tests/test_{module}.py"} == files(folder)
     assert files(folder) == {str(Path(line).relative_to(folder)) for line in called.out.splitlines()}
     assert f"next: cd {folder}; make verify" in called.err
     source = ROOT / "safeloc" / "templates" / template / f"{module}.py"
@@ -84,7 +85,8 @@ def test_an_unknown_template(call: Call, tmp_path: Path) -> None:
     assert called.code == 2
     assert (
         "safeloc: no template 'machin'; there are machine (one machine with the error law of a sensor); composition (a "
-        "sensor's machine and a supervising one, with a contract). Did you mean 'machine'?" == called.err.strip()
+        "sensor's machine and a supervising one, with a contract); source (a source of your own for the localizer). Did you mean 'machine'?"
+        == called.err.strip()
     )
     assert [] == list(tmp_path.iterdir())
 

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2] / "safeloc" / "templates"
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_every_transition_fires(template: str) -> None:
     """All holds of the template, and each transition has a run of its own."""
-    target = load_target(str(ROOT / template / TEMPLATES[template].target))
+    target = load_target(TEMPLATES[template].target_in(ROOT / template))
     verdicts = {one.id: word(one.result) for one in prove_target(target, limits=Limits(seconds=10))}
     assert {"proved"} == set(verdicts.values())
     every = {f"transition {machine.name}: {one.name}" for machine in target.machines for one in machine.transitions}
@@ -28,10 +28,10 @@ def test_every_transition_fires(template: str) -> None:
     assert len(every) >= 4
 
 
-@pytest.mark.parametrize("template", TEMPLATES)
+@pytest.mark.parametrize("template", [name for name in TEMPLATES if (ROOT / name / "recordings").is_dir()])
 def test_the_recording_is_what_the_simulation_makes(template: str) -> None:
     """`make recording` would change nothing."""
-    target = load_target(str(ROOT / template / TEMPLATES[template].target))
+    target = load_target(TEMPLATES[template].target_in(ROOT / template))
     assert target.simulate is not None
     from safeloc.runtime.streams.steps import read_steps
 

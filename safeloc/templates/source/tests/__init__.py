@@ -1,0 +1,1 @@
+"""The tests of the template, which a new project gets as they are."""
