@@ -6,6 +6,7 @@ from pathlib import Path
 
 from safeloc.catalogue import load_target
 from safeloc.language.interpret import run
+from safeloc.language.nodes import Value
 from safeloc.language.system import without_ghosts
 from safeloc.language.verdict import word
 from safeloc.proof.provers.limits import Limits
@@ -27,9 +28,14 @@ def test_the_contract_is_proved() -> None:
 def test_a_train_is_located_and_withdrawn() -> None:
     """The localizer with this source alone: a range leads at once, and is withdrawn when the train can have run too far."""
     system = without_ghosts(load_target(f"alone+{FILE}:source").system)
-    near = {"beacons.beacon_mm": 120_000, "beacons.range_mm": 20_000}
-    silent = {"beacons.beacon_mm": None, "beacons.range_mm": None}
-    others = {"motion.odometer_mm": None, "motion.check_mm": None, "uplink.sent": True, "uplink.arrived": False}
+    near: dict[str, Value | None] = {"beacons.beacon_mm": 120_000, "beacons.range_mm": 20_000}
+    silent: dict[str, Value | None] = {"beacons.beacon_mm": None, "beacons.range_mm": None}
+    others: dict[str, Value | None] = {
+        "motion.odometer_mm": None,
+        "motion.check_mm": None,
+        "uplink.sent": True,
+        "uplink.arrived": False,
+    }
     steps = run(system, [{**others, **one} for one in (near, *[silent] * 7)]).steps
     assert [True] * 6 + [False] * 2 == [step.outputs["arbitration.valid"] for step in steps]
     assert {100_000} == {step.outputs["delocalized.position_mm"] for step in steps[:6]}
