@@ -25,8 +25,9 @@ SHOWING = (
     "report",
     "runtime/service",
     "simulation",
+    "templates",
 )
-"""Folders that only display, check, host or simulate: no finding of `verify` depends on them."""
+"""Folders that only display, check, host, simulate or begin a project: no finding of `verify` depends on them."""
 READ = ("docs",)
 """Folders for readers only; in a checkout they lie beside the package, and the digests are the same."""
 _LONGEST_START_S = 10.0  # assumed age of the process where the system does not tell it
