@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding
 
 
 def to_junit(findings: Sequence[Finding]) -> str:
-    """Return XML with one test case for each finding, grouped by machine."""
+    """Return XML with one test case for each finding, grouped by machine; its class is `machine.kind`, its name the rest of the id."""
     root = ElementTree.Element("testsuites", name="safeloc")
     for machine in dict.fromkeys(finding.machine for finding in findings):
         own = [finding for finding in findings if finding.machine == machine]
@@ -29,9 +29,9 @@ def to_junit(findings: Sequence[Finding]) -> str:
 
 
 def _case(suite: ElementTree.Element, finding: Finding) -> None:
-    time = f"{finding.seconds:.3f}"
+    time, name = f"{finding.seconds:.3f}", finding.id.removeprefix(f"{finding.machine}/{finding.kind}/")
     case = ElementTree.SubElement(
-        suite, "testcase", classname=f"{finding.machine}.{finding.kind}", name=finding.id, time=time
+        suite, "testcase", classname=f"{finding.machine}.{finding.kind}", name=name, time=time
     )
     match finding.result:
         case Violated(trace, engine, reason):

@@ -323,7 +323,8 @@ def test_junit_counts() -> None:
     failure = root.find(".//failure")
     assert failure is not None
     assert "   3  switch <on>  [press=true]  mode=LIT wear=2" in str(failure.text)
-    assert {case.get("name") for case in root.iter("testcase")} == {one.id for one in (*findings(), later, held)}
+    ids = {f"{case.get('classname', '').replace('.', '/')}/{case.get('name')}" for case in root.iter("testcase")}
+    assert ids == {one.id for one in (*findings(), later, held)}
 
 
 # ------------------------------------------------------------------ folder
