@@ -41,8 +41,7 @@ test-long: $(READY)
 	$(BIN)/python $(long-$(TOPIC)) $(LONG)
 
 # The documentation site; a broken link, a page in no list or any other warning fails it. The first page is build/site/index.html.
-docs: $(READY)
-	$(BIN)/python -m pip install --quiet -e '.[docs]'
+docs: .venv/docs
 	$(BIN)/python -m sphinx --nitpicky --fail-on-warning --keep-going --quiet --jobs 2 -c packaging/site -b html . build/site
 
 lint: formatted ruff mypy pyright
@@ -64,6 +63,10 @@ coverage: $(READY)
 
 clean:
 	rm -rf .venv build dist *.egg-info safeloc-report
+
+.venv/docs: $(READY)
+	$(BIN)/python -m pip install --quiet -e '.[docs]'
+	touch $@
 
 # Installed as editable, so that an edit in the checkout is seen at once; the wheel is what tests/test_packaging.py tries.
 $(READY): pyproject.toml setup.py
