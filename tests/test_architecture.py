@@ -101,10 +101,11 @@ KNOWS = {
     "target": ("language", "reported", "railway.pictures", "config"),
     "targets": ("language", "runtime", "reported", "models", "properties", "target"),
     "shipped": ("language", "reported", "models", "properties", "target", "targets"),
-    "catalogue": ("language", "runtime", "reported", "railway.pictures", "shipped", "target"),
+    "own_module": ("language", "reported", "railway.pictures", "target"),
+    "catalogue": ("language", "runtime", "own_module", "shipped", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
     "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
-    "templates": ("language", "proof", "catalogue"),
+    "templates": ("language", "proof", "models", "catalogue"),
     "cli": (
         *ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue", "target", "config", "templates",
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from safeloc.catalogue import DEFAULTS, configured, load_target
 from tests.cli.calling import Call
 
 ONE = ("--property", "only the own pattern passes", "--cache")
@@ -61,3 +62,13 @@ def test_splits_of_an_unknown_machine_are_refused(call: Call) -> None:
     """Only shipped machines declare configurations."""
     called = call("list", "splits", "--machine", "none_such")
     assert (2, True) == (called.code, "no shipped machine 'none_such'" in called.err)
+
+
+def test_the_defaults_keep_their_recordings() -> None:
+    """Recordings are of the defaults: what only they show is shown there, and they are no runs of another configuration."""
+    shipped = load_target("emitter").streams
+    by_name = {name: target.streams for name, target in configured("emitter", ["all"])}
+    assert shipped
+    assert by_name.pop(DEFAULTS) == shipped
+    assert by_name
+    assert set(by_name.values()) == {()}
