@@ -91,11 +91,14 @@ def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
 def _loose(model: Sections) -> Iterator[Property]:
     machine, own = model.area.machine, model.area.own
     of = model.composition.of(machine)
-    loose = own.loose.implies(
+    within = [
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
         & (own.loose_front <= um(own.loose_high))
-    )
+    ]
+    if own.followers is not None:
+        within += [own.loose_front <= um(own.followers.low.bound), own.loose_rear >= um(own.followers.high.bound)]
+    loose = own.loose.implies(any_of(within))
     yield under_assumption(
         "loose vehicles are accounted for",
         of.bool(loose),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
-from safeloc.language.expr import boolean, number
-from safeloc.language.machine import ANY
+from safeloc.language.expr import Bool, boolean, number
+from safeloc.language.machine import ANY, current_mode, modes
 from safeloc.language.units import COUNT, MM, UM
+from safeloc.models.area.followers import Followers, followers
 from safeloc.models.area.slot import Reach, slot
 
 
@@ -15,6 +18,9 @@ class AreaConfig(Config):
 
     integrity_is_trusted  a report that the train is whole is believed at both ends; if not, a report is believed at the leading end
                           only, and the ground behind the train becomes clear when it is counted out, or the area was swept
+    borders               counted: axle counters at both ends count every vehicle in and out; occupancy: train detection says whether the
+                          area is occupied, and whether it is clear just outside each end. Trains then tell themselves when they come in
+                          and have left, and other vehicles may come in at an end that is not clear outside
     """
 
     trains: int = quantity(3, "count", 1, 16, "[D] trains at a time in 10 to 40 km")
@@ -24,6 +30,7 @@ class AreaConfig(Config):
     count_limit: int = quantity(3_600, "cycles", 1, 1_000_000, "[D] how far waiting times are counted")
     limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km to either side")
     integrity_is_trusted: bool = True
+    borders: Literal["counted", "occupancy"] = "counted"
 
     @property
     def reach(self) -> Reach:
@@ -36,16 +43,20 @@ class Parts:
     """The variables of the machine.
 
     low_end, high_end  places of the axle counters, mm: fixed, any two places
-    healthy, clear     the axle counters: undisturbed; no axle is counted in
+    healthy, clear     the axle counters, or train detection: undisturbed; no axle is counted in, or nobody is in the area
     loose_low, loose_high  bounds of loose vehicles, rear to front
     loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area; its true ends, um
+    followers  vehicles that come in uncounted at borders that report occupancy alone; None where every vehicle is counted
     """
+
+    followers: Followers | None
 
     def __init__(self, config: AreaConfig) -> None:
         self.declared = declared = Declared()
         limit, reach = config.limit_mm, config.reach
         far, step = limit * 1_000, reach.cycle_mm * 1_000
         self.config = config
+        self.modes = modes("UNSWEPT", "SWEPT")
         self.healthy = declared.sensor(boolean("counters_healthy"))
         self.clear = declared.sensor(boolean("counters_clear"))
         self.low_end = declared.state(number("low_end_mm", MM, -limit, limit), first=ANY)
@@ -63,6 +74,14 @@ class Parts:
         self.next_loose = declared.choice(boolean("next_loose_there"))
         self.next_loose_rear = declared.choice(number("next_loose_rear_um", UM, -far - step, far + step))
         self.next_loose_front = declared.choice(number("next_loose_front_um", UM, -far - step, far + step))
+        ends = (self.low_end, self.high_end)
+        counted = config.borders == "counted"
+        self.followers = None if counted else followers(declared, reach, ends, config.trains)
+
+    @property
+    def unswept(self) -> Bool:
+        """Loose vehicles may be in the area."""
+        return current_mode(self.modes).eq(self.modes[0])
 
 
 def parts(config: AreaConfig) -> Parts:

@@ -110,7 +110,10 @@ class SectionsConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """One section's machine and variables: bounds (any two places in the area), and inputs from the area."""
+    """One section's machine and variables: bounds (any two places in the area), and inputs from the area.
+
+    followers  how far in vehicles can be that came in uncounted, from the low end and from the high end; empty if all are counted
+    """
 
     config: SectionsConfig
     machine: Machine
@@ -120,6 +123,7 @@ class Section:
     unswept: BoolVar
     loose_low: NumVar
     loose_high: NumVar
+    followers: tuple[NumVar, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +159,8 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
         one.loose_low: own.loose_low,
         one.loose_high: own.loose_high,
     }
+    if own.followers is not None:
+        wires |= dict(zip(one.followers, (side.bound for side in own.followers.sides), strict=True))
     for told, train in zip(one.trains, own.slots, strict=True):
         wires |= {told.present: train.present, told.low: train.low, told.high: train.high}
         wires |= {told.silent: train.silent, told.unconfirmed: train.unconfirmed}
@@ -183,10 +189,16 @@ def section(config: SectionsConfig, name: str) -> Section:
     loose_low, loose_high = (
         declared.sensor(number(f"area_loose_{side}_mm", MM, -limit, limit)) for side in ("low", "high")
     )
+    counted = config.area.borders == "counted"
+    sides = () if counted else ("low", "high")
+    followers = tuple(declared.sensor(number(f"area_followers_{side}_mm", MM, -limit, limit)) for side in sides)
     start = declared.state(number("from_mm", MM, -limit, limit), first=ANY)
     end = declared.state(number("to_mm", MM, -limit, limit), first=ANY)
     told = _told(declared, config)
     loose = unswept & (loose_low <= end) & (loose_high >= start)
+    if followers:
+        from_low, from_high = followers
+        loose = loose | (from_low >= start) | (from_high <= end)
     judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
     machine = Machine(
@@ -213,7 +225,7 @@ def section(config: SectionsConfig, name: str) -> Section:
         doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
         "in it.",
     )
-    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
+    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high, followers)
 
 
 def _told(declared: Declared, config: SectionsConfig) -> _Told:
