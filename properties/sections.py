@@ -13,6 +13,7 @@ from safeloc.models.area import um
 from safeloc.models.area.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
+from safeloc.properties import followers
 
 LAW = (
     "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
@@ -43,6 +44,7 @@ def _area(model: Sections) -> Iterator[Property]:
         yield from _interval(model, one)
         yield from _narrowed(model, one)
     yield from _loose(model)
+    yield from followers.properties(model.area, model.composition.of(model.area.machine))
 
 
 def _interval(model: Sections, one: Slot) -> Iterator[Property]:

@@ -179,7 +179,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition(
         "something came in uncounted", table, unswept, _uncounted(own),
         together(trains, _no_order(own), anywhere), REQUIREMENTS, 0)  # fmt: skip
-    yield Transition("counters are clear", table, swept, _empty(own), together(_cleared(own), anywhere), REQUIREMENTS, 1)
+    yield Transition(
+        "counters are clear", table, swept, _empty(own), together(_cleared(own), anywhere), REQUIREMENTS, 1
+    )
     yield Transition(
         "everything loose is pushed out", unswept, swept, none_left, together(followed, anywhere), REQUIREMENTS, 2)  # fmt: skip
     yield Transition(
@@ -268,7 +270,7 @@ def _stays_beside(own: Parts, one: Slot) -> tuple[Bool, Bool]:
 def _no_order(own: Parts) -> Updates:
     """Allow loose vehicles on either side of any train."""
     ordered = () if own.followers is None else own.followers.ordered
-    return {var: FALSE for var in (*(side for one in own.slots for side in (one.below, one.above)), *ordered)}
+    return dict.fromkeys((*(side for one in own.slots for side in (one.below, one.above)), *ordered), FALSE)
 
 
 def _rejected(own: Parts) -> Updates:

@@ -27,7 +27,9 @@ def moves(own: Parts, followers: Followers) -> dict[Var, Expr]:
         here = followers.at_low if side.is_low else ~followers.at_low
         was = side.came_in & ~any_of(one.event.eq(side.enters) for one in own.slots)
         found[side.came_in] = all_of([own.next_loose, own.healthy, ite(comes, here, was)])
-    return found | {behind: _is_behind(own, followers, one) for one, behind in zip(own.slots, followers.behind, strict=True)}
+    return found | {
+        behind: _is_behind(own, followers, one) for one, behind in zip(own.slots, followers.behind, strict=True)
+    }
 
 
 def _is_behind(own: Parts, followers: Followers, one: Slot) -> Bool:

@@ -62,7 +62,10 @@ def _of_followers(own: Parts, followers: Followers) -> dict[str, Bool]:
         & (own.loose & high.came_in).implies(own.loose_rear >= um(high.bound)),
         "followers are in the area": (own.loose & (low.came_in | high.came_in)).implies(inside),
         "a follower came in at one end": ~(low.came_in & high.came_in),
-        **{f"followers from the {name} end may be there": side.some | side.bound.eq(side.none) for name, side in _named(followers)},
+        **{
+            f"followers from the {name} end may be there": side.some | side.bound.eq(side.none)
+            for name, side in _named(followers)
+        },
     }
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, with_unit
 from safeloc.language.units import UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.area import followers_world
