@@ -90,7 +90,15 @@ class _Seen:
         some = ~self._was_none | self._of.bool(~self._side.clear)
         held = self._held(trains)
         reached = self._bound >= minimum(self._far, held)
-        return (quiet & some).implies(reached | (held < self._place))
+        return (quiet & some).implies(reached | (held < self._place) | self._stopped())
+
+    def _stopped(self) -> Bool:
+        """The bound is before a detection section inside the area that is clear, or that section begins at the end."""
+        stops = []
+        for one in self._own.inner:
+            edge = self._inward(self._of.num(one.start if self._side.is_low else one.end))
+            stops.append(self._of.bool(one.clear) & (self._bound.eq(edge) | (edge <= self._place)))
+        return any_of(stops)
 
     def _held(self, trains: Sequence[tuple[Slot, Bool]]) -> Num:
         """The nearest far end of a train whose order was known."""

@@ -113,8 +113,8 @@ def _widens(of: Substitution, one: Slot) -> Bool:
     limit, present = one.reach.limit_mm, of.bool(one.present)
     low, high = of.num(one.low), of.num(one.high)
     quiet = of.bool(one.judged.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
-    lower = (low <= earlier_num(low)) | low.eq(-limit)
-    higher = (high >= earlier_num(high)) | high.eq(limit)
+    lower = (low <= earlier_num(low)) | low.eq(-limit) | _raised(of, one, low)
+    higher = (high >= earlier_num(high)) | high.eq(limit) | _lowered(of, one, high)
     return quiet.implies(lower & higher)
 
 
@@ -125,14 +125,27 @@ def _aged(of: Substitution, one: Slot) -> Bool:
     lowest = maximum(earlier_num(low), of.num(um(one.rear.value) - run))
     highest = minimum(earlier_num(high), of.num(um(one.front.value) + run))
     accepted = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & one.present)
-    return accepted.implies((low <= lowest) & (high >= highest))
+    lower = (low <= lowest) | _raised(of, one, of.num(one.low))
+    higher = (high >= highest) | _lowered(of, one, of.num(one.high))
+    return accepted.implies(lower & higher)
+
+
+def _raised(of: Substitution, one: Slot, low: Num) -> Bool:
+    """Return the condition that the bound is at the end of a detection section inside the area that is clear."""
+    return any_of(of.bool(inner.clear) & low.eq(of.num(inner.end)) for inner in one.inner)
+
+
+def _lowered(of: Substitution, one: Slot, high: Num) -> Bool:
+    """Return the condition that the bound is at the start of such a section."""
+    return any_of(of.bool(inner.clear) & high.eq(of.num(inner.start)) for inner in one.inner)
 
 
 def _leads(of: Substitution, one: Slot) -> Bool:
     low, high = of.num(one.low), of.num(one.high)
     parted = one.present & ~one.integer if one.integrity_is_trusted else one.present
     split = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & parted)
-    lower, higher = low <= earlier_num(low), high >= earlier_num(high)
+    lower = (low <= earlier_num(low)) | _raised(of, one, low)
+    higher = (high >= earlier_num(high)) | _lowered(of, one, high)
     return (split & of.bool(~one.downwards)).implies(lower) & (split & of.bool(one.downwards)).implies(higher)
 
 
@@ -204,6 +217,7 @@ def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
     for train in model.area.own.slots:
         low, high = there.num(train.low), there.num(train.high)
         here = there.bool(train.present) & _overlaps(low, high, of.num(one.start), of.num(one.end))
+        here = here & ~_detected_clear(model, one) if model.area.own.inner else here
         heard = there.num(train.silent) <= one.config.mute_limit_cycles
         yield here.implies(heard & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
 
@@ -213,9 +227,10 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     free = of.bool(one.machine.flag("clear"))
     start, end = of.num(um(one.start)), of.num(um(one.end))
+    ends = [(one.part_rear, one.part_front) if one.inner else (one.true_rear, one.true_front) for one in own.slots]
     trains = [
-        there.bool(train.there) & _overlaps(there.num(train.true_rear), there.num(train.true_front), start, end)
-        for train in own.slots
+        there.bool(train.there) & _overlaps(there.num(rear), there.num(front), start, end)
+        for train, (rear, front) in zip(own.slots, ends, strict=True)
     ]
     loose = there.bool(own.loose) & _overlaps(there.num(own.loose_rear), there.num(own.loose_front), start, end)
     yield under_assumption(
@@ -247,10 +262,21 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
     for train in slots:
         low, high = there.num(train.low), there.num(train.high)
         apart.append(~there.bool(train.present) | (high < of.num(one.start)) | (low > of.num(one.end)))
+    detected = ", or detection inside the area says that nobody is there" if model.area.own.inner else ""
     yield for_all_inputs(
         f"{name} is clear only on evidence",
-        free.implies(all_of(apart)),
-        statement="a section is FREE only if every counted train is known to be elsewhere",
+        free.implies(all_of(apart) | _detected_clear(model, one)),
+        statement="a section is FREE only if every counted train is known to be elsewhere" + detected,
+    )
+
+
+def _detected_clear(model: Sections, one: Section) -> Bool:
+    """Return the condition that the section is in a detection section inside the area that is clear."""
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    start, end = of.num(one.start), of.num(one.end)
+    return any_of(
+        there.bool(inner.clear) & (there.num(inner.start) <= start) & (end <= there.num(inner.end))
+        for inner in model.area.own.inner
     )
 
 
@@ -262,6 +288,7 @@ def _silence(model: Sections, one: Section) -> Iterator[Property]:
     slots = model.area.own.slots
     silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine
+    silent = silent & ~any_of(there.bool(inner.clear) for inner in model.area.own.inner)
     quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))
     yield for_all_inputs(
         f"{name} is not cleared by silence",

@@ -34,6 +34,7 @@ from safeloc.language.machine import Machine, Transition, current_mode
 from safeloc.language.nodes import Value
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
+from safeloc.models.area.inner import lowered, raised
 from safeloc.models.area.laws import um
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
@@ -142,6 +143,7 @@ def _swept(own: Parts) -> tuple[Num, Num]:
     """Return the bounds of loose vehicles after the cycle: they run, but pass no train that has them on one side."""
     cycle, limit = own.config.reach.cycle_mm, own.config.limit_mm
     low, high = maximum(own.loose_low - cycle, -limit), minimum(own.loose_high + cycle, limit)
+    low, high = raised(low, own.inner), lowered(high, own.inner)
     if own.followers is not None:
         low, high = own.followers.loose_bounds(own.slots, (own.low_end, own.high_end), own.unswept, (low, high))
     for one in own.slots:

@@ -31,6 +31,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.units import MM
+from safeloc.models.area.inner import Inner
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, Reach, Slot
 
 
@@ -42,6 +43,7 @@ class Side:
     clear    input: throughout the cycle no vehicle stood just outside but trains that tell when they come in
     bound    followers of this end are between the end and this place, mm; the end of the world behind them if there is none
     came_in  ghost: the vehicle that was never counted is a follower of this end
+    inner    detection sections inside the area
     """
 
     is_low: bool
@@ -50,6 +52,7 @@ class Side:
     clear: BoolVar
     bound: NumVar
     came_in: BoolVar
+    inner: tuple[Inner, ...]
 
     @property
     def enters(self) -> Lit:
@@ -83,9 +86,17 @@ class Side:
         """Return the bound after the cycle."""
         enters = self.any_enters(slots)
         begun = maximum(self.bound, self.place) if self.is_low else minimum(self.bound, self.place)
-        bound = self.run_on(ite(enters, self.place, begun), trains)
+        bound = self._cut(self.run_on(ite(enters, self.place, begun), trains))
         inside = bound >= self.place if self.is_low else bound <= self.place
         return ite((~self.clear | (self.some & ~enters)) & inside, bound, self.none)
+
+    def _cut(self, bound: Num) -> Num:
+        """Return the bound before a clear section inside the area in which it lies; none if that begins at the end."""
+        for one in reversed(self.inner) if self.is_low else self.inner:
+            edge = one.start if self.is_low else one.end
+            at_end = edge <= self.place if self.is_low else edge >= self.place
+            bound = ite(one.holds(bound), ite(at_end, self.none, edge), bound)
+        return bound
 
     def _inward(self, length: int) -> int:
         return length if self.is_low else -length
@@ -156,18 +167,20 @@ class Followers:
         return one.enters | (self.ordered[one.number - 1] & ~one.leaves)
 
 
-def followers(declared: Declared, reach: Reach, ends: tuple[NumVar, NumVar], trains: int) -> Followers:
+def followers(
+    declared: Declared, reach: Reach, ends: tuple[NumVar, NumVar], trains: int, inner: tuple[Inner, ...]
+) -> Followers:
     """Return fresh variables."""
     return Followers(
-        _side(declared, reach, ends[0], is_low=True),
-        _side(declared, reach, ends[1], is_low=False),
+        _side(declared, reach, ends[0], inner, is_low=True),
+        _side(declared, reach, ends[1], inner, is_low=False),
         tuple(declared.state(boolean(f"train_{n}_is_ordered"), first=False) for n in range(1, trains + 1)),
         tuple(declared.ghost(boolean(f"train_{n}_is_followed"), first=False) for n in range(1, trains + 1)),
         declared.choice(boolean("next_loose_comes_in_low")),
     )
 
 
-def _side(declared: Declared, reach: Reach, place: NumVar, *, is_low: bool) -> Side:
+def _side(declared: Declared, reach: Reach, place: NumVar, inner: tuple[Inner, ...], *, is_low: bool) -> Side:
     name, limit = "low" if is_low else "high", reach.limit_mm
     return Side(
         is_low,
@@ -176,4 +189,5 @@ def _side(declared: Declared, reach: Reach, place: NumVar, *, is_low: bool) -> S
         declared.sensor(boolean(f"{name}_side_clear")),
         declared.state(number(f"followers_{name}_mm", MM, -limit, limit), first=-limit if is_low else limit),
         declared.ghost(boolean(f"loose_came_in_{name}"), first=False),
+        inner,
     )

@@ -26,6 +26,8 @@ def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
             (um(own.loose_low) <= own.loose_rear) & (own.loose_front <= um(own.loose_high))
         ),
     }
+    if own.inner:
+        found |= {f"vehicles of train {one.number}": _of_parts(one) for one in own.slots}
     if followers is not None:
         found |= _of_followers(own, followers)
     for one in own.slots:
@@ -36,14 +38,22 @@ def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 
 def _of_train(own: Parts, one: Slot, swept: Bool) -> dict[str, Bool]:
     inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high)) & (one.true_rear <= one.true_front)
+    in_order = (
+        one.there if own.inner else one.present
+    )  # a train that is not there may have no place left where it can be
     pushed = (one.below.implies(one.low <= own.loose_low)) & (one.above.implies(own.loose_high <= one.high))
     return {
         f"train {one.number} within": one.there.implies(one.present & inside),
         f"train {one.number} has sides only while present": (one.below | one.above).implies(one.present),
         f"train {one.number} has one side": ~(one.below & one.above),
         f"train {one.number} has pushed": swept | pushed,
-        f"train {one.number} is in order": one.present.implies(one.low <= one.high),
+        f"train {one.number} is in order": in_order.implies(one.low <= one.high),
     }
+
+
+def _of_parts(one: Slot) -> Bool:
+    inside = all_of([one.true_rear <= one.part_rear, one.part_rear <= one.part_front, one.part_front <= one.true_front])
+    return one.there.implies(inside)
 
 
 def _of_sides(own: Parts, one: Slot) -> dict[str, Bool]:

@@ -10,6 +10,7 @@ from safeloc.language.expr import Bool, boolean, number
 from safeloc.language.machine import ANY, current_mode, modes
 from safeloc.language.units import COUNT, MM, UM
 from safeloc.models.area.followers import Followers, followers
+from safeloc.models.area.inner import inner_sections
 from safeloc.models.area.slot import Reach, slot
 
 
@@ -21,6 +22,7 @@ class AreaConfig(Config):
     borders               counted: axle counters at both ends count every vehicle in and out; occupancy: train detection says whether the
                           area is occupied, and whether it is clear just outside each end. Trains then tell themselves when they come in
                           and have left, and other vehicles may come in at an end that is not clear outside
+    inner_detection       detection sections inside the area, at any places; each says whether it is clear
     """
 
     trains: int = quantity(3, "count", 1, 16, "[D] trains at a time in 10 to 40 km")
@@ -31,6 +33,9 @@ class AreaConfig(Config):
     limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km to either side")
     integrity_is_trusted: bool = True
     borders: Literal["counted", "occupancy"] = "counted"
+    inner_detection: int = quantity(
+        0, "count", 0, 16, "[D] detection sections inside the area, such as those of stations"
+    )
 
     @property
     def reach(self) -> Reach:
@@ -46,6 +51,7 @@ class Parts:
     healthy, clear     the axle counters, or train detection: undisturbed; no axle is counted in, or nobody is in the area
     loose_low, loose_high  bounds of loose vehicles, rear to front
     loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area; its true ends, um
+    inner      detection sections inside the area
     followers  vehicles that come in uncounted at borders that report occupancy alone; None where every vehicle is counted
     """
 
@@ -66,8 +72,10 @@ class Parts:
         self.loose = declared.ghost(boolean("loose_there"), first=ANY)
         self.loose_rear = declared.ghost(number("loose_rear_um", UM, -far, far), first=ANY)
         self.loose_front = declared.ghost(number("loose_front_um", UM, -far, far), first=ANY)
+        self.inner = inner_sections(declared, config.inner_detection, limit)
+        trusted = config.integrity_is_trusted
         self.slots = tuple(
-            slot(declared, n, reach, config.count_limit, integrity_is_trusted=config.integrity_is_trusted)
+            slot(declared, n, reach, config.count_limit, integrity_is_trusted=trusted, inner=self.inner)
             for n in range(1, config.trains + 1)
         )
         self.rejected = declared.state(number("rejected_events", COUNT, 0, config.trains), first=0)
@@ -76,7 +84,7 @@ class Parts:
         self.next_loose_front = declared.choice(number("next_loose_front_um", UM, -far - step, far + step))
         ends = (self.low_end, self.high_end)
         counted = config.borders == "counted"
-        self.followers = None if counted else followers(declared, reach, ends, config.trains)
+        self.followers = None if counted else followers(declared, reach, ends, config.trains, self.inner)
 
     @property
     def unswept(self) -> Bool:

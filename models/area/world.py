@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, with_unit
 from safeloc.language.units import UM, UM_PER_MM
 from safeloc.language.world import Law, World
-from safeloc.models.area import followers_world
+from safeloc.models.area import followers_world, inner_world
 from safeloc.models.area.laws import came_in, um
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.area.variables import Parts
@@ -35,6 +35,8 @@ def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> Worl
     }
     for one in own.slots:
         moves |= _train_moves(own, one)
+        if own.inner:
+            moves |= {one.part_rear: one.next_part_rear, one.part_front: one.next_part_front}
     if own.followers is not None:
         moves |= followers_world.moves(own, own.followers)
     choices = [*(one.next_all_out for one in counted_out), *own.declared.choices]
@@ -74,6 +76,7 @@ def reports_clause(one: Slot) -> str:
 
 def _laws(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> dict[str, Law]:
     moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
+    moves |= _inner_laws(own)
     reports = {reports_clause(one): _reports_law(one) for one in own.slots if one not in kept}
     if own.followers is not None:
         line = {"uncounted vehicles stay on the line": _line_law(own)}
@@ -88,6 +91,18 @@ def _laws(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> dict
         **reports,
         "uncounted vehicles": _loose_law(own),
     }
+
+
+def _inner_laws(own: Parts) -> dict[str, Law]:
+    """Return the laws of detection inside the area, and of the vehicle of each train that stands for all of them."""
+    if not own.inner:
+        return {}
+    parts = {f"vehicles of train {one.number}": inner_world.part_law(one, one.there | one.enters) for one in own.slots}
+    clear = {
+        f"inner detection {number} is clear over nobody": inner_world.detection_law(own, number, inner)
+        for number, inner in enumerate(own.inner, 1)
+    }
+    return parts | clear
 
 
 # ------------------------------------------------------------------ trains

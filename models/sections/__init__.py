@@ -41,6 +41,7 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
+from safeloc.models.area.inner import Inner, covered
 from safeloc.models.area.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
 from safeloc.models.area.separation import Following, headway_ms, separation_mm
 
@@ -113,6 +114,7 @@ class Section:
     """One section's machine and variables: bounds (any two places in the area), and inputs from the area.
 
     followers  how far in vehicles can be that came in uncounted, from the low end and from the high end; empty if all are counted
+    inner      detection sections inside the area: places and whether they are clear
     """
 
     config: SectionsConfig
@@ -124,6 +126,7 @@ class Section:
     loose_low: NumVar
     loose_high: NumVar
     followers: tuple[NumVar, ...]
+    inner: tuple[Inner, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +164,8 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
     }
     if own.followers is not None:
         wires |= dict(zip(one.followers, (side.bound for side in own.followers.sides), strict=True))
+    for told, inner in zip(one.inner, own.inner, strict=True):
+        wires |= {told.start: inner.start, told.end: inner.end, told.clear: inner.clear}
     for told, train in zip(one.trains, own.slots, strict=True):
         wires |= {told.present: train.present, told.low: train.low, told.high: train.high}
         wires |= {told.silent: train.silent, told.unconfirmed: train.unconfirmed}
@@ -192,14 +197,18 @@ def section(config: SectionsConfig, name: str) -> Section:
     counted = config.area.borders == "counted"
     sides = () if counted else ("low", "high")
     followers = tuple(declared.sensor(number(f"area_followers_{side}_mm", MM, -limit, limit)) for side in sides)
+    inner = tuple(_inner(declared, n, limit) for n in range(1, config.area.inner_detection + 1))
     start = declared.state(number("from_mm", MM, -limit, limit), first=ANY)
     end = declared.state(number("to_mm", MM, -limit, limit), first=ANY)
     told = _told(declared, config)
+    clear = covered(start, end, inner) if inner else None
     loose = unswept & (loose_low <= end) & (loose_high >= start)
     if followers:
         from_low, from_high = followers
         loose = loose | (from_low >= start) | (from_high <= end)
-    judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
+    if clear is not None:
+        loose = loose & ~clear
+    judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose, clear)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
     machine = Machine(
         name=name,
@@ -225,7 +234,7 @@ def section(config: SectionsConfig, name: str) -> Section:
         doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
         "in it.",
     )
-    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high, followers)
+    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high, followers, inner)
 
 
 def _told(declared: Declared, config: SectionsConfig) -> _Told:
@@ -239,6 +248,15 @@ def _told(declared: Declared, config: SectionsConfig) -> _Told:
         evidence=declared.state(choice("rests_on", enumeration(EVIDENCE)), first=NOTHING_YET),
         age=declared.state(number("rests_on_age_cycles", COUNT, 0, count), first=0),
         trust=declared.state(choice("told_with", enumeration(TRUST)), first=NO_TRUST),
+    )
+
+
+def _inner(declared: Declared, number_: int, limit: int) -> Inner:
+    name = f"area_inner_{number_}"
+    return Inner(
+        declared.sensor(number(f"{name}_from_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_to_mm", MM, -limit, limit)),
+        declared.sensor(boolean(f"{name}_clear")),
     )
 
 

@@ -13,5 +13,9 @@ CONFIGURATIONS = Configurations(
         "borders report occupancy alone, integrity is not trusted": SectionsConfig(
             area=AreaConfig(borders="occupancy", integrity_is_trusted=False)
         ),
+        "detection inside the area": SectionsConfig(area=AreaConfig(trains=2, inner_detection=2)),
+        "detection inside the area, borders report occupancy alone, integrity is not trusted": SectionsConfig(
+            area=AreaConfig(trains=2, borders="occupancy", inner_detection=2, integrity_is_trusted=False)
+        ),
     }
 )

@@ -180,5 +180,7 @@ def test_a_follower_that_does_not_fit_is_refused(borders: str, loose: tuple[int,
     """Counters count it; and it is the only vehicle that was never counted."""
     place = replace(scene(SITUATIONS["a ghost train"], "occupancy"), trains=(TRAIN,), loose=loose)
     config = SectionsConfig(area=MODELS[borders, True].area.own.config, sections=4)
-    with pytest.raises(InputError, match=r"^the scene has a follower: it comes in where borders report occupancy alone"):
+    with pytest.raises(
+        InputError, match=r"^the scene has a follower: it comes in where borders report occupancy alone"
+    ):
         simulate(config, place, seed=0)
