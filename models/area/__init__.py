@@ -38,7 +38,7 @@ from safeloc.models.area.inner import lowered, raised
 from safeloc.models.area.laws import um
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
-from safeloc.models.area.variables import AreaConfig, Parts, parts
+from safeloc.models.area.variables import AreaConfig, Parts, parts, refuse_inner_detection
 from safeloc.models.area.world import left_law, moves_clause, report_law, reports_clause, world
 
 __all__ = [
@@ -50,6 +50,7 @@ __all__ = [
     "machine",
     "moves_clause",
     "parts",
+    "refuse_inner_detection",
     "report_law",
     "reports_clause",
     "um",

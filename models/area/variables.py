@@ -44,6 +44,18 @@ class AreaConfig(Config):
         return Reach(cycle, self.max_speed_mm_s, self.report_age_limit_ms, self.limit_mm)
 
 
+def refuse_inner_detection(area: AreaConfig) -> None:
+    """Raise ValueError for detection inside the area, in a machine that speaks of the whole stretch between a train's ends.
+
+    A gap between the parts of a train may be clear; the claims of such a machine do not tell the parts apart.
+    """
+    if area.inner_detection:
+        raise ValueError(
+            f"sections.area.inner_detection is {area.inner_detection}, but this machine's claims take all between a train's ends "
+            "for occupied, also a gap between parts that is clear; make it 0, or use `sections` for detection inside the area."
+        )
+
+
 class Parts:
     """The variables of the machine.
 

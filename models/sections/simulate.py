@@ -68,6 +68,7 @@ class Scene:
     clear     seconds at which the counters report an empty area
     follower  a vehicle that comes in uncounted, instead of one that stands there from the start
     outside_mm  length of the stretch just outside each end of which detection says whether it is clear
+    inner_mm  detection sections inside the area, which say in every second whether they are clear
 
     Where borders report occupancy alone, detection says in every second what is true: of the area, and of the stretches outside.
     """
@@ -82,6 +83,7 @@ class Scene:
     clear: tuple[int, ...] = ()
     follower: FollowerRun | None = None
     outside_mm: int = 1_000_000
+    inner_mm: tuple[tuple[int, int], ...] = ()
 
 
 def first_state(scene: Scene) -> dict[str, Value]:
@@ -96,6 +98,8 @@ def first_state(scene: Scene) -> dict[str, Value]:
     }
     for number, (start, end) in enumerate(scene.sections_mm, 1):
         first |= {f"section_{number}.from_mm": start, f"section_{number}.to_mm": end}
+    for number, (start, end) in enumerate(scene.inner_mm, 1):
+        first |= {f"area.inner_{number}_from_mm": start, f"area.inner_{number}_to_mm": end}
     return first
 
 
@@ -105,6 +109,11 @@ def simulate(config: SectionsConfig, scene: Scene, *, seed: int, accuracy_mm: in
         raise InputError(
             f"the scene has {len(scene.sections_mm)} sections and slots up to {max(r.slot for r in scene.trains)}; the "
             f"configuration has {config.sections} and {config.area.trains}."
+        )
+    if len(scene.inner_mm) != config.area.inner_detection:
+        raise InputError(
+            f"the scene has {len(scene.inner_mm)} detection sections inside the area; the configuration has "
+            f"{config.area.inner_detection} (area.inner_detection)."
         )
     if scene.follower is not None and (config.area.borders == "counted" or scene.loose is not None):
         raise InputError(
@@ -150,7 +159,25 @@ class _World:
         else:
             clear = healthy and second in self._scene.clear and self._is_empty()
             loose["area.counters_clear"] = clear
-        return {"area.counters_healthy": healthy, **trains, **loose}
+        return {"area.counters_healthy": healthy, **trains, **loose, **self._detected_inside(second)}
+
+    def _detected_inside(self, second: int) -> dict[str, Cell]:
+        """Return what detection inside the area says, and of each train the vehicle at its rear end."""
+        found: dict[str, Cell] = {}
+        parts = {number: _parts(train, second) for number, train in self._trains.items()}
+        loose = [self._loose] if self._loose_there else []
+        vehicles = [*(part for all_ in parts.values() for part in all_), *loose]
+        for number, (start, end) in enumerate(self._scene.inner_mm, 1):
+            inside = any(rear <= end * UM_PER_MM and front >= start * UM_PER_MM for rear, front in vehicles)
+            found[f"area.inner_{number}_clear"] = not inside
+        if self._scene.inner_mm:
+            for number in range(1, self._config.area.trains + 1):
+                rear, front = parts[number][0] if number in parts else (0, 0)
+                found |= {
+                    f"area.train_{number}_next_part_rear_um": rear,
+                    f"area.train_{number}_next_part_front_um": front,
+                }
+        return found
 
     def _detected(self, healthy: bool, before: tuple[bool, bool]) -> dict[str, Cell]:
         """Return what train detection says: of the area, and whether either side was clear throughout the second."""
@@ -253,6 +280,15 @@ class _World:
         """Return rear and front of the follower, um."""
         (low, high), run, length = self._ends_um(), one.run_mm(second) * UM_PER_MM, one.length_mm * UM_PER_MM
         return (low + run - length, low + run) if one.at_low else (high - run, high - run + length)
+
+
+def _parts(train: _Train, second: int) -> list[tuple[int, int]]:
+    """Return rear and front of each part of the train, um, the last one first."""
+    run = train.run
+    if run.splits_s is None or second < run.splits_s:
+        return [(train.rear, train.front)]
+    lost, rest = run.left_behind_mm * UM_PER_MM, (run.length_mm - run.left_behind_mm) * UM_PER_MM
+    return [(train.rear, train.rear + lost), (train.front - rest, train.front)]
 
 
 def _during(spans: Sequence[tuple[int, int]], second: int) -> bool:

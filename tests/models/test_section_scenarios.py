@@ -7,6 +7,7 @@ docs/sections.md says where these states differ from the published rules for vir
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import pytest
 
@@ -120,17 +121,68 @@ SITUATIONS: dict[str, Situation] = {
 }
 
 
+INNER = ((0, 5_000_000), (5_000_001, 10_000_000))
+"Detection inside the area, in two halves: an inner border between the second and the third section."
 SETTINGS = (("counted", True), ("counted", False), ("occupancy", True), ("occupancy", False))
 "Borders, and whether a report of integrity is trusted."
 
 
-def model(borders: str, *, trusted: bool) -> Sections:
+BY_HALVES: dict[str, tuple[str, str, str, str]] = {
+    "one whole train": (
+        "FFFF OFFF FOFF FFOF FFFO FFFF",
+        "FFFF OFFF AAFF FFAF FFAA FFFF",
+        "FFFF AFFF UAFF FFAF FFUA FFFF",
+        "FFFF AFFF AAFF FFAF FFAA FFFF",
+    ),
+    "a train that splits": (
+        "OFFF OFFF AAFF AAAF AAAA AAFF",
+        "OFFF AFFF AAFF AAAF AAAA AAFF",
+        "AFFF AFFF AAFF AAAF AAAA AAFF",
+        "AFFF AFFF AAFF AAAF AAAA AAFF",
+    ),
+    "a shadow train": (
+        "OFFF AFFF UAFF UUAF UUUA UUFF",
+        "OFFF AFFF AAFF AAAF AAAA UUFF",
+        "AFFF AFFF UAFF UUAF UUUA UUFF",
+        "AFFF AFFF AAFF AAAF AAAA UUFF",
+    ),
+    "a ghost train": (
+        "FFFF UFFF UUFF UUFF UUFF",
+        "FFFF UFFF UUFF UUFF UUFF",
+        "FFFF UFFF UUFF UUFF UUFF",
+        "FFFF UFFF UUFF UUFF UUFF",
+    ),
+    "a train that is silent and comes back": (
+        "OFFF UFFF UFFF UUFF FOFF FFFF",
+        "OFFF UFFF UFFF UUFF AAFF FFFF",
+        "AFFF UFFF UFFF UUFF UAFF FFFF",
+        "AFFF UFFF UFFF UUFF AAFF FFFF",
+    ),
+    "two trains close behind one another": (
+        "OFFF OFFF OOFF FOOF FFOO FFFO FFFF",
+        "OFFF AFFF AAFF AAAF FFAA FFAA FFFF",
+        "AFFF AFFF AAFF UAAF FFAA FFUA FFFF",
+        "AFFF AFFF AAFF AAAF FFAA FFAA FFFF",
+    ),
+    "a sweep": (
+        "UUFF AUFF FAFF FFAU FFFA FFFF",
+        "UUFF AUFF AAFF FFAU FFAA FFFF",
+        "FFFF AUFF UAFF FFAU FFUA FFFF",
+        "FFFF AUFF AAFF FFAU FFAA FFFF",
+    ),
+}
+"The states of the same situations with detection in both halves."
+
+
+def model(borders: str, *, trusted: bool, inner: int = 0) -> Sections:
     """Area and four sections."""
-    area = AreaConfig(trains=2, borders=borders, integrity_is_trusted=trusted)  # type: ignore[arg-type]
+    kind: Any = borders
+    area = AreaConfig(trains=2, borders=kind, integrity_is_trusted=trusted, inner_detection=inner)
     return compose_machines(SectionsConfig(area=area, sections=4))
 
 
 MODELS = {setting: model(setting[0], trusted=setting[1]) for setting in SETTINGS}
+HALVES = {setting: model(setting[0], trusted=setting[1], inner=2) for setting in SETTINGS}
 
 
 def scene(what: Situation, borders: str) -> Scene:
@@ -151,7 +203,15 @@ def scene(what: Situation, borders: str) -> Scene:
 
 def seen(what: Situation, setting: tuple[str, bool]) -> Trace:
     """The run, in which every claim holds and every law is kept."""
-    one, place = MODELS[setting], scene(what, setting[0])
+    return _ran(MODELS[setting], scene(what, setting[0]))
+
+
+def seen_by_halves(what: Situation, setting: tuple[str, bool]) -> Trace:
+    """The same, with detection in both halves of the area."""
+    return _ran(HALVES[setting], replace(scene(what, setting[0]), inner_mm=INNER))
+
+
+def _ran(one: Sections, place: Scene) -> Trace:
     steps = simulate(SectionsConfig(area=one.area.own.config, sections=4), place, seed=3)
     trace = run(one.composition.system, steps, first=first_state(place))
     assert [] == [verdict for verdict in check_all(trace, properties(one)) if not isinstance(verdict, Held)]
@@ -173,6 +233,22 @@ def test_a_known_situation(name: str, number: int) -> None:
     assert what.states[number] == " ".join(states(trace, second) for second in what.at)
 
 
+@pytest.mark.parametrize("number", range(4), ids=[f"{borders}, {trusted}" for borders, trusted in SETTINGS])
+@pytest.mark.parametrize("name", BY_HALVES)
+def test_a_known_situation_with_detection_inside(name: str, number: int) -> None:
+    """A half that is clear is FREE, and what comes in uncounted does not spread into it."""
+    what = SITUATIONS[name]
+    trace = seen_by_halves(what, SETTINGS[number])
+    assert BY_HALVES[name][number] == " ".join(states(trace, second) for second in what.at)
+
+
+def test_a_follower_spreads_across_an_inner_border_that_is_not_clear() -> None:
+    """The first half is FREE once it is clear; the second is blocked only after the vehicle came in there."""
+    what = Situation((100, 190, 240, 420), ("",) * 4, (), FollowerRun(20, 20_000, ((0, 25_000), (300, 0))))
+    trace = seen_by_halves(what, ("occupancy", True))
+    assert ["UUFF", "UUFF", "FFUF", "FFUU"] == [states(trace, second) for second in what.at]
+
+
 @pytest.mark.parametrize(
     ("borders", "loose"), [("counted", None), ("occupancy", (5_000_000, 5_020_000))], ids=["counted", "two vehicles"]
 )
@@ -182,5 +258,15 @@ def test_a_follower_that_does_not_fit_is_refused(borders: str, loose: tuple[int,
     config = SectionsConfig(area=MODELS[borders, True].area.own.config, sections=4)
     with pytest.raises(
         InputError, match=r"^the scene has a follower: it comes in where borders report occupancy alone"
+    ):
+        simulate(config, place, seed=0)
+
+
+def test_inner_detection_that_does_not_fit_is_refused() -> None:
+    """The scene names the places of the sections that the configuration has."""
+    place = replace(scene(SITUATIONS["a sweep"], "counted"), inner_mm=INNER)
+    config = SectionsConfig(area=MODELS["counted", True].area.own.config, sections=4)
+    with pytest.raises(
+        InputError, match=r"^the scene has 2 detection sections inside the area; the configuration has 0 "
     ):
         simulate(config, place, seed=0)
