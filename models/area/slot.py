@@ -188,8 +188,16 @@ def slot(
     """Return a slot with fresh variables; the vehicle of the train that stands for all is declared only if there is inner detection."""
     name, limit = f"train_{number_}", reach.limit_mm
     far, step = limit * 1_000, reach.cycle_mm * 1_000
-    parts = [number(f"{name}_{which}_um", UM, -far, far) for which in ("part_rear", "part_front")]
-    next_parts = [number(f"{name}_next_{which}_um", UM, -far, far) for which in ("part_rear", "part_front")]
+
+    def part(which: str) -> NumVar:
+        return number(f"{name}_{which}_um", UM, -far, far)
+
+    def ghost(which: str) -> NumVar:
+        return declared.ghost(part(which), first=ANY) if inner else part(which)
+
+    def choice_(which: str) -> NumVar:
+        return declared.choice(part(which)) if inner else part(which)
+
     return Slot(
         number_,
         reach,
@@ -217,7 +225,9 @@ def slot(
         declared.ghost(boolean(f"{name}_from_low"), first=False),
         declared.ghost(boolean(f"{name}_from_high"), first=False),
         boolean(f"{name}_next_all_out"),
-        *((declared.ghost(one, first=ANY) if inner else one) for one in parts),
-        *((declared.choice(one) if inner else one) for one in next_parts),
+        ghost("part_rear"),
+        ghost("part_front"),
+        choice_("next_part_rear"),
+        choice_("next_part_front"),
         inner,
     )

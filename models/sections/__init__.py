@@ -164,8 +164,8 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
     }
     if own.followers is not None:
         wires |= dict(zip(one.followers, (side.bound for side in own.followers.sides), strict=True))
-    for told, inner in zip(one.inner, own.inner, strict=True):
-        wires |= {told.start: inner.start, told.end: inner.end, told.clear: inner.clear}
+    for here, inner in zip(one.inner, own.inner, strict=True):
+        wires |= {here.start: inner.start, here.end: inner.end, here.clear: inner.clear}
     for told, train in zip(one.trains, own.slots, strict=True):
         wires |= {told.present: train.present, told.low: train.low, told.high: train.high}
         wires |= {told.silent: train.silent, told.unconfirmed: train.unconfirmed}
