@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, any_of, as_num, ite, maximum, minimum
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.terms import Substitution
 from safeloc.language.units import MM, MS_PER_S
@@ -83,10 +83,10 @@ class _Seen:
     def run_on(self, trains: Sequence[tuple[Slot, Bool]]) -> Bool:
         """The bound is as far in as a run of one cycle, or at the far end of a train whose order is known."""
         end = ENTERS_LOW if self._side.is_low else ENTERS_HIGH
-        enters = any_of(one.event.eq(end) for one, _ in trains)
+        nobody_enters = all_of(one.event.ne(end) for one, _ in trains)
         left = any_of(earlier_bool(self._of.bool(one.present)) & ~self._of.bool(one.present) for one, _ in trains)
         own = self._own
-        quiet = self._of.bool(own.healthy & ~own.clear & ~enters) & ~left
+        quiet = self._of.bool(own.healthy & ~own.clear & nobody_enters) & ~left
         some = ~self._was_none | self._of.bool(~self._side.clear)
         held = self._held(trains)
         reached = self._bound >= minimum(self._far, held)
