@@ -7,6 +7,7 @@ docs/sections.md says where these states differ from the published rules for vir
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -270,3 +271,21 @@ def test_inner_detection_that_does_not_fit_is_refused() -> None:
         InputError, match=r"^the scene has 2 detection sections inside the area; the configuration has 0 "
     ):
         simulate(config, place, seed=0)
+
+
+def test_the_page_tells_these_states() -> None:
+    """Each row of the table in docs/sections.md names states that its situation runs through, in their order."""
+    page = (Path(__file__).parents[2] / "docs" / "sections.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")] for line in page.splitlines()]
+    told = {name: row for name in SITUATIONS for row in rows if len(row) == 6 and row[1].startswith(name)}
+    assert set(SITUATIONS) == set(told)
+    for name, what in SITUATIONS.items():
+        for cell, states_ in ((told[name][2], what.states[0]), (told[name][3], what.states[2])):
+            assert cell.split(), name
+            assert is_run_through(cell.split(), states_.split()), (name, cell, states_)
+
+
+def is_run_through(told: list[str], states_: list[str]) -> bool:
+    """Whether the states occur one after another."""
+    rest = iter(states_)
+    return all(state in rest for state in told)
