@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, maximum, minimum, with_unit
@@ -19,6 +20,10 @@ LAW = (
     "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
     "whole; top speed; no vehicle passes another"
 )
+DETECTED = (
+    "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, in their order; "
+    "trusted reports contain the train, its rear end only if it is whole; top speed; no vehicle passes another"
+)
 REQUIREMENTS = ("FVA-9", "FVA-18")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=("FVA-9",), assumption=LAW)
@@ -26,6 +31,13 @@ under_assumption = partial(always, requirements=("FVA-9",), assumption=LAW)
 
 def properties(model: Sections) -> list[Property]:
     """Return every property of the area and its sections, over the whole composition."""
+    found = _all(model)
+    if model.area.own.followers is None:
+        return found
+    return [replace(prop, assumption=DETECTED) if prop.assumption == LAW else prop for prop in found]
+
+
+def _all(model: Sections) -> list[Property]:
     found = [*_area(model)]
     for one in model.sections:
         found += [

@@ -8,6 +8,9 @@ another, so a train that came in at the low end has every loose vehicle above it
     UNSWEPT   loose vehicles may be in [loose_low, loose_high]
     SWEPT     every vehicle in the area was counted in
 
+Where borders report occupancy alone, vehicles may come in uncounted as well (safeloc.models.area.followers). Detection inside the area
+shows where nobody is (safeloc.models.area.inner).
+
 Positions are mm along the line, from the low end to the high end.
 """
 
@@ -89,15 +92,29 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
         world=world(own, kept, counted_out),
         lemmas=lemmas(own, current, table),
         initially=ends_in_order(own),
-        doc=(
-            "Trains between two axle counters, and vehicles that were never counted. Assumed: undisturbed "
-            "counters count every vehicle that comes in and give it a free slot; a train that they count out has "
-            "left completely, and an area that they report clear is empty; a trusted report contains the leading "
-            "end of the train, and both ends if the train is known to be whole and reports of that are trusted; "
-            "nothing exceeds the top speed; no vehicle passes another."
-        ),
+        doc=_doc(own),
     )
     return Area(made, own)
+
+
+def _doc(own: Parts) -> str:
+    """Return what the machine follows and what is assumed."""
+    counted = (
+        "Trains between two axle counters, and vehicles that were never counted. Assumed: undisturbed "
+        "counters count every vehicle that comes in and give it a free slot; a train that they count out has "
+        "left completely, and an area that they report clear is empty; "
+    )
+    detected = (
+        "Trains between two borders that report occupancy alone, and vehicles that nobody tells of. Assumed: undisturbed "
+        "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, in their "
+        "order, and get a free slot; "
+    )
+    inner = "detection inside the area is clear over nobody; " if own.inner else ""
+    return (
+        (counted if own.followers is None else detected) + inner + "a trusted report contains the leading "
+        "end of the train, and both ends if the train is known to be whole and reports of that are trusted; "
+        "nothing exceeds the top speed; no vehicle passes another."
+    )
 
 
 # ------------------------------------------------------------------ conditions of a cycle
