@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, maximum, minimum, with_unit
@@ -13,10 +14,15 @@ from safeloc.models.area import um
 from safeloc.models.area.judgement import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
+from safeloc.properties import followers
 
 LAW = (
     "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
     "whole; top speed; no vehicle passes another"
+)
+DETECTED = (
+    "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, in their order; "
+    "trusted reports contain the train, its rear end only if it is whole; top speed; no vehicle passes another"
 )
 REQUIREMENTS = ("FVA-9", "FVA-18")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -25,6 +31,13 @@ under_assumption = partial(always, requirements=("FVA-9",), assumption=LAW)
 
 def properties(model: Sections) -> list[Property]:
     """Return every property of the area and its sections, over the whole composition."""
+    found = _all(model)
+    if model.area.own.followers is None:
+        return found
+    return [replace(prop, assumption=DETECTED) if prop.assumption == LAW else prop for prop in found]
+
+
+def _all(model: Sections) -> list[Property]:
     found = [*_area(model)]
     for one in model.sections:
         found += [
@@ -43,6 +56,7 @@ def _area(model: Sections) -> Iterator[Property]:
         yield from _interval(model, one)
         yield from _narrowed(model, one)
     yield from _loose(model)
+    yield from followers.properties(model.area, model.composition.of(model.area.machine))
 
 
 def _interval(model: Sections, one: Slot) -> Iterator[Property]:
@@ -91,11 +105,14 @@ def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
 def _loose(model: Sections) -> Iterator[Property]:
     machine, own = model.area.machine, model.area.own
     of = model.composition.of(machine)
-    loose = own.loose.implies(
+    within = [
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
         & (own.loose_front <= um(own.loose_high))
-    )
+    ]
+    if own.followers is not None:
+        within += [own.loose_front <= um(own.followers.low.bound), own.loose_rear >= um(own.followers.high.bound)]
+    loose = own.loose.implies(any_of(within))
     yield under_assumption(
         "loose vehicles are accounted for",
         of.bool(loose),
@@ -108,8 +125,8 @@ def _widens(of: Substitution, one: Slot) -> Bool:
     limit, present = one.reach.limit_mm, of.bool(one.present)
     low, high = of.num(one.low), of.num(one.high)
     quiet = of.bool(one.last_verdict.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
-    lower = (low <= earlier_num(low)) | low.eq(-limit)
-    higher = (high >= earlier_num(high)) | high.eq(limit)
+    lower = (low <= earlier_num(low)) | low.eq(-limit) | _raised(of, one, low)
+    higher = (high >= earlier_num(high)) | high.eq(limit) | _lowered(of, one, high)
     return quiet.implies(lower & higher)
 
 
@@ -120,14 +137,27 @@ def _aged(of: Substitution, one: Slot) -> Bool:
     lowest = maximum(earlier_num(low), of.num(um(one.rear.value) - run))
     highest = minimum(earlier_num(high), of.num(um(one.front.value) + run))
     accepted = of.bool(one.last_verdict.eq(ACCEPTED) & ~one.enters & one.present)
-    return accepted.implies((low <= lowest) & (high >= highest))
+    lower = (low <= lowest) | _raised(of, one, of.num(one.low))
+    higher = (high >= highest) | _lowered(of, one, of.num(one.high))
+    return accepted.implies(lower & higher)
+
+
+def _raised(of: Substitution, one: Slot, low: Num) -> Bool:
+    """Return the condition that the bound is at the end of a detection section inside the area that is clear."""
+    return any_of(of.bool(inner.clear) & low.eq(of.num(inner.end)) for inner in one.inner)
+
+
+def _lowered(of: Substitution, one: Slot, high: Num) -> Bool:
+    """Return the condition that the bound is at the start of such a section."""
+    return any_of(of.bool(inner.clear) & high.eq(of.num(inner.start)) for inner in one.inner)
 
 
 def _leads(of: Substitution, one: Slot) -> Bool:
     low, high = of.num(one.low), of.num(one.high)
     parted = one.present & ~one.integer if one.integrity_is_trusted else one.present
     split = of.bool(one.last_verdict.eq(ACCEPTED) & ~one.enters & parted)
-    lower, higher = low <= earlier_num(low), high >= earlier_num(high)
+    lower = (low <= earlier_num(low)) | _raised(of, one, low)
+    higher = (high >= earlier_num(high)) | _lowered(of, one, high)
     return (split & of.bool(~one.downwards)).implies(lower) & (split & of.bool(one.downwards)).implies(higher)
 
 
@@ -199,6 +229,7 @@ def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
     for train in model.area.own.slots:
         low, high = there.num(train.low), there.num(train.high)
         here = there.bool(train.present) & _overlaps(low, high, of.num(one.start), of.num(one.end))
+        here = here & ~_detected_clear(model, one) if model.area.own.inner else here
         recent = there.num(train.silent) <= one.config.mute_limit_cycles
         yield here.implies(recent & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
 
@@ -208,9 +239,10 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
     of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     free = of.bool(one.machine.flag("clear"))
     start, end = of.num(um(one.start)), of.num(um(one.end))
+    ends = [(one.part_rear, one.part_front) if one.inner else (one.true_rear, one.true_front) for one in own.slots]
     trains = [
-        there.bool(train.there) & _overlaps(there.num(train.true_rear), there.num(train.true_front), start, end)
-        for train in own.slots
+        there.bool(train.there) & _overlaps(there.num(rear), there.num(front), start, end)
+        for train, (rear, front) in zip(own.slots, ends, strict=True)
     ]
     loose = there.bool(own.loose) & _overlaps(there.num(own.loose_rear), there.num(own.loose_front), start, end)
     yield under_assumption(
@@ -242,10 +274,21 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
     for train in slots:
         low, high = there.num(train.low), there.num(train.high)
         apart.append(~there.bool(train.present) | (high < of.num(one.start)) | (low > of.num(one.end)))
+    detected = ", or detection inside the area says that nobody is there" if model.area.own.inner else ""
     yield for_all_inputs(
         f"{name} is clear only on evidence",
-        free.implies(all_of(apart)),
-        statement="a section is FREE only if every counted train is known to be elsewhere",
+        free.implies(all_of(apart) | _detected_clear(model, one)),
+        statement="a section is FREE only if every counted train is known to be elsewhere" + detected,
+    )
+
+
+def _detected_clear(model: Sections, one: Section) -> Bool:
+    """Return the condition that the section is in a detection section inside the area that is clear."""
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    start, end = of.num(one.start), of.num(one.end)
+    return any_of(
+        there.bool(inner.clear) & (there.num(inner.start) <= start) & (end <= there.num(inner.end))
+        for inner in model.area.own.inner
     )
 
 
@@ -257,6 +300,7 @@ def _silence(model: Sections, one: Section) -> Iterator[Property]:
     slots = model.area.own.slots
     silent = all_of(there.bool(train.last_verdict.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine
+    silent = silent & ~any_of(there.bool(inner.clear) for inner in model.area.own.inner)
     quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))
     yield for_all_inputs(
         f"{name} is not cleared by silence",

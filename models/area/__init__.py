@@ -8,6 +8,9 @@ another, so a train that came in at the low end has every loose vehicle above it
     UNSWEPT   loose vehicles may be in [loose_low, loose_high]
     SWEPT     every vehicle in the area was counted in
 
+Where borders report occupancy alone, vehicles may come in uncounted as well (safeloc.models.area.followers). Detection inside the area
+shows where nobody is (safeloc.models.area.inner).
+
 Positions are mm along the line, from the low end to the high end.
 """
 
@@ -30,14 +33,16 @@ from safeloc.language.expr import (
     maximum,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode
 from safeloc.language.nodes import Value
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
+from safeloc.models.area.inner import lowered, raised
+from safeloc.models.area.laws import um
 from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
-from safeloc.models.area.variables import AreaConfig, Parts, parts
-from safeloc.models.area.world import left_law, moves_clause, report_law, reports_clause, um, world
+from safeloc.models.area.variables import AreaConfig, Parts, parts, refuse_inner_detection
+from safeloc.models.area.world import left_law, moves_clause, report_law, reports_clause, world
 
 __all__ = [
     "Area",
@@ -48,6 +53,7 @@ __all__ = [
     "machine",
     "moves_clause",
     "parts",
+    "refuse_inner_detection",
     "report_law",
     "reports_clause",
     "um",
@@ -74,7 +80,7 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
     kept         slots whose reports an earlier machine guarantees, so they are not assumed
     counted_out  slots whose axles an earlier machine counts: it guarantees that all of the train left, so that is not assumed
     """
-    table = modes("UNSWEPT", "SWEPT")
+    table = own.modes
     current = current_mode(table)
     made = Machine(
         name="area",
@@ -86,15 +92,29 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
         world=world(own, kept, counted_out),
         lemmas=lemmas(own, current, table),
         initially=ends_in_order(own),
-        doc=(
-            "Trains between two axle counters, and vehicles that were never counted. Assumed: undisturbed "
-            "counters count every vehicle that comes in and give it a free slot; a train that they count out has "
-            "left completely, and an area that they report clear is empty; a trusted report contains the leading "
-            "end of the train, and both ends if the train is known to be whole and reports of that are trusted; "
-            "nothing exceeds the top speed; no vehicle passes another."
-        ),
+        doc=_doc(own),
     )
     return Area(made, own)
+
+
+def _doc(own: Parts) -> str:
+    """Return what the machine follows and what is assumed."""
+    counted = (
+        "Trains between two axle counters, and vehicles that were never counted. Assumed: undisturbed "
+        "counters count every vehicle that comes in and give it a free slot; a train that they count out has "
+        "left completely, and an area that they report clear is empty; "
+    )
+    detected = (
+        "Trains between two borders that report occupancy alone, and vehicles that nobody tells of. Assumed: undisturbed "
+        "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, in their "
+        "order, and get a free slot; "
+    )
+    inner = "detection inside the area is clear over nobody; " if own.inner else ""
+    return (
+        (counted if own.followers is None else detected) + inner + "a trusted report contains the leading "
+        "end of the train, and both ends if the train is known to be whole and reports of that are trusted; "
+        "nothing exceeds the top speed; no vehicle passes another."
+    )
 
 
 # ------------------------------------------------------------------ conditions of a cycle
@@ -108,8 +128,26 @@ def _leaves(own: Parts, one: Slot) -> Bool:
     return own.healthy & one.present & (at_low | at_high)
 
 
+def _gone(own: Parts, one: Slot) -> Bool:
+    """Return the condition that the train is in the area no more: counted out, or, if nobody counts, surely beyond the end that it tells.
+
+    Where nobody counts, detection that is clear shows it as well, but of a train that comes in now.
+    """
+    if own.followers is None:
+        return _leaves(own, one)
+    first, last = one.bounds(own.low_end, own.high_end)
+    at_low = one.event.eq(LEAVES_LOW) & (last < own.low_end)
+    at_high = one.event.eq(LEAVES_HIGH) & (first > own.high_end)
+    return own.healthy & one.present & (at_low | at_high | (own.clear & ~one.enters))
+
+
 def _empty(own: Parts) -> Bool:
-    """Return the positive evidence of an empty area: clear counters, no train coming in, no report accepted."""
+    """Return the positive evidence of an empty area: clear counters, no train coming in, no report accepted.
+
+    Train detection that is clear needs no more: a train that comes in now is not yet there.
+    """
+    if own.followers is not None:
+        return own.healthy & own.clear
     seen = any_of(one.enters | one.accepted for one in own.slots)
     return own.healthy & own.clear & ~seen
 
@@ -123,16 +161,27 @@ def _swept(own: Parts) -> tuple[Num, Num]:
     """Return the bounds of loose vehicles after the cycle: they run, but pass no train that has them on one side."""
     cycle, limit = own.config.reach.cycle_mm, own.config.limit_mm
     low, high = maximum(own.loose_low - cycle, -limit), minimum(own.loose_high + cycle, limit)
+    low, high = raised(low, own.inner), lowered(high, own.inner)
+    if own.followers is not None:
+        low, high = own.followers.loose_bounds(own.slots, (own.low_end, own.high_end), own.unswept, (low, high))
     for one in own.slots:
         first, last = one.bounds(own.low_end, own.high_end)
-        gone = _leaves(own, one)
+        gone = _gone(own, one)
         pushed_up = ite(gone & one.event.eq(LEAVES_HIGH), as_num(limit, MM), ite(gone, low, first))
         pushed_down = ite(gone & one.event.eq(LEAVES_LOW), as_num(-limit, MM), ite(gone, high, last))
-        has_below = (one.present & one.below) | (~one.present & one.event.eq(ENTERS_LOW))
-        has_above = (one.present & one.above) | (~one.present & one.event.eq(ENTERS_HIGH))
+        has_below, has_above = _has_beside(own, one)
         low = ite(has_below, maximum(low, pushed_up), low)
         high = ite(has_above, minimum(high, pushed_down), high)
     return low, high
+
+
+def _has_beside(own: Parts, one: Slot) -> tuple[Bool, Bool]:
+    """Return the conditions that all loose vehicles are above the train, and that all are below it."""
+    if own.followers is not None:
+        return own.followers.beside(one, own.slots, own.unswept)
+    has_below = (one.present & one.below) | (~one.present & one.event.eq(ENTERS_LOW))
+    has_above = (one.present & one.above) | (~one.present & one.event.eq(ENTERS_HIGH))
+    return has_below, has_above
 
 
 # ------------------------------------------------------------------ the transition table
@@ -145,18 +194,21 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     limit, verdicts = own.config.limit_mm, _verdicts(own)
     anywhere: Updates = {own.loose_low: -limit, own.loose_high: limit}
     apart: Updates = {own.loose_low: low, own.loose_high: high}
-    trains = together(verdicts, _trains(own), _rejected(own))
+    trains = together(verdicts, _trains(own), _rejected(own), _followers(own))
     followed = together(trains, _order(own))
     yield Transition(
         "something came in uncounted", table, unswept, _uncounted(own),
         together(trains, _no_order(own), anywhere), REQUIREMENTS, 0)  # fmt: skip
     yield Transition(
-        "counters are clear", table, swept, _empty(own),
-        together(verdicts, _no_trains(own), _no_order(own), {own.rejected: 0}, anywhere), REQUIREMENTS, 1)  # fmt: skip
+        "counters are clear", table, swept, _empty(own), together(_cleared(own), anywhere), REQUIREMENTS, 1
+    )
     yield Transition(
         "everything loose is pushed out", unswept, swept, none_left, together(followed, anywhere), REQUIREMENTS, 2)  # fmt: skip
     yield Transition(
         "follow trains, loose vehicles apart", unswept, unswept, TRUE, together(followed, apart), REQUIREMENTS, 3)  # fmt: skip
+    if own.followers is not None:
+        yield Transition(
+            "a train came in after followers", swept, unswept, ~none_left, together(followed, apart), REQUIREMENTS, 2)  # fmt: skip
     yield Transition("follow trains", swept, swept, TRUE, together(followed, anywhere), REQUIREMENTS, 3)
 
 
@@ -165,6 +217,26 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 def _verdicts(own: Parts) -> Updates:
     return {one.last_verdict: one.verdict for one in own.slots}
+
+
+def _cleared(own: Parts) -> Updates:
+    """Clear every slot, and what is known of the order; where nobody counts, a train that comes in now stays."""
+    verdicts = _verdicts(own)
+    if own.followers is None:
+        return together(verdicts, _no_trains(own), _no_order(own), {own.rejected: 0})
+    return together(verdicts, _trains(own), _rejected(own), _followers(own), _order(own))
+
+
+def _followers(own: Parts) -> Updates:
+    """Set how far in followers can be: nowhere while detection is clear; in a disturbance every one of them is loose."""
+    if own.followers is None:
+        return {}
+    ends, followers, slots = (own.low_end, own.high_end), own.followers, own.slots
+    kept = own.healthy & ~own.clear
+    return {
+        side.bound: ite(kept, side.after(slots, followers.trains(side, slots, ends)), side.none)
+        for side in followers.sides
+    }
 
 
 def _trains(own: Parts) -> Updates:
@@ -198,27 +270,40 @@ def _order(own: Parts) -> Updates:
     updates: dict[Var, Expr | Value] = {}
     for one in own.slots:
         present = _present_after(own, one)
-        updates[one.below] = present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below)
-        updates[one.above] = present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above)
+        below, above = _stays_beside(own, one)
+        updates[one.below] = present & below
+        updates[one.above] = present & above
+        if own.followers is not None:
+            updates[own.followers.ordered[one.number - 1]] = present & own.followers.stays_ordered(one)
     return updates
+
+
+def _stays_beside(own: Parts, one: Slot) -> tuple[Bool, Bool]:
+    """Return the same as `_has_beside` for a train that stays in the area."""
+    if own.followers is not None:
+        return _has_beside(own, one)
+    below = ite(one.enters, one.event.eq(ENTERS_LOW), one.below)
+    above = ite(one.enters, one.event.eq(ENTERS_HIGH), one.above)
+    return below, above
 
 
 def _no_order(own: Parts) -> Updates:
     """Allow loose vehicles on either side of any train."""
-    return {var: FALSE for one in own.slots for var in (one.below, one.above)}
+    ordered = () if own.followers is None else own.followers.ordered
+    return dict.fromkeys((*(side for one in own.slots for side in (one.below, one.above)), *ordered), FALSE)
 
 
 def _rejected(own: Parts) -> Updates:
     """Count the impossible events of this cycle: a train leaves where it is not, or enters a taken slot."""
     rejected = as_num(0, COUNT)
     for one in own.slots:
-        strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)
+        strange = (one.leaves & ~_gone(own, one)) | (one.enters & one.present)
         rejected = rejected + ite(strange, as_num(1, COUNT), 0)
     return {own.rejected: rejected}
 
 
 def _present_after(own: Parts, one: Slot) -> Bool:
-    return (one.present & ~_leaves(own, one)) | one.enters
+    return (one.present & ~_gone(own, one)) | one.enters
 
 
 # ------------------------------------------------------------------ outputs

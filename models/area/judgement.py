@@ -40,6 +40,7 @@ class Judgement:
 
     mute, integrity  greatest number of cycles without a trusted report, and without confirmed integrity
     loose            vehicles that were never counted may be here
+    covered          detection inside the area says that nobody is here; None if there is no such detection
     """
 
     mute: int
@@ -48,9 +49,14 @@ class Judgement:
     end: NumVar
     trains: tuple[TrainHere, ...]
     loose: Bool
+    covered: Bool | None = None
 
     def reaches(self, train: TrainHere) -> Bool:
         """Return the condition that the train may be in the section."""
+        reaches = self._in_reach(train)
+        return reaches if self.covered is None else reaches & ~self.covered
+
+    def _in_reach(self, train: TrainHere) -> Bool:
         return train.present & (train.low <= self.end) & (train.high >= self.start)
 
     def silent(self, train: TrainHere) -> Bool:

@@ -32,6 +32,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MS, UM
+from safeloc.models.area.inner import Inner, lowered, raised
 
 EVENT = members("event", "NONE", "ENTERS_LOW", "ENTERS_HIGH", "LEAVES_LOW", "LEAVES_HIGH")
 NO_EVENT, ENTERS_LOW, ENTERS_HIGH, LEAVES_LOW, LEAVES_HIGH = EVENT
@@ -94,6 +95,11 @@ class Slot:
     from_low: BoolVar
     from_high: BoolVar
     next_all_out: BoolVar
+    part_rear: NumVar
+    part_front: NumVar
+    next_part_rear: NumVar
+    next_part_front: NumVar
+    inner: tuple[Inner, ...]
 
     @property
     def enters(self) -> Bool:
@@ -166,13 +172,32 @@ class Slot:
         seen_high = ite(self.accepted & self.holds_high, minimum(high, self.highest), high)
         new_low = ite(self.event.eq(ENTERS_LOW), as_num(-limit, MM), area_high - cycle)
         new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
-        return ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
+        low_end, high_end = ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
+        return raised(low_end, self.inner), lowered(high_end, self.inner)
 
 
-def slot(declared: Declared, number_: int, reach: Reach, count_limit: int, *, integrity_is_trusted: bool) -> Slot:
-    """Return a slot with fresh variables."""
+def slot(
+    declared: Declared,
+    number_: int,
+    reach: Reach,
+    count_limit: int,
+    *,
+    integrity_is_trusted: bool,
+    inner: tuple[Inner, ...] = (),
+) -> Slot:
+    """Return a slot with fresh variables; the vehicle of the train that stands for all is declared only if there is inner detection."""
     name, limit = f"train_{number_}", reach.limit_mm
     far, step = limit * 1_000, reach.cycle_mm * 1_000
+
+    def part(which: str) -> NumVar:
+        return number(f"{name}_{which}_um", UM, -far, far)
+
+    def ghost(which: str) -> NumVar:
+        return declared.ghost(part(which), first=ANY) if inner else part(which)
+
+    def choice_(which: str) -> NumVar:
+        return declared.choice(part(which)) if inner else part(which)
+
     return Slot(
         number_,
         reach,
@@ -200,4 +225,9 @@ def slot(declared: Declared, number_: int, reach: Reach, count_limit: int, *, in
         declared.ghost(boolean(f"{name}_from_low"), first=False),
         declared.ghost(boolean(f"{name}_from_high"), first=False),
         boolean(f"{name}_next_all_out"),
+        ghost("part_rear"),
+        ghost("part_front"),
+        choice_("next_part_rear"),
+        choice_("next_part_front"),
+        inner,
     )

@@ -13,9 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, with_unit
 from safeloc.language.units import UM, UM_PER_MM
 from safeloc.language.world import Law, World
+from safeloc.models.area import followers_world, inner_world
+from safeloc.models.area.laws import came_in, um
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.area.variables import Parts
 
@@ -33,12 +35,16 @@ def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> Worl
     }
     for one in own.slots:
         moves |= _train_moves(own, one)
+        if own.inner:
+            moves |= {one.part_rear: one.next_part_rear, one.part_front: one.next_part_front}
+    if own.followers is not None:
+        moves |= followers_world.moves(own, own.followers)
     choices = [*(one.next_all_out for one in counted_out), *own.declared.choices]
     return World(own.declared.ghosts, choices, moves, _laws(own, kept, counted_out))
 
 
 def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
-    stays, (low, high) = _stays(own, one), _came_in(one)
+    stays, (low, high) = _stays(own, one), came_in(one)
     return {
         one.there: stays,
         one.true_rear: one.next_rear,
@@ -49,19 +55,13 @@ def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
 
 
 def _stays(own: Parts, one: Slot) -> Bool:
-    """Return the condition that the train is in the area after the cycle, by the undisturbed counters."""
+    """Return the condition that the train is in the area after the cycle, by the undisturbed counters.
+
+    Where nobody counts it is so until it has told that it left, or detection was clear, and it is really outside.
+    """
+    if own.followers is not None:
+        return followers_world.stays(own, one)
     return (one.there | one.enters) & ~(own.healthy & one.leaves) & ~(own.healthy & own.clear & ~one.enters)
-
-
-def _came_in(one: Slot) -> tuple[Bool, Bool]:
-    """Return the conditions that the train came in at the low end and at the high end, in this cycle or before."""
-    low, high = (one.event.eq(end) for end in (ENTERS_LOW, ENTERS_HIGH))
-    return ite(one.enters, low, one.from_low), ite(one.enters, high, one.from_high)
-
-
-def um(term: Num) -> Num:
-    """Return a length in mm as um."""
-    return exact_to(term, UM)
 
 
 def moves_clause(one: Slot) -> str:
@@ -76,10 +76,14 @@ def reports_clause(one: Slot) -> str:
 
 def _laws(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> dict[str, Law]:
     moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
+    moves |= _inner_laws(own)
+    reports = {reports_clause(one): _reports_law(one) for one in own.slots if one not in kept}
+    if own.followers is not None:
+        line = {"uncounted vehicles stay on the line": _line_law(own)}
+        return {**line, **moves, **reports, **followers_world.laws(own, own.followers)}
     counted = {
         f"train {one.number} is counted": _counting_law(own, one, by_axles=one in counted_out) for one in own.slots
     }
-    reports = {reports_clause(one): _reports_law(one) for one in own.slots if one not in kept}
     return {
         "uncounted vehicles stay on the line": _line_law(own),
         **moves,
@@ -87,6 +91,18 @@ def _laws(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> dict
         **reports,
         "uncounted vehicles": _loose_law(own),
     }
+
+
+def _inner_laws(own: Parts) -> dict[str, Law]:
+    """Return the laws of detection inside the area, and of the vehicle of each train that stands for all of them."""
+    if not own.inner:
+        return {}
+    parts = {f"vehicles of train {one.number}": inner_world.part_law(one, one.there | one.enters) for one in own.slots}
+    clear = {
+        f"inner detection {number} is clear over nobody": inner_world.detection_law(own, number, inner)
+        for number, inner in enumerate(own.inner, 1)
+    }
+    return parts | clear
 
 
 # ------------------------------------------------------------------ trains
@@ -226,5 +242,5 @@ def _loose_law(own: Parts) -> Law:
 def _beside(own: Parts, one: Slot) -> Bool:
     """Return the condition that a loose vehicle stays above a train that came in at the low end, and below one from the high end."""
     rear, front = own.next_loose_rear, own.next_loose_front
-    low, high = _came_in(one)
+    low, high = came_in(one)
     return low.implies(rear >= one.next_front) & high.implies(front <= one.next_rear)

@@ -62,7 +62,7 @@ from safeloc.models import area as area_model
 from safeloc.models import emitter as emitter_model
 from safeloc.models import fibre as fibre_model
 from safeloc.models import verification as verification_model
-from safeloc.models.area import Area, AreaConfig
+from safeloc.models.area import Area, AreaConfig, refuse_inner_detection
 from safeloc.models.area.separation import Following
 from safeloc.models.emitter import Emitter, EmitterConfig
 from safeloc.models.fibre import Fibre, FibreConfig
@@ -86,6 +86,16 @@ class FibreAreaConfig(Config):
     )
     parting: PartingConfig = PartingConfig()
     record_wait_cycles: int = quantity(240, "cycles", 1, 100_000, "[D] 2 min: 740 m at 22 km/h past the counter")
+
+    @model_validator(mode="after")
+    def _axles_are_counted(self) -> FibreAreaConfig:
+        if self.sections.area.borders != "counted":
+            raise ValueError(
+                f'sections.area.borders is "{self.sections.area.borders}", but the train of fibre_area is counted in and out by '
+                'its axles; make it "counted", or use `sections` for an area whose borders report occupancy alone.'
+            )
+        refuse_inner_detection(self.sections.area)
+        return self
 
     @model_validator(mode="after")
     def _one_cycle(self) -> FibreAreaConfig:

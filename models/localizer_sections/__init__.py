@@ -25,7 +25,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.units import MS
 from safeloc.models import area as area_model
 from safeloc.models import transmission
-from safeloc.models.area import Area, AreaConfig, moves_clause, reports_clause
+from safeloc.models.area import Area, AreaConfig, moves_clause, refuse_inner_detection, reports_clause
 from safeloc.models.localizer import Localizer, LocalizerConfig, More
 from safeloc.models.localizer import compose_machines as compose_localizer
 from safeloc.models.localizer_sections import train_ends, train_seen
@@ -49,6 +49,7 @@ class LocalizerSectionsConfig(Config):
     @model_validator(mode="after")
     def _one_line(self) -> LocalizerSectionsConfig:
         vehicle, area = self.localizer.motion, self.sections.area
+        refuse_inner_detection(area)
         for figure in ("period_ms", "max_speed_mm_s"):
             if getattr(vehicle, figure) != getattr(area, figure):
                 raise ValueError(

@@ -6,6 +6,7 @@ from safeloc.models import localizer_sections
 from safeloc.models.localizer.picture import PASSED_ON, picture
 from safeloc.models.localizer.target import properties_of_machines
 from safeloc.models.localizer_sections import NAME, LocalizerSectionsConfig
+from safeloc.models.localizer_sections.configurations import CONFIGURATIONS
 from safeloc.properties import localizer_sections as claims
 from safeloc.target import Entry, Family, Target, recorded
 
@@ -41,5 +42,6 @@ ENTRIES = (
         target,
         Family.LOCALIZER,
         place=40,
+        configurations=CONFIGURATIONS,
     ),
 )

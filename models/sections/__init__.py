@@ -41,6 +41,7 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
+from safeloc.models.area.inner import Inner, covered
 from safeloc.models.area.judgement import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judgement, TrainHere
 from safeloc.models.area.separation import Following, headway_ms, separation_mm
 
@@ -110,7 +111,11 @@ class SectionsConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """One section's machine and variables: bounds (any two places in the area), and inputs from the area."""
+    """One section's machine and variables: bounds (any two places in the area), and inputs from the area.
+
+    followers  how far in vehicles can be that came in uncounted, from the low end and from the high end; empty if all are counted
+    inner      detection sections inside the area: places and whether they are clear
+    """
 
     config: SectionsConfig
     machine: Machine
@@ -120,6 +125,8 @@ class Section:
     unswept: BoolVar
     loose_low: NumVar
     loose_high: NumVar
+    followers: tuple[NumVar, ...]
+    inner: tuple[Inner, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +162,10 @@ def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
         one.loose_low: own.loose_low,
         one.loose_high: own.loose_high,
     }
+    if own.followers is not None:
+        wires |= dict(zip(one.followers, (side.bound for side in own.followers.sides), strict=True))
+    for here, inner in zip(one.inner, own.inner, strict=True):
+        wires |= {here.start: inner.start, here.end: inner.end, here.clear: inner.clear}
     for reported, train in zip(one.trains, own.slots, strict=True):
         wires |= {reported.present: train.present, reported.low: train.low, reported.high: train.high}
         wires |= {reported.silent: train.silent, reported.unconfirmed: train.unconfirmed}
@@ -183,11 +194,21 @@ def section(config: SectionsConfig, name: str) -> Section:
     loose_low, loose_high = (
         declared.sensor(number(f"area_loose_{side}_mm", MM, -limit, limit)) for side in ("low", "high")
     )
+    counted = config.area.borders == "counted"
+    sides = () if counted else ("low", "high")
+    followers = tuple(declared.sensor(number(f"area_followers_{side}_mm", MM, -limit, limit)) for side in sides)
+    inner = tuple(_inner(declared, n, limit) for n in range(1, config.area.inner_detection + 1))
     start = declared.state(number("from_mm", MM, -limit, limit), first=ANY)
     end = declared.state(number("to_mm", MM, -limit, limit), first=ANY)
     reported = _reported(declared, config)
+    clear = covered(start, end, inner) if inner else None
     loose = unswept & (loose_low <= end) & (loose_high >= start)
-    judgement = Judgement(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
+    if followers:
+        from_low, from_high = followers
+        loose = loose | (from_low >= start) | (from_high <= end)
+    if clear is not None:
+        loose = loose & ~clear
+    judgement = Judgement(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose, clear)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
     machine = Machine(
         name=name,
@@ -213,7 +234,7 @@ def section(config: SectionsConfig, name: str) -> Section:
         doc="One virtual section: clear only if no train of the area, and no vehicle that was never counted, can be "
         "in it.",
     )
-    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
+    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high, followers, inner)
 
 
 def _reported(declared: Declared, config: SectionsConfig) -> _Reported:
@@ -227,6 +248,15 @@ def _reported(declared: Declared, config: SectionsConfig) -> _Reported:
         evidence=declared.state(choice("rests_on", enumeration(EVIDENCE)), first=NOTHING_YET),
         age=declared.state(number("rests_on_age_cycles", COUNT, 0, count), first=0),
         trust=declared.state(choice("told_with", enumeration(TRUST)), first=NO_TRUST),
+    )
+
+
+def _inner(declared: Declared, number_: int, limit: int) -> Inner:
+    name = f"area_inner_{number_}"
+    return Inner(
+        declared.sensor(number(f"{name}_from_mm", MM, -limit, limit)),
+        declared.sensor(number(f"{name}_to_mm", MM, -limit, limit)),
+        declared.sensor(boolean(f"{name}_clear")),
     )
 
 

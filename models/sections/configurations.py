@@ -7,5 +7,15 @@ from safeloc.models.area import AreaConfig
 from safeloc.models.sections import SectionsConfig
 
 CONFIGURATIONS = Configurations(
-    {"a report of integrity is not trusted": SectionsConfig(area=AreaConfig(integrity_is_trusted=False))}
+    {
+        "a report of integrity is not trusted": SectionsConfig(area=AreaConfig(integrity_is_trusted=False)),
+        "borders report occupancy alone": SectionsConfig(area=AreaConfig(borders="occupancy")),
+        "borders report occupancy alone, integrity is not trusted": SectionsConfig(
+            area=AreaConfig(borders="occupancy", integrity_is_trusted=False)
+        ),
+        "detection inside the area": SectionsConfig(area=AreaConfig(trains=2, inner_detection=2)),
+        "detection inside the area, borders report occupancy alone, integrity is not trusted": SectionsConfig(
+            area=AreaConfig(trains=2, borders="occupancy", inner_detection=2, integrity_is_trusted=False)
+        ),
+    }
 )

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from pydantic import ValidationError
@@ -209,6 +210,19 @@ def test_cycles_that_differ_are_refused() -> None:
     """All machines act in one step, so they have one cycle."""
     with pytest.raises(ValidationError, match="give all of them one cycle"):
         FibreAreaConfig(verification=VerificationConfig(period_ms=1_000))
+
+
+@pytest.mark.parametrize(
+    ("area", "message"),
+    [
+        ({"borders": "occupancy"}, r'sections\.area\.borders is "occupancy", but the train of fibre_area is counted'),
+        ({"inner_detection": 2}, r"sections\.area\.inner_detection is 2, but this machine's claims take all between"),
+    ],
+)
+def test_an_area_that_does_not_count_is_refused(area: dict[str, Any], message: str) -> None:
+    """Its train is counted by its axles, and its claims do not tell the parts of a train apart."""
+    with pytest.raises(ValidationError, match=message):
+        FibreAreaConfig(sections=SectionsConfig(area=AreaConfig(trains=1, period_ms=500, **area)))
 
 
 # ------------------------------------------------------------------ proofs

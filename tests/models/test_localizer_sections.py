@@ -263,6 +263,13 @@ def test_vehicle_and_area_have_one_cycle_and_one_line() -> None:
         LocalizerSectionsConfig(sections=SectionsConfig(area=AreaConfig(trains=1, period_ms=100)))
 
 
+def test_detection_inside_the_area_is_refused() -> None:
+    """The claims of this machine do not tell the parts of a train apart."""
+    area = AreaConfig(trains=1, period_ms=100, limit_mm=1_000_000_000, inner_detection=1)
+    with pytest.raises(ValidationError, match=r"sections\.area\.inner_detection is 1, but this machine's claims take"):
+        LocalizerSectionsConfig(sections=SectionsConfig(area=area))
+
+
 def test_the_area_begins_where_the_train_is_counted_in() -> None:
     """The scenes' axle counter stands before the section, and the fibre begins there."""
     assert ENDS[0] < SECTION[0] < SECTION[1] < ENDS[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -180,14 +181,27 @@ def test_scenes_that_do_not_fit_are_refused() -> None:
         simulate(CONFIG, Scene((0, 10), ((0, 5),), (TRAIN,), 3), seed=0)
 
 
-@pytest.mark.thorough(ordinary=1)
+NOT_COUNTED: dict[str, Any] = {"trains": 1, "borders": "occupancy"}
+
+
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
-    ("trains", "trusted"),
-    [(1, True), (1, False), pytest.param(4, True, marks=pytest.mark.slow)],
+    "area",
+    [
+        {"trains": 1},
+        {"trains": 1, "integrity_is_trusted": False},
+        NOT_COUNTED,
+        {**NOT_COUNTED, "integrity_is_trusted": False},
+        {**NOT_COUNTED, "inner_detection": 1},
+        {"trains": 1, "inner_detection": 1},
+        pytest.param({"trains": 4}, marks=pytest.mark.slow),
+        pytest.param({**NOT_COUNTED, "trains": 4, "inner_detection": 2}, marks=pytest.mark.slow),
+    ],
+    ids=str,
 )
-def test_everything_is_proved(trains: int, *, trusted: bool) -> None:
+def test_everything_is_proved(area: dict[str, Any]) -> None:
     """For one section anywhere in the area and any number of trains: every property, without a bound."""
-    model = compose_machines(SectionsConfig(area=AreaConfig(trains=trains, integrity_is_trusted=trusted)))
+    model = compose_machines(SectionsConfig(area=AreaConfig(**area)))
     findings = prove(model.composition.system, properties(model), Limits(seconds=60), jobs=2)
     assert [] == [finding.id for finding in findings if not isinstance(finding.result, Proved)]
 

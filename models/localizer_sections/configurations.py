@@ -1,0 +1,18 @@
+"""Configurations of the located train in its sections, besides the defaults, in which its claims are proved."""
+
+from __future__ import annotations
+
+from safeloc.config import Configurations
+from safeloc.models.area import AreaConfig
+from safeloc.models.localizer_sections import LocalizerSectionsConfig
+from safeloc.models.sections import SectionsConfig
+
+CONFIGURATIONS = Configurations(
+    {
+        "borders report occupancy alone": LocalizerSectionsConfig(
+            sections=SectionsConfig(
+                area=AreaConfig(trains=1, period_ms=100, limit_mm=1_000_000_000, borders="occupancy")
+            )
+        )
+    }
+)
