@@ -32,12 +32,13 @@ def properties(area: Area, of: Substitution) -> Iterator[Property]:
         yield for_all_inputs(
             f"followers come in at the {name} end only from outside",
             seen.begins,
-            statement="where nobody may be in uncounted, nobody is while the side outside is clear",
+            statement="where nobody may be in uncounted, or a train comes in after whoever is, no follower is while the side outside is clear",
         )
         yield for_all_inputs(
             f"followers from the {name} end run no faster than they can",
             seen.no_farther,
-            statement="the bound moves inward by no more than the run of a cycle at top speed, from the end on",
+            statement="the bound moves inward by no more than the run of a cycle at top speed, from the end on; from the end anew when a train "
+            "comes in",
         )
 
 
@@ -64,7 +65,13 @@ class _Seen:
     @property
     def _far(self) -> Num:
         """How far a follower can have run in the cycle."""
-        return minimum(maximum(earlier_num(self._bound), self._place) + self._step, self._limit)
+        started = ite(self._enters, self._place, maximum(earlier_num(self._bound), self._place))
+        return minimum(started + self._step, self._limit)
+
+    @property
+    def _enters(self) -> Bool:
+        end = ENTERS_LOW if self._side.is_low else ENTERS_HIGH
+        return ~all_of(self._of.bool(one.event.ne(end)) for one in self._own.slots)
 
     @property
     def _was_none(self) -> Bool:
@@ -72,8 +79,8 @@ class _Seen:
 
     @property
     def begins(self) -> Bool:
-        """Nobody was in, and the side outside is clear: nobody is in."""
-        return (self._was_none & self._of.bool(self._side.clear)).implies(self._bound < self._place)
+        """Nobody was in, or a train comes in after them, and the side outside is clear: no follower is in."""
+        return ((self._was_none | self._enters) & self._of.bool(self._side.clear)).implies(self._bound < self._place)
 
     @property
     def no_farther(self) -> Bool:
@@ -82,11 +89,9 @@ class _Seen:
 
     def run_on(self, trains: Sequence[tuple[Slot, Bool]]) -> Bool:
         """The bound is as far in as a run of one cycle, or at the far end of a train whose order is known."""
-        end = ENTERS_LOW if self._side.is_low else ENTERS_HIGH
-        nobody_enters = all_of(one.event.ne(end) for one, _ in trains)
         left = any_of(earlier_bool(self._of.bool(one.present)) & ~self._of.bool(one.present) for one, _ in trains)
         own = self._own
-        quiet = self._of.bool(own.healthy & ~own.clear & nobody_enters) & ~left
+        quiet = self._of.bool(own.healthy & ~own.clear) & ~self._enters & ~left
         some = ~self._was_none | self._of.bool(~self._side.clear)
         held = self._held(trains)
         reached = self._bound >= minimum(self._far, held)

@@ -107,7 +107,7 @@ def simulate(config: SectionsConfig, scene: Scene, *, seed: int, accuracy_mm: in
     """Return one run as steps. Reports are off by up to `accuracy_mm`. InputError for a scene that does not fit."""
     if len(scene.sections_mm) != config.sections or any(run.slot > config.area.trains for run in scene.trains):
         raise InputError(
-            f"the scene has {len(scene.sections_mm)} sections and slots up to {max(r.slot for r in scene.trains)}; the "
+            f"the scene has {len(scene.sections_mm)} sections and slots up to {max((r.slot for r in scene.trains), default=0)}; the "
             f"configuration has {config.sections} and {config.area.trains}."
         )
     if len(scene.inner_mm) != config.area.inner_detection:

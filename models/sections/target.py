@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from safeloc.models import sections
 from safeloc.models.sections import SectionsConfig
 from safeloc.models.sections.configurations import CONFIGURATIONS
@@ -16,7 +18,19 @@ def target(config: SectionsConfig) -> Target:
     whole = sections.compose_machines(config)
     machines = (whole.area.machine, *(one.machine for one in whole.sections))
     properties, system = tuple(claims.properties(whole)), whole.composition.system
-    return Target("sections", machines, system, properties, config, DOC, recorded("sections"))
+    return Target("sections", machines, system, properties, config, DOC, _recordings(config))
+
+
+def _recordings(config: SectionsConfig) -> tuple[Path, ...]:
+    """Return the recordings that ship, if the configuration has their inputs: trains, sections, borders and inner detection as recorded."""
+    kind, default = _inputs(config), _inputs(SectionsConfig())
+    return recorded("sections") if kind == default else ()
+
+
+def _inputs(config: SectionsConfig) -> tuple[object, ...]:
+    """Return the figures on which the inputs depend."""
+    area = config.area
+    return area.trains, area.borders, area.inner_detection, config.sections
 
 
 ENTRIES = (

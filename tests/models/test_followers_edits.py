@@ -85,6 +85,9 @@ OF_THE_BOUND: dict[str, tuple[type, str, Wrong, str]] = {
         Side, "after", lambda one, right, slots, _t: ite(slots[0].accepted, one.none, right), CLEAR),
     "a train that comes in ends the bound": (
         Side, "after", lambda one, right, slots, _t: ite(one.any_enters(slots), one.none, right), CLEAR),
+    "a train that comes in keeps the bound": (
+        Side, "after", lambda one, right, slots, trains: ite(one.some & one.any_enters(slots), one.run_on(one.bound, trains), right),
+        BEGINS),
     "a side that is clear again ends the bound": (Side, "after", lambda one, right, *_: ite(one.clear, one.none, right), CLEAR),
     "a follower is behind the near end of a train": (Followers, "trains", lambda one, _r, *args: nearest(one, *args), CLEAR),
     "a train whose order is not known holds followers": (

@@ -263,6 +263,15 @@ def test_a_follower_that_does_not_fit_is_refused(borders: str, loose: tuple[int,
         simulate(config, place, seed=0)
 
 
+def test_a_scene_without_trains_that_does_not_fit_is_refused() -> None:
+    """Its sections are counted although there is no train."""
+    place = replace(scene(SITUATIONS["a ghost train"], "occupancy"), sections_mm=CUTS[:2])
+    config = SectionsConfig(area=MODELS["occupancy", True].area.own.config, sections=4)
+    message = r"^the scene has 2 sections and slots up to 0; the configuration has 4 and 2\.$"
+    with pytest.raises(InputError, match=message):
+        simulate(config, place, seed=0)
+
+
 def test_inner_detection_that_does_not_fit_is_refused() -> None:
     """The scene names the places of the sections that the configuration has."""
     place = replace(scene(SITUATIONS["a sweep"], "counted"), inner_mm=INNER)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from safeloc.catalogue import ENTRIES
 from safeloc.errors import InputError
 from safeloc.language.expr import TRUE
 from safeloc.language.interpret import run
@@ -179,6 +180,16 @@ def test_scenes_that_do_not_fit_are_refused() -> None:
         InputError, match=r"^the scene has 1 sections and slots up to 1; the configuration has 4 and 2\.$"
     ):
         simulate(CONFIG, Scene((0, 10), ((0, 5),), (TRAIN,), 3), seed=0)
+
+
+@pytest.mark.parametrize(
+    "area", [{"trains": 2}, {"borders": "occupancy"}, {"inner_detection": 1}], ids=["trains", "borders", "inner"]
+)
+def test_recordings_are_replayed_only_where_they_fit(area: dict[str, Any]) -> None:
+    """A configuration with other inputs has none; one with other figures only has those that ship."""
+    entry = ENTRIES["sections"]
+    assert () == entry.make(SectionsConfig(area=AreaConfig(**area))).streams
+    assert 3 == len(entry.make(SectionsConfig(area=AreaConfig(integrity_is_trusted=False))).streams)
 
 
 NOT_COUNTED: dict[str, Any] = {"trains": 1, "borders": "occupancy"}
