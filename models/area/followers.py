@@ -7,7 +7,8 @@ each end says how far in the foremost follower can be:
     it begins    at the end, in a cycle in which the side outside is not clear
     it moves     inward by a cycle's run at top speed, but not past a train whose order is known: none passes another
     it ends      when detection is clear, or when every follower is out again; by no report of a train alone
-    it restarts  when a train comes in there: whoever is in is ahead of that train, and from now on is loose (models.area)
+    it restarts  when a train comes in there: whoever is in from there may be ahead of that train or behind it, and from now on is
+                 loose (models.area)
 """
 
 from __future__ import annotations
@@ -109,6 +110,7 @@ class Followers:
     ordered  for each slot: its train came in at an end that it told, and its order on the track is known ever since
     behind   ghosts, for each slot: the vehicle that was never counted came in at the same end as the train, after it
     at_low   choice: a vehicle that comes in uncounted does so at the low end
+    told_late  choices, for each slot: a follower of the end where the train is told to come in came in after it
     """
 
     low: Side
@@ -116,6 +118,7 @@ class Followers:
     ordered: tuple[BoolVar, ...]
     behind: tuple[BoolVar, ...]
     at_low: BoolVar
+    told_late: tuple[BoolVar, ...]
 
     @property
     def sides(self) -> tuple[Side, Side]:
@@ -149,7 +152,8 @@ class Followers:
     def beside(self, one: Slot, slots: Sequence[Slot], unswept: Bool) -> tuple[Bool, Bool]:
         """Return whether all loose vehicles are above the train after the cycle, and whether all are below it.
 
-        Followers of one end that become loose are on one side of every train whose order is known.
+        Followers of one end that become loose are on one side of every train whose order was known, and on either side of the
+        train that comes in now: it may be told later than they came in.
         """
         ordered = self.ordered[one.number - 1]
         from_low, from_high = (self.turns_loose(side, slots) for side in self.sides)
@@ -158,8 +162,8 @@ class Followers:
         stays_below = ~from_low & ite(from_high, above_it, one.below & ~one.leaves)
         stays_above = ~from_high & ite(from_low, below_it, one.above & ~one.leaves)
         return (
-            ite(one.enters, one.event.eq(ENTERS_LOW), one.present & stays_below),
-            ite(one.enters, one.event.eq(ENTERS_HIGH), one.present & stays_above),
+            ite(one.enters, one.event.eq(ENTERS_LOW) & ~from_low, one.present & stays_below),
+            ite(one.enters, one.event.eq(ENTERS_HIGH) & ~from_high, one.present & stays_above),
         )
 
     def stays_ordered(self, one: Slot) -> Bool:
@@ -177,6 +181,7 @@ def followers(
         tuple(declared.state(boolean(f"train_{n}_is_ordered"), first=False) for n in range(1, trains + 1)),
         tuple(declared.ghost(boolean(f"train_{n}_is_followed"), first=False) for n in range(1, trains + 1)),
         declared.choice(boolean("next_loose_comes_in_low")),
+        tuple(declared.choice(boolean(f"train_{n}_is_told_late")) for n in range(1, trains + 1)),
     )
 
 

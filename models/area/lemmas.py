@@ -10,8 +10,8 @@ from safeloc.models.area.variables import Parts
 
 
 def ends_in_order(own: Parts) -> Bool:
-    """Return the order of the ends: low before high, both at least a cycle's run from the ends of the world."""
-    inner = own.config.limit_mm - own.config.reach.cycle_mm
+    """Return the order of the ends: low before high, both so far from the ends of the world as a train can be in when it comes in."""
+    inner = own.config.limit_mm - own.config.reach.entry_mm
     return all_of([own.low_end < own.high_end, own.low_end >= -inner, own.high_end <= inner])
 
 

@@ -42,12 +42,16 @@ NO_REPORT, ACCEPTED, UNTRUSTED, INCOMPLETE, STALE, CONTRADICTED, NOBODY = VERDIC
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """Limits of all motion: run of a cycle (mm), top speed (mm/s), age of reports (ms), and the ends of the world (mm)."""
+    """Limits of all motion: run of a cycle (mm), top speed (mm/s), age of reports (ms), and the ends of the world (mm).
+
+    entry_mm  how far in a train can be when it comes in
+    """
 
     cycle_mm: int
     max_speed_mm_s: int
     report_age_limit_ms: int
     limit_mm: int
+    entry_mm: int
 
     def added_error_mm(self, age_ms: Num) -> Num:
         """Return the greatest run since a report, mm rounded up."""
@@ -167,11 +171,11 @@ class Slot:
     def bounds(self, area_low: Num, area_high: Num) -> tuple[Num, Num]:
         """Return the interval after the cycle. A train that enters is just inside one end; its other end is unknown, outside."""
         low, high = self.run_on
-        limit, cycle = self.reach.limit_mm, self.reach.cycle_mm
+        limit, entry = self.reach.limit_mm, self.reach.entry_mm
         seen_low = ite(self.accepted & self.holds_low, maximum(low, self.lowest), low)
         seen_high = ite(self.accepted & self.holds_high, minimum(high, self.highest), high)
-        new_low = ite(self.event.eq(ENTERS_LOW), as_num(-limit, MM), area_high - cycle)
-        new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
+        new_low = ite(self.event.eq(ENTERS_LOW), as_num(-limit, MM), area_high - entry)
+        new_high = ite(self.event.eq(ENTERS_LOW), area_low + entry, as_num(limit, MM))
         low_end, high_end = ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
         return raised(low_end, self.inner), lowered(high_end, self.inner)
 

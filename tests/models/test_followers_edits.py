@@ -13,12 +13,12 @@ from safeloc.language.units import MM
 from safeloc.models import area, sections
 from safeloc.models.area import Area, AreaConfig, Parts
 from safeloc.models.area.followers import Followers, Side
-from safeloc.models.area.slot import LEAVES_HIGH, LEAVES_LOW, Slot
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.sections import Section, SectionsConfig
 from tests.models.edited_terms import edited
 from tests.models.test_area_edits import HELD, LOOSE, keeps
 
-CONFIG = SectionsConfig(area=AreaConfig(trains=2, borders="occupancy"))
+CONFIG = SectionsConfig(area=AreaConfig(trains=2, borders="occupancy", told_late_ms=2_000))
 CLEAR = "section_1 is never clear with a vehicle that was not counted"
 RUNS, BEGINS = "followers from the low end run on", "followers come in at the low end only from outside"
 FASTER = "followers from the high end run no faster than they can"
@@ -95,6 +95,12 @@ OF_THE_BOUND: dict[str, tuple[type, str, Wrong, str]] = {
     "followers before a train that comes in are forgotten": (Followers, "turns_loose", lambda *_: FALSE, LOOSE),
     "a train keeps its side when followers turn loose behind it": (
         Followers, "beside", lambda _f, _r, one, *_: (one.below, one.above), LOOSE),
+    "a train that is told is ahead of no follower": (
+        Followers, "beside", lambda _f, right, one, *_: (
+            ite(one.enters, one.event.eq(ENTERS_LOW), right[0]), ite(one.enters, one.event.eq(ENTERS_HIGH), right[1])), LOOSE),
+    "a train is told in time": (
+        Slot, "bounds", lambda one, right, low, _h: (
+            right[0], ite(one.event.eq(ENTERS_LOW), low + one.reach.cycle_mm, right[1])), HELD),
     "the order is known of a train that told that it left": (
         Followers, "stays_ordered", lambda one, _r, slot: slot.enters | one.ordered[slot.number - 1], LOOSE),
     "every train's order is known": (Followers, "stays_ordered", lambda *_: TRUE, LOOSE),
