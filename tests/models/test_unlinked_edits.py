@@ -18,7 +18,7 @@ from safeloc.properties.unlinked_group import properties
 from safeloc.runtime.embedding import Controller
 from safeloc.runtime.streams.records import DistanceRecord, ValueRecord
 from tests.models.edited_terms import edited, keeps
-from tests.models.one_step import changed
+from tests.models.inductive import changed
 from tests.models.unlinked_runs import UNLINKED
 
 TAKING, RUNNING = "a whole unlinked group is taken", "the distance runs on with the odometer"
