@@ -106,8 +106,8 @@ def _doc(own: Parts) -> str:
     )
     detected = (
         "Trains between two borders that report occupancy alone, and vehicles that nobody tells of. Assumed: undisturbed "
-        "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, in their "
-        "order, and get a free slot; "
+        "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, "
+        "at the latest when told_late_ms ends, and get a free slot; "
     )
     inner = "detection inside the area is clear over nobody; " if own.inner else ""
     return (

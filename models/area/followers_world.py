@@ -1,6 +1,6 @@
 """The world of an area whose borders report occupancy alone: who comes in, and what train detection says of it.
 
-    trains     tell themselves when they come in, in their order, and when they have left
+    trains     tell themselves when they come in, perhaps late, and when they have left
     detection  undisturbed, is clear over nobody, in the area and just outside each end
     others     come in at an end only while the side outside is not clear, and pass no train
 
