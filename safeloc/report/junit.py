@@ -24,7 +24,7 @@ def to_junit(findings: Sequence[Finding]) -> str:
         suite = ElementTree.SubElement(root, "testsuite", {"name": machine, **counts})
         for finding in own:
             _case(suite, finding)
-    ElementTree.indent(root)
+    ElementTree.indent(root, space="")
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
