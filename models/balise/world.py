@@ -32,7 +32,15 @@ from safeloc.language.expr import (
 )
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
-from safeloc.models.balise.telegram import LINKED, NOMINAL, PASSED, REVERSE, UNKNOWN
+from safeloc.models.balise.reading_world import (
+    age_law,
+    counted_wrong_nm,
+    counter_law,
+    read_rightly,
+    rolled_after,
+    run_in_age_nm,
+)
+from safeloc.models.balise.telegram import LINKED, NOMINAL, REVERSE, UNKNOWN
 from safeloc.models.balise.variables import BaliseConfig, Parts
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 
@@ -61,8 +69,17 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         ODOMETER: _odometer_law(own),
         "the vehicle stays on the line": _line_law(own),
         "the antenna stood over the group that is read": _antenna_law(own),
-        "the counter measures the run since the reading": _counter_law(own),
-        "the age bounds the run since the reading": _age_law(own),
+        "the counter measures the run since the reading": counter_law(
+            own.read, own.world.true_since, wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
+        ),
+        "the age bounds the run since the reading": age_law(
+            own.read,
+            own.world.true_since,
+            (can_be_run(own), own.odometer.step.value),
+            period_ms=own.config.period_ms,
+            max_speed_mm_s=own.config.max_speed_mm_s,
+            measuring_step_mm=own.config.measuring_step_mm,
+        ),
         "the map has an announced group, or is far off": _announced_law(own),
         "a group's own place is right, or far off": _own_place_law(own),
         "groups that are far off do not follow each other": _rare_law(own),
@@ -149,16 +166,10 @@ def _line_law(own: Parts) -> Law:
 
 
 def _rolling(own: Parts) -> dict[Var, Expr]:
-    """The vehicle has turned once it ran farther than D_NVROLL against its direction without a break, as measured."""
     seen = own.world
     ran = ite(can_be_run(own), own.odometer.step.value, as_num(0, MM))
-    against = maximum(seen.rolled + ite(seen.backwards, ran, 0 - ran), 0)
-    turns = own.config.reversal_mm < against
-    return {seen.rolled: ite(turns, as_num(0, MM), against), seen.backwards: _other(seen.backwards, turns)}
-
-
-def _other(was: Bool, turns: Bool) -> Bool:
-    return (was & ~turns) | (turns & ~was)
+    rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
+    return {seen.rolled: rolled, seen.backwards: backwards}
 
 
 def _runs_back(own: Parts) -> Bool:
@@ -169,13 +180,6 @@ def _runs_back(own: Parts) -> Bool:
 
 
 # ------------------------------------------------------------------ the antenna
-
-
-def read_rightly(own: Parts) -> Bool:
-    """Return whether every balise of a group was read, with right check bits."""
-    read = own.read
-    parts = (read.check, read.group, read.link, read.read, read.total, read.last, read.first, read.age)
-    return all_of([*(one.present for one in parts), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
 
 
 def _against(own: Parts, mapped: Num) -> Bool:
@@ -189,7 +193,7 @@ def _antenna_law(own: Parts) -> Law:
     off = after(own) - seen.true_since - config.antenna_mm * NM_PER_MM - seen.spot
     most = config.detection_mm * NM_PER_MM
     return Law(
-        read_rightly(own).implies(between(-most, off, most)),
+        read_rightly(own.read).implies(between(-most, off, most)),
         "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
         "accuracy; the antenna is so far behind the front end as configured.",
         ("antenna_mm", "detection_mm"),
@@ -197,47 +201,6 @@ def _antenna_law(own: Parts) -> Law:
         "supplier",
         "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
     )
-
-
-def _counter_law(own: Parts) -> Law:
-    seen, since = own.world, own.read.since
-    error = seen.true_since - exact_to(since.value, NM) - (wander_after(own) - seen.reading_wander)
-    return Law(
-        (read_rightly(own) & since.present).implies(between(-_counted_wrong(own), error, _counted_wrong(own))),
-        "The run since the reading, as the latched counter measures it, is wrong by no more than the odometer's rate and the "
-        "change of its one-off error since then.",
-        ("rate_ppm", "constant_mm"),
-        "[D] the same wheel counts",
-        "supplier",
-        "type test; the run between two groups against the map",
-    )
-
-
-def _counted_wrong(own: Parts) -> Num:
-    since = own.read.since.value
-    return with_unit(maximum(since, 0 - since) * own.config.odometer.rate_ppm, NM)
-
-
-def _age_law(own: Parts) -> Law:
-    step, ran = own.odometer.step.value, own.world.true_since
-    farthest, least = _in_age(own), as_num(own.config.measuring_step_mm * NM_PER_MM, NM)
-    fresh = can_be_run(own) & (own.read.age.value < own.config.period_ms + 1)
-    back = least + ite(fresh & (step > -1), as_num(0, NM), farthest)
-    forth = least + ite(fresh & (step < 1), as_num(0, NM), farthest)
-    return Law(
-        (read_rightly(own) & ~own.read.since.present).implies(between(-back, ran, forth)),
-        "Since the reading the vehicle ran no farther than at its highest speed for the age of the reading, and one measuring "
-        "step. If the reading was taken in this cycle, the vehicle ran since then in the direction measured for the cycle.",
-        ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
-        "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
-        "supplier",
-        "type test of reader and time stamp",
-    )
-
-
-def _in_age(own: Parts) -> Num:
-    """Return the run at the highest speed in the age of the reading; mm/s x ms x 1000 = nm."""
-    return with_unit(own.read.age.value * (own.config.max_speed_mm_s * THOUSAND), NM)
 
 
 # ------------------------------------------------------------------ the map
@@ -254,8 +217,8 @@ def _far_nm(own: Parts, accuracy: Num) -> Num:
     config = own.config
     fixed = 2 * config.tolerance_mm + 2 * config.detection_mm + config.odometer.constant_mm
     cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
-    timed = _in_age(own) + config.measuring_step_mm * NM_PER_MM
-    since = ite(own.read.since.present, _counted_wrong(own), timed)
+    timed = run_in_age_nm(own.read, own.config.max_speed_mm_s) + config.measuring_step_mm * NM_PER_MM
+    since = ite(own.read.since.present, counted_wrong_nm(own.read, own.config.odometer.rate_ppm), timed)
     return exact_to(accuracy + fixed, NM) + (since + _further_error(own) + cycle) * 2
 
 
@@ -279,7 +242,7 @@ def _announced_law(own: Parts) -> Law:
     for slot in own.linking.slots:
         accuracy = ite(~slot.accurate, national(own), slot.accuracy)
         named = slot.group.ne(0) & own.read.group.value.eq(slot.group) & ~_against(own, slot.orientation)
-        kept.append((read_rightly(own) & named).implies(_near_or_far(own, slot.place, accuracy)))
+        kept.append((read_rightly(own.read) & named).implies(_near_or_far(own, slot.place, accuracy)))
     return Law(
         all_of(kept),
         "A group that the map announced lies within its location accuracy of where the map has it: that of linking, else the "
@@ -296,7 +259,7 @@ def _placed(own: Parts) -> Bool:
     """Return whether a complete group was read that came with a place, and not in the wrong orientation."""
     orientation = own.read.orientation
     mapped = ite(~orientation.present, UNKNOWN, orientation.value)
-    return all_of([read_rightly(own), own.read.place.present, ~_against(own, mapped)])
+    return all_of([read_rightly(own.read), own.read.place.present, ~_against(own, mapped)])
 
 
 def far_off(own: Parts) -> Bool:
@@ -360,7 +323,11 @@ def _fine_enough(own: Parts) -> Bool:
     """The reading puts the front end on the line, no less accurately than the tolerance."""
     config, read = own.config, own.read
     since = ite(read.since.present, read.since.value, as_num(0, MM))
-    slack = ite(read.since.present, _counted_wrong(own), _in_age(own) + config.measuring_step_mm * NM_PER_MM)
+    slack = ite(
+        read.since.present,
+        counted_wrong_nm(own.read, own.config.odometer.rate_ppm),
+        run_in_age_nm(own.read, own.config.max_speed_mm_s) + config.measuring_step_mm * NM_PER_MM,
+    )
     known = exact_to(national(own) + (config.detection_mm + config.odometer.constant_mm + 1), NM)
     front = read.place.value + since + config.antenna_mm
     on_line = between(-config.position_limit_mm, front, config.position_limit_mm)

@@ -10,12 +10,13 @@ read whole. The true distance counts from the last group that can serve as a ref
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, exact_to, ite, maximum
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
-from safeloc.models.balise.telegram import PASSED, UNLINKED
+from safeloc.models.balise.reading_world import age_law, counter_law, read_rightly, rolled_after
+from safeloc.models.balise.telegram import UNLINKED
 from safeloc.models.unlinked_group.variables import LINE_MM, Parts
-from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import Measuring, Physics
 
 
 def world(own: Parts) -> World:
@@ -37,8 +38,17 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         "the odometer obeys its error law": _odometer_law(own),
         "the vehicle stays on the line": _line_law(own),
         "the antenna stood over the group that is read": _antenna_law(own),
-        "the counter measures the run since the reading": _counter_law(own),
-        "the age bounds the run since the reading": _age_law(own),
+        "the counter measures the run since the reading": counter_law(
+            own.read, own.world.true_since, _wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
+        ),
+        "the age bounds the run since the reading": age_law(
+            own.read,
+            own.world.true_since,
+            (measuring(own).can_be_run, own.odometer.step.value),
+            period_ms=own.config.period_ms,
+            max_speed_mm_s=own.config.max_speed_mm_s,
+            measuring_step_mm=own.config.measuring_step_mm,
+        ),
     }
 
 
@@ -96,13 +106,10 @@ def _line_law(own: Parts) -> Law:
 
 
 def _rolling(own: Parts) -> dict[Var, Expr]:
-    """The vehicle has turned once it ran farther than D_NVROLL against its direction without a break, as measured."""
     seen = own.world
     ran = ite(measuring(own).can_be_run, own.odometer.step.value, as_num(0, MM))
-    against = maximum(seen.rolled + ite(seen.backwards, ran, 0 - ran), 0)
-    turns = own.config.reversal_mm < against
-    turned = (seen.backwards & ~turns) | (turns & ~seen.backwards)
-    return {seen.rolled: ite(turns, as_num(0, MM), against), seen.backwards: turned}
+    rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
+    return {seen.rolled: rolled, seen.backwards: backwards}
 
 
 def runs_back(own: Parts) -> Bool:
@@ -115,13 +122,6 @@ def runs_back(own: Parts) -> Bool:
 # ------------------------------------------------------------------ the antenna
 
 
-def read_rightly(own: Parts) -> Bool:
-    """Return whether every balise of a group was read, with right check bits."""
-    read = own.read
-    given = (read.check, read.group, read.link, read.read, read.total, read.last, read.first, read.age)
-    return all_of([*(one.present for one in given), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
-
-
 def serves(own: Parts) -> Bool:
     """Return whether the group that was read can serve as a reference: unlinked, of several balises, read recently and forwards."""
     read = own.read
@@ -129,49 +129,19 @@ def serves(own: Parts) -> Bool:
     several = read.total.value > 1
     ordered = read.first.value.ne(read.last.value)
     recent = read.age.value < own.config.telegram_age_limit_ms + 1
-    return all_of([read_rightly(own), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~runs_back(own)])
+    return all_of(
+        [read_rightly(own.read), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~runs_back(own)]
+    )
 
 
 def _antenna_law(own: Parts) -> Law:
     most = own.config.detection_mm * NM_PER_MM
     return Law(
-        read_rightly(own).implies(between(-most, own.world.detected, most)),
+        read_rightly(own.read).implies(between(-most, own.world.detected, most)),
         "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
         "accuracy; the antenna is so far behind the front end as configured.",
         ("antenna_mm", "detection_mm"),
         "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
         "supplier",
         "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
-    )
-
-
-def _counter_law(own: Parts) -> Law:
-    seen, since = own.world, own.read.since
-    error = seen.true_since - exact_to(since.value, NM) - (_wander_after(own) - seen.reading_wander)
-    most = with_unit(maximum(since.value, 0 - since.value) * own.config.odometer.rate_ppm, NM)
-    return Law(
-        (read_rightly(own) & since.present).implies(between(-most, error, most)),
-        "The run since the reading, as the latched counter measures it, is wrong by no more than the odometer's rate and the "
-        "change of its one-off error since then.",
-        ("rate_ppm", "constant_mm"),
-        "[D] the same wheel counts",
-        "supplier",
-        "type test; the run between two groups against the map",
-    )
-
-
-def _age_law(own: Parts) -> Law:
-    config, step, ran = own.config, own.odometer.step.value, own.world.true_since
-    farthest = with_unit(own.read.age.value * (config.max_speed_mm_s * THOUSAND), NM)
-    least, none = as_num(config.measuring_step_mm * NM_PER_MM, NM), as_num(0, NM)
-    fresh = measuring(own).can_be_run & (own.read.age.value < config.period_ms + 1)
-    back, forth = ite(fresh & (step > -1), none, farthest), ite(fresh & (step < 1), none, farthest)
-    return Law(
-        (read_rightly(own) & ~own.read.since.present).implies(between(-least - back, ran, least + forth)),
-        "Since the reading the vehicle ran no farther than at its highest speed for the age of the reading, and one measuring "
-        "step. If the reading was taken in this cycle, the vehicle ran since then in the direction measured for the cycle.",
-        ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
-        "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
-        "supplier",
-        "type test of reader and time stamp",
     )

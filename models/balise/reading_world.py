@@ -1,0 +1,91 @@
+"""What is physically so of a group reading and of the direction of running, for the worlds of all machines that read groups.
+
+Figures and terms are the world's own: nothing here is what a machine computes.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Num, NumVar, all_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.language.world import Law
+from safeloc.models.balise.telegram import PASSED, Reading
+from safeloc.models.vocabulary.measuring_world import THOUSAND
+
+
+def read_rightly(read: Reading) -> Bool:
+    """Return whether every balise of a group was read, with right check bits."""
+    parts = (read.check, read.group, read.link, read.read, read.total, read.last, read.first, read.age)
+    return all_of([*(one.present for one in parts), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
+
+
+def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tuple[Num, Bool]:
+    """Return the distance run against the direction without a break, mm, and the direction, after a cycle.
+
+    The vehicle has turned once it ran farther than D_NVROLL (`reversal_mm`) against its direction without a break, as measured.
+
+    rolled, backwards  the same before the cycle
+    ran                the run measured in the cycle, mm
+    """
+    against = maximum(rolled + ite(backwards, ran, 0 - ran), 0)
+    turns = reversal_mm < against
+    turned = (backwards & ~turns) | (turns & ~backwards)
+    return ite(turns, as_num(0, MM), against), turned
+
+
+def counted_wrong_nm(read: Reading, rate_ppm: int) -> Num:
+    """Return the greatest error of the counted run since the reading, nm."""
+    since = read.since.value
+    return with_unit(maximum(since, 0 - since) * rate_ppm, NM)
+
+
+def run_in_age_nm(read: Reading, max_speed_mm_s: int) -> Num:
+    """Return the run at the highest speed in the age of the reading, nm; mm/s x ms x 1000 = nm."""
+    return with_unit(read.age.value * (max_speed_mm_s * THOUSAND), NM)
+
+
+def counter_law(read: Reading, true_since: NumVar, wander_change: Num, rate_ppm: int) -> Law:
+    """Return the law of the latched counter.
+
+    true_since     the true run since the reading, nm
+    wander_change  the change of the odometer's one-off error since then, nm
+    """
+    error, most = true_since - exact_to(read.since.value, NM) - wander_change, counted_wrong_nm(read, rate_ppm)
+    return Law(
+        (read_rightly(read) & read.since.present).implies(between(-most, error, most)),
+        "The run since the reading, as the latched counter measures it, is wrong by no more than the odometer's rate and the "
+        "change of its one-off error since then.",
+        ("rate_ppm", "constant_mm"),
+        "[D] the same wheel counts",
+        "supplier",
+        "type test; the run between two groups against the map",
+    )
+
+
+def age_law(
+    read: Reading,
+    true_since: NumVar,
+    distance: tuple[Bool, NumVar],
+    *,
+    period_ms: int,
+    max_speed_mm_s: int,
+    measuring_step_mm: int,
+) -> Law:
+    """Return the law of the age of a reading without a counter.
+
+    true_since  the true run since the reading, nm
+    distance    whether the odometer delivers a distance that can have been run, and that distance, mm
+    """
+    possible, step = distance
+    farthest, least = run_in_age_nm(read, max_speed_mm_s), as_num(measuring_step_mm * NM_PER_MM, NM)
+    fresh = possible & (read.age.value < period_ms + 1)
+    back = least + ite(fresh & (step > -1), as_num(0, NM), farthest)
+    forth = least + ite(fresh & (step < 1), as_num(0, NM), farthest)
+    return Law(
+        (read_rightly(read) & ~read.since.present).implies(between(-back, true_since, forth)),
+        "Since the reading the vehicle ran no farther than at its highest speed for the age of the reading, and one measuring "
+        "step. If the reading was taken in this cycle, the vehicle ran since then in the direction measured for the cycle.",
+        ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
+        "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
+        "supplier",
+        "type test of reader and time stamp",
+    )
