@@ -21,7 +21,7 @@ LAW = (
     "whole; top speed; no vehicle passes another"
 )
 DETECTED = (
-    "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, at the latest when told_late_ms ends; "
+    "detection is clear over nobody, and nobody comes in past a side that is clear; trains report when they come in, at the latest when entry_report_delay_ms ends; "
     "trusted reports contain the train, its rear end only if it is whole; top speed; no vehicle passes another"
 )
 REQUIREMENTS = ("FVA-9", "FVA-18")

@@ -105,9 +105,9 @@ def _doc(own: Parts) -> str:
         "left completely, and an area that they report clear is empty; "
     )
     detected = (
-        "Trains between two borders that report occupancy alone, and vehicles that nobody tells of. Assumed: undisturbed "
-        "detection is clear over nobody, and nobody comes in past a side that is clear; trains tell when they come in, "
-        "at the latest when told_late_ms ends, and get a free slot; "
+        "Trains between two borders that report occupancy alone, and vehicles that nobody reports. Assumed: undisturbed "
+        "detection is clear over nobody, and nobody comes in past a side that is clear; trains report when they come in, "
+        "at the latest when entry_report_delay_ms ends, and get a free slot; "
     )
     inner = "detection inside the area is clear over nobody; " if own.inner else ""
     return (
@@ -129,7 +129,7 @@ def _leaves(own: Parts, one: Slot) -> Bool:
 
 
 def _gone(own: Parts, one: Slot) -> Bool:
-    """Return the condition that the train is in the area no more: counted out, or, if nobody counts, surely beyond the end that it tells.
+    """Return the condition that the train is in the area no more: counted out, or, if nobody counts, surely beyond the end that it reports.
 
     Where nobody counts, detection that is clear shows it as well, but of a train that comes in now.
     """

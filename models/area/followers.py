@@ -41,7 +41,7 @@ class Side:
     """One end of the area.
 
     place    the place of the end, mm
-    clear    input: throughout the cycle no vehicle stood just outside but trains that tell when they come in
+    clear    input: throughout the cycle no vehicle stood just outside but trains that report when they come in
     bound    followers of this end are between the end and this place, mm; the end of the world behind them if there is none
     came_in  ghost: the vehicle that was never counted is a follower of this end
     inner    detection sections inside the area
@@ -107,10 +107,10 @@ class Side:
 class Followers:
     """Both ends, and what is known of the order of trains and followers.
 
-    ordered  for each slot: its train came in at an end that it told, and its order on the track is known ever since
+    ordered  for each slot: its train came in at an end that it reported, and its order on the track is known ever since
     behind   ghosts, for each slot: the vehicle that was never counted came in at the same end as the train, after it
     at_low   choice: a vehicle that comes in uncounted does so at the low end
-    told_late  choices, for each slot: a follower of the end where the train is told to come in came in after it
+    reported_late  choices, for each slot: a follower of the end where the train is reported to come in came in after it
     """
 
     low: Side
@@ -118,7 +118,7 @@ class Followers:
     ordered: tuple[BoolVar, ...]
     behind: tuple[BoolVar, ...]
     at_low: BoolVar
-    told_late: tuple[BoolVar, ...]
+    reported_late: tuple[BoolVar, ...]
 
     @property
     def sides(self) -> tuple[Side, Side]:
@@ -153,7 +153,7 @@ class Followers:
         """Return whether all loose vehicles are above the train after the cycle, and whether all are below it.
 
         Followers of one end that become loose are on one side of every train whose order was known, and on either side of the
-        train that comes in now: it may be told later than they came in.
+        train that comes in now: it may be reported later than they came in.
         """
         ordered = self.ordered[one.number - 1]
         from_low, from_high = (self.turns_loose(side, slots) for side in self.sides)
@@ -167,7 +167,7 @@ class Followers:
         )
 
     def stays_ordered(self, one: Slot) -> Bool:
-        """Return whether the train's order is known after the cycle: not once it told that it left."""
+        """Return whether the train's order is known after the cycle: not once it reported that it left."""
         return one.enters | (self.ordered[one.number - 1] & ~one.leaves)
 
 
@@ -181,7 +181,7 @@ def followers(
         tuple(declared.state(boolean(f"train_{n}_is_ordered"), first=False) for n in range(1, trains + 1)),
         tuple(declared.ghost(boolean(f"train_{n}_is_followed"), first=False) for n in range(1, trains + 1)),
         declared.choice(boolean("next_loose_comes_in_low")),
-        tuple(declared.choice(boolean(f"train_{n}_is_told_late")) for n in range(1, trains + 1)),
+        tuple(declared.choice(boolean(f"train_{n}_is_reported_late")) for n in range(1, trains + 1)),
     )
 
 

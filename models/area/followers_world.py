@@ -33,10 +33,10 @@ def moves(own: Parts, followers: Followers) -> dict[Var, Expr]:
 
 
 def _is_behind(own: Parts, followers: Followers, one: Slot) -> Bool:
-    """Return the condition that the uncounted vehicle came in after the train, at the same end: now, before, or before the train was told."""
+    """Return the condition that the uncounted vehicle came in after the train, at the same end: now, before, or before the train was reported."""
     low, high = came_in(one)
     here = any_of(one.event.eq(side.enters) & side.came_in for side in followers.sides)
-    was = ite(one.enters, here & followers.told_late[one.number - 1], followers.behind[one.number - 1])
+    was = ite(one.enters, here & followers.reported_late[one.number - 1], followers.behind[one.number - 1])
     return ite(_comes(own), ite(followers.at_low, low, high), was)
 
 
@@ -58,7 +58,7 @@ def stays(own: Parts, one: Slot) -> Bool:
 
 def laws(own: Parts, followers: Followers) -> dict[str, Law]:
     """Return the laws of trains that come in, of detection, and of uncounted vehicles."""
-    entering = {f"train {one.number} tells that it comes in": _entering_law(own, followers, one) for one in own.slots}
+    entering = {f"train {one.number} reports that it comes in": _entering_law(own, followers, one) for one in own.slots}
     return {
         **entering,
         "detection is clear over nobody": _detection_law(own),
@@ -69,16 +69,16 @@ def laws(own: Parts, followers: Followers) -> dict[str, Law]:
 
 def _entering_law(own: Parts, followers: Followers, one: Slot) -> Law:
     config = own.config
-    step = config.reach.cycle_mm * UM_PER_MM + config.max_speed_mm_s * config.told_late_ms
+    step = config.reach.cycle_mm * UM_PER_MM + config.max_speed_mm_s * config.entry_report_delay_ms
     low, high = (one.event.eq(side.enters) for side in followers.sides)
     at_low, at_high = one.next_front <= um(own.low_end) + step, one.next_rear >= um(own.high_end) - step
     return Law(
         all_of([one.enters.implies(~one.there), low.implies(at_low), high.implies(at_high)]),
-        "A train that tells that it comes in gets a slot that no train in the area has, and is no farther in than it runs until it is told, and in a cycle.",
-        ("max_speed_mm_s", "period_ms", "told_late_ms"),
+        "A train that reports that it comes in gets a slot that no train in the area has, and is no farther in than it runs until it is reported, and in a cycle.",
+        ("max_speed_mm_s", "period_ms", "entry_report_delay_ms"),
         "[D] HTD: a train is known by its own reports; trackside detection says free or occupied",
         "operator",
-        "detection becomes occupied when a train tells that it comes in",
+        "detection becomes occupied when a train reports that it comes in",
     )
 
 
@@ -125,11 +125,11 @@ def _order_law(own: Parts, followers: Followers) -> Law:
     )
     return Law(
         term,
-        "A vehicle that was never counted runs no faster than the top speed, and passes no train: it stays behind a train that told before "
+        "A vehicle that was never counted runs no faster than the top speed, and passes no train: it stays behind a train that reported before "
         "it came in at the same end, or in the same cycle, and ahead of others; of a train that tells after the vehicle came in there, "
-        "with no other train told between, either; until that train told that it left.",
+        "with no other train reported between, either; until that train reported that it left.",
         ("max_speed_mm_s", "period_ms"),
-        "[D] one track: no vehicle passes another, and none comes in between an end and a train that tells that it comes in",
+        "[D] one track: no vehicle passes another, and none comes in between an end and a train that reports that it comes in",
         "infrastructure",
         "no switch between the ends, nor just outside",
     )

@@ -22,7 +22,7 @@ class AreaConfig(Config):
     borders               counted: axle counters at both ends count every vehicle in and out; occupancy: train detection says whether the
                           area is occupied, and whether it is clear just outside each end. Trains then tell themselves when they come in
                           and have left, and other vehicles may come in at an end that is not clear outside
-    told_late_ms          where borders report occupancy alone: the longest time from a train's coming in until it is told
+    entry_report_delay_ms  where borders report occupancy alone: the longest time from a train's coming in until it is reported
     inner_detection       detection sections inside the area, at any places; each says whether it is clear
     """
 
@@ -34,7 +34,7 @@ class AreaConfig(Config):
     limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km to either side")
     integrity_is_trusted: bool = True
     borders: Literal["counted", "occupancy"] = "counted"
-    told_late_ms: int = quantity(0, "ms", 0, 60_000, "[D] 0: in the cycle in which detection becomes occupied")
+    entry_report_delay_ms: int = quantity(0, "ms", 0, 60_000, "[D] 0: in the cycle in which detection becomes occupied")
     inner_detection: int = quantity(
         0, "count", 0, 16, "[D] detection sections inside the area, such as those of stations"
     )
@@ -43,7 +43,7 @@ class AreaConfig(Config):
     def reach(self) -> Reach:
         """Limits of all motion."""
         cycle = -(-self.max_speed_mm_s * self.period_ms // 1_000)
-        late = -(-self.max_speed_mm_s * self.told_late_ms // 1_000) if self.borders == "occupancy" else 0
+        late = -(-self.max_speed_mm_s * self.entry_report_delay_ms // 1_000) if self.borders == "occupancy" else 0
         return Reach(cycle, self.max_speed_mm_s, self.report_age_limit_ms, self.limit_mm, cycle + late)
 
 

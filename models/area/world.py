@@ -57,7 +57,7 @@ def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
 def _stays(own: Parts, one: Slot) -> Bool:
     """Return the condition that the train is in the area after the cycle, by the undisturbed counters.
 
-    Where nobody counts it is so until it has told that it left, or detection was clear, and it is really outside.
+    Where nobody counts it is so until it has reported that it left, or detection was clear, and it is really outside.
     """
     if own.followers is not None:
         return followers_world.stays(own, one)

@@ -9,7 +9,9 @@ from safeloc.models.sections import SectionsConfig
 CONFIGURATIONS = Configurations(
     {
         "a report of integrity is not trusted": SectionsConfig(area=AreaConfig(integrity_is_trusted=False)),
-        "borders report occupancy alone": SectionsConfig(area=AreaConfig(borders="occupancy", told_late_ms=5_000)),
+        "borders report occupancy alone": SectionsConfig(
+            area=AreaConfig(borders="occupancy", entry_report_delay_ms=5_000)
+        ),
         "borders report occupancy alone, integrity is not trusted": SectionsConfig(
             area=AreaConfig(borders="occupancy", integrity_is_trusted=False)
         ),

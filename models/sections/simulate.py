@@ -185,7 +185,7 @@ class _World:
         inside = any(front >= low and rear <= high for rear, front in self._vehicles())
         sides = [not (then or now) for then, now in zip(before, self._outside(), strict=True)]
         came_low = self._scene.follower is not None and self._scene.follower.at_low
-        in_time = {f"area.train_{number}_is_told_late": False for number in range(1, self._config.area.trains + 1)}
+        in_time = {f"area.train_{number}_is_reported_late": False for number in range(1, self._config.area.trains + 1)}
         return {
             **in_time,
             "area.counters_clear": healthy and not inside,

@@ -206,7 +206,7 @@ def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:
         "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
         & own.heading.rolled.eq(seen.rolled),
         "machine and world agree on the last odometer distance": odometer.gap.eq(seen.silent)
-        & odometer.last.eq(seen.heard),
+        & odometer.last.eq(seen.last_delivered),
         "the interval holds the true distance": held.implies(
             between(half - interval.below, off, interval.above - half)
         ),

@@ -142,7 +142,7 @@ class Ghosts:
 
     distance             the true distance of the front end beyond balise 1 of the last unlinked group that can be a reference
     wander, next_wander  the one-off part of the odometer's error, before the cycle and, freely chosen, after it
-    heard, silent        the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
+    last_delivered, silent  the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
     backwards, rolled    the direction of running as measured, and the distance run against it without a break, mm
     national             the national location accuracy, as last received, mm
     true_step            the true run of the cycle
@@ -157,7 +157,9 @@ class Ghosts:
         off = 2 * config.detection_mm * NM_PER_MM
         self.distance = declared.ghost(number("true_distance_nm", NM, -line, line), first=ANY)
         self.wander = declared.ghost(number("odometer_wander_nm", NM, -half, half), first=ANY)
-        self.heard = declared.ghost(number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm), first=0)
+        self.last_delivered = declared.ghost(
+            number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm), first=0
+        )
         self.silent = declared.ghost(
             number("odometer_silent_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1
         )

@@ -69,7 +69,7 @@ def measuring(own: Parts) -> Measuring:
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
         config.gap_limit_cycles, config.gap_limit_cycles + 1,
     )  # fmt: skip
-    return Measuring(own.odometer.law, own.odometer.step, own.world.heard, own.world.silent, physics)
+    return Measuring(own.odometer.law, own.odometer.step, own.world.last_delivered, own.world.silent, physics)
 
 
 def _wander_after(own: Parts) -> Num:

@@ -102,7 +102,7 @@ def _verdict(model: UnlinkedGroup) -> Iterator[Property]:
 def _expected(model: UnlinkedGroup) -> Num:
     own, step, read = model.own, Step(model), model.own.read
     flaws: list[tuple[Bool, Num]] = [
-        (~step.spoken, v.NONE),
+        (~step.any_given, v.NONE),
         (~step.given, v.MALFORMED),
         (read.check.value.eq(FAILED), v.CORRUPTED),
         (read.age.value >= own.config.telegram_age_limit_ms + 1, v.STALE),

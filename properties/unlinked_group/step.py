@@ -51,7 +51,7 @@ class Step:
         return all_of([*present, *fits, lone])
 
     @cached_property
-    def spoken(self) -> Bool:
+    def any_given(self) -> Bool:
         """Some value of a reading is present."""
         read = self.model.own.read
         named = (read.since, read.age, read.last, read.first, read.read, read.total, read.check, read.link, read.group)

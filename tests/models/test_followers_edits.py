@@ -18,7 +18,7 @@ from safeloc.models.sections import Section, SectionsConfig
 from tests.models.edited_terms import edited
 from tests.models.test_area_edits import HELD, LOOSE, keeps
 
-CONFIG = SectionsConfig(area=AreaConfig(trains=2, borders="occupancy", told_late_ms=2_000))
+CONFIG = SectionsConfig(area=AreaConfig(trains=2, borders="occupancy", entry_report_delay_ms=2_000))
 CLEAR = "section_1 is never clear with a vehicle that was not counted"
 RUNS, BEGINS = "followers from the low end run on", "followers come in at the low end only from outside"
 FASTER = "followers from the high end run no faster than they can"
@@ -95,13 +95,13 @@ OF_THE_BOUND: dict[str, tuple[type, str, Wrong, str]] = {
     "followers before a train that comes in are forgotten": (Followers, "turns_loose", lambda *_: FALSE, LOOSE),
     "a train keeps its side when followers turn loose behind it": (
         Followers, "beside", lambda _f, _r, one, *_: (one.below, one.above), LOOSE),
-    "a train that is told is ahead of no follower": (
+    "a train that is reported is ahead of no follower": (
         Followers, "beside", lambda _f, right, one, *_: (
             ite(one.enters, one.event.eq(ENTERS_LOW), right[0]), ite(one.enters, one.event.eq(ENTERS_HIGH), right[1])), LOOSE),
-    "a train is told in time": (
+    "a train is reported in time": (
         Slot, "bounds", lambda one, right, low, _h: (
             right[0], ite(one.event.eq(ENTERS_LOW), low + one.reach.cycle_mm, right[1])), HELD),
-    "the order is known of a train that told that it left": (
+    "the order is known of a train that reported that it left": (
         Followers, "stays_ordered", lambda one, _r, slot: slot.enters | one.ordered[slot.number - 1], LOOSE),
     "every train's order is known": (Followers, "stays_ordered", lambda *_: TRUE, LOOSE),
 }  # fmt: skip
@@ -136,7 +136,7 @@ RIGHT_WIRES = sections.section_wires
 
 
 def unread(area_: Area, one: Section) -> dict[Var, Expr]:
-    """A section is told of no follower from the low end."""
+    """A section is reported of no follower from the low end."""
     low, _ = one.followers
     return {**RIGHT_WIRES(area_, one), low: as_num(-area_.own.config.limit_mm, MM)}
 
