@@ -99,10 +99,21 @@ def _pictures(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any
 def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dict[str, Any]]:
     """Return every finding; that of a property also notes the sub-terms that it shares with its machine."""
     shared = {target.name: _shared(target) for target in targets}
-    rows = [result_data(finding) for finding in findings]
+    rows = _with_statistics_once([result_data(finding) for finding in findings])
     for row in rows:
         if row["kind"] == "property" and (note := shared.get(row["machine"], {}).get(row["id"])):
             row["notes"] = {**row["notes"], "shared with the machine": note}
+    return rows
+
+
+def _with_statistics_once(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Leave out of each test what the first test of its machine notes too: one run of the tests serves all properties."""
+    first: dict[str, Mapping[str, str]] = {}
+    for row in rows:
+        if row["kind"] == "test":
+            known = first.setdefault(row["machine"], row["notes"])
+            if known is not row["notes"]:
+                row["notes"] = {name: text for name, text in row["notes"].items() if known.get(name) != text}
     return rows
 
 

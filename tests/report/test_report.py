@@ -89,6 +89,30 @@ def test_shipped_machines_obey_the_schema(name: str) -> None:
     assert machine["configuration"]["tolerance_mm"] == 30_000
 
 
+def test_statistics_of_the_tests_are_given_once() -> None:
+    """The first test of a machine notes them; a test that notes something else notes that, and only that."""
+    figures = {"runs": "60", "steps": "3600"}
+    every = [
+        Finding(f"lamp/test/{name}", "lamp", "test", name, Held("Hypothesis", 60, 3600, notes), "Hypothesis", 1.0)
+        for name, notes in (
+            ("first", figures),
+            ("second", dict(figures)),
+            ("third", {**figures, "never happened": "the case (mode = ON)"}),
+            ("fourth", {**figures, "steps": "3599"}),
+        )
+    ]
+    made = report_data(every, [target()])
+    assert [row["notes"] for row in made["results"]] == [
+        figures,
+        {},
+        {"never happened": "the case (mode = ON)"},
+        {"steps": "3599"},
+    ]
+    text = to_html(made)
+    assert text.count("<summary>statistics of the property tests</summary>") == 1
+    assert "<summary>further notes on the property tests: third</summary>" in text
+
+
 def test_the_headline_is_the_worst() -> None:
     """One violation makes the report violated, one undecided statement unknown; a test alone is no proof."""
     proved, violated, unknown = findings()
