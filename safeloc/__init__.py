@@ -15,6 +15,7 @@ from safeloc.errors import (
     TruthValueError,
     UnforeseenError,
     UnitError,
+    UnknownNameError,
 )
 from safeloc.language.absence import shown_if
 from safeloc.language.composition import Clause, compose
@@ -70,6 +71,7 @@ __all__ = [
     "UnforeseenError",
     "UnitError",
     "Unknown",
+    "UnknownNameError",
     "Violated",
     "World",
     "abs_",

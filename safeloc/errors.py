@@ -3,7 +3,8 @@
 SafelocError
 ├── ModelError             a declaration is wrong
 │   ├── UnitError          ... its units do not fit (also a TypeError)
-│   └── TruthValueError    ... a symbolic term was used as a Python value (also a TypeError)
+│   ├── TruthValueError    ... a symbolic term was used as a Python value (also a TypeError)
+│   └── UnknownNameError   ... it names what the machine does not have (also a KeyError)
 ├── InputError             a value given to a machine is wrong (also a ValueError)
 │   ├── StreamError        ... in a stream, with its file and line
 │   ├── SnapshotError      ... in a snapshot that is damaged, or of another machine, configuration or version
@@ -34,6 +35,12 @@ class UnitError(ModelError, TypeError):
 
 class TruthValueError(ModelError, TypeError):
     """A symbolic term is used where Python needs a value."""
+
+
+class UnknownNameError(ModelError, KeyError):
+    """A transition, output or variable is named that the machine does not have."""
+
+    __str__ = Exception.__str__  # that of KeyError shows the message in quotes
 
 
 class InputError(SafelocError, ValueError):

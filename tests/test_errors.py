@@ -38,6 +38,7 @@ def test_the_tree_is_drawn_as_it_is() -> None:
     [
         ("UnitError", TypeError),
         ("TruthValueError", TypeError),
+        ("UnknownNameError", KeyError),
         ("InputError", ValueError),
         ("StreamError", ValueError),
         ("EngineError", RuntimeError),

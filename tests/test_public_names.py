@@ -44,7 +44,7 @@ PUBLIC = {
     verdict: ("Held", "Proved", "Unknown", "Violated", "require_proved"),
     errors: (
         "EngineError", "InputError", "ModelError", "NotProvedError", "PropertyError", "SafelocError", "SnapshotError",
-        "StreamError", "TruthValueError", "UnforeseenError", "UnitError",
+        "StreamError", "TruthValueError", "UnforeseenError", "UnitError", "UnknownNameError",
     ),
 }  # fmt: skip
 PAGE = ROOT / "docs" / "public.md"

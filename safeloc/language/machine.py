@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
-from safeloc.errors import ModelError, declared_at
+from safeloc.errors import ModelError, UnknownNameError, declared_at
 from safeloc.language.checks.machine import check, check_shape
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.language.first_values import ANY, Any_, Initial
@@ -78,12 +78,13 @@ class Machine:
         check(self)
 
     def fired(self, *names: str) -> Bool:
-        """Return, for use in a property, that one of these transitions fired in this step; KeyError for an unknown name."""
+        """Return, for use in a property, that one of these transitions fired in this step; UnknownNameError if there is no such
+        transition."""
         table = self.fired_name.unit
         assert isinstance(table, Enumeration)
         unknown = [name for name in names if name not in table.members]
         if unknown:
-            raise KeyError(
+            raise UnknownNameError(
                 f"{declared_at()}: {self.name} has no transition {unknown}; it has {list(table.members[1:])}."
                 f"{hint(unknown[0], table.members[1:])}"
             )
@@ -94,14 +95,14 @@ class Machine:
         return self.fired_name.eq(Lit(0, self.fired_name.unit))
 
     def output(self, name: str) -> Num:
-        """Return a numeric output by name; KeyError if there is none, TypeError if it is a truth value."""
+        """Return a numeric output by name; UnknownNameError if there is none, TypeError if it is a truth value."""
         term = self._output(name)
         if not isinstance(term, Num):
             raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a truth value; use flag().")
         return term
 
     def flag(self, name: str) -> Bool:
-        """Return a truth-valued output by name; KeyError if there is none, TypeError if it is a number."""
+        """Return a truth-valued output by name; UnknownNameError if there is none, TypeError if it is a number."""
         term = self._output(name)
         if not isinstance(term, Bool):
             raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a number; use output().")
@@ -110,7 +111,7 @@ class Machine:
     def _output(self, name: str) -> Expr:
         if name not in self.outputs:
             has = ", ".join(self.outputs) or "none"
-            raise KeyError(
+            raise UnknownNameError(
                 f"{declared_at()}: {self.name} has no output {name!r}; it has {has}.{hint(name, self.outputs)}"
             )
         return self.outputs[name]

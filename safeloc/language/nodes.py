@@ -92,6 +92,14 @@ class Num(_Node):
     def __truediv__(self, other: object) -> NoReturn:
         raise ModelError(f"{declared_at()}: / is not exact on whole numbers. Use floor_div(a, k) or ceil_div(a, k).")
 
+    def __and__(self, other: object) -> NoReturn:
+        raise _no_truth_value(self)
+
+    __rand__ = __or__ = __ror__ = __and__
+
+    def __invert__(self) -> NoReturn:
+        raise _no_truth_value(self)
+
     def __lt__(self, other: Num | int) -> Bool:
         return _compare("<", self, other)
 
@@ -345,15 +353,19 @@ def as_bool(value: Bool | bool) -> Bool:
     if isinstance(value, Bool):
         return value
     if not isinstance(value, bool):
-        bracket = (
-            " & and | bind tighter than comparisons: put the comparison in brackets, a & (b <= c)."
-            if isinstance(value, Num)
-            else ""
-        )
-        raise UnitError(
-            f"{declared_at()}: expected a truth value or a Bool term, got {type(value).__name__} {value!r}.{bracket}"
-        )
+        raise _no_truth_value(value)
     return TRUE if value else FALSE
+
+
+def _no_truth_value(value: object) -> UnitError:
+    bracket = (
+        " & and | bind tighter than comparisons: put the comparison in brackets, a & (b <= c)."
+        if isinstance(value, Num)
+        else ""
+    )
+    return UnitError(
+        f"{declared_at()}: expected a truth value or a Bool term, got {type(value).__name__} {value!r}.{bracket}"
+    )
 
 
 def all_of(parts: Iterable[Bool | bool]) -> Bool:

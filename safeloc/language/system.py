@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from safeloc.errors import UnknownNameError
 from safeloc.language.checks.machine import input_variables
 from safeloc.language.expr import (
     TRUE,
@@ -114,12 +115,12 @@ class TransitionSystem:
     whole: str = ""
 
     def variable(self, name: str) -> Var:
-        """Return a state or input variable by name; KeyError if there is none."""
+        """Return a state or input variable by name; UnknownNameError if there is none."""
         for var in (*self.state, *self.inputs):
             if var.name == name:
                 return var
         names = [var.name for var in (*self.state, *self.inputs)]
-        raise KeyError(f"{self.name} has no variable {name!r}; it has {names}.{hint(name, names)}")
+        raise UnknownNameError(f"{self.name} has no variable {name!r}; it has {names}.{hint(name, names)}")
 
 
 def lower(machine: Machine) -> TransitionSystem:

@@ -129,6 +129,13 @@ def test_every_kind_of_node_says_what_it_is_made_of() -> None:
             lambda: boolean("b") & number("n", MM, 0, 9) <= 3,
             r"bind tighter than comparisons: put the comparison in brackets",
         ),
+        (
+            lambda: number("n", MM, 0, 9) & boolean("b"),
+            "got NumVar n. & and | bind tighter than comparisons: put the comparison in brackets",
+        ),
+        (lambda: 3 & number("n", MM, 0, 9), "expected a truth value or a Bool term, got NumVar n. & and | bind"),
+        (lambda: number("n", MM, 0, 9) | 3, "expected a truth value or a Bool term, got NumVar n. & and | bind"),
+        (lambda: ~number("n", MM, 0, 9), "expected a truth value or a Bool term, got NumVar n"),
         (lambda: was(number("n", MM, 0, 9)), r"was\(\.\.\.\) is for truth values; write before\(n\) for a number"),
         (lambda: before(boolean("b")), r"before\(\.\.\.\) is for numbers; write was\(b\) for a truth value"),
         (lambda: before(3), r"write was\(x\) for a truth value"),

@@ -7,7 +7,7 @@ from dataclasses import FrozenInstanceError, replace
 
 import pytest
 
-from safeloc.errors import ModelError, UnitError
+from safeloc.errors import ModelError, UnitError, UnknownNameError
 from safeloc.language.expr import boolean, enumeration, members, number
 from safeloc.language.interpret import holds
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
@@ -51,9 +51,11 @@ def test_what_fired_is_a_term(number_: int, go: bool, either: bool, stayed: bool
 
 
 def test_an_unknown_transition_is_refused() -> None:
-    """The message names the machine, what it lacks and what it has."""
-    with pytest.raises(KeyError, match=r"m has no transition \['gone'\]; it has \['go', 'back'\]"):
+    """The message names the machine, what it lacks and what it has, and is printed as it is, without quotes."""
+    with pytest.raises(UnknownNameError, match=r"m has no transition \['gone'\]; it has \['go', 'back'\]") as raised:
         MACHINE.fired("go", "gone")
+    assert isinstance(raised.value, KeyError)
+    assert str(raised.value).startswith(__file__)
 
 
 def test_outputs_by_kind() -> None:
