@@ -4,17 +4,27 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from safeloc.report.drawing import Axis, number
+from safeloc.report.drawing import RED, Axis, number, wide
 
-_WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 860, 270, 120, 34, 34
+WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 860, 270, 120, 34, 34
 _COLOURS = ("#1f6fb2", "#c4472b", "#3a8f4d", "#8a5bb0", "#9a7b1c")
 
 _Series = Sequence[float | None]
 
 
-def line_chart(title: str, unit: str, lines: Mapping[str, _Series], band: tuple[_Series, _Series] | None = None) -> str:
-    """Return lines by name over steps 0, 1, 2 ...; `band` is shaded between its lower and upper series. None is a gap."""
+def line_chart(
+    title: str,
+    unit: str,
+    lines: Mapping[str, _Series],
+    band: tuple[_Series, _Series] | None = None,
+    broken: int | None = None,
+) -> str:
+    """Return lines by name over steps 0, 1, 2 ...; `band` is shaded between its lower and upper series. None is a gap.
+
+    broken  the step that breaks the property, which is marked
+    """
     every = [v for series in [*lines.values(), *(band or ())] for v in series if v is not None]
     length = max((len(series) for series in lines.values()), default=0)
     if not every or length < 2:
@@ -26,32 +36,46 @@ def line_chart(title: str, unit: str, lines: Mapping[str, _Series], band: tuple[
         body.append(f'<path d="{_path(scale, series)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
         body += [_dot(scale, step, value, colour) for step, value in _lone(series)]
         if name != title:
-            body.append(_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
-    frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{_WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
+            body.append(line_of_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
+    frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
     marks = [_mark(scale, value, unit) for value in scale.ticks]
+    if broken is not None:
+        marks.append(broken_at(scale.steps, broken, TOP + 4, HEIGHT - BOTTOM))
+    last = f"step {length - 1}" if broken is None else f"\N{MULTIPLICATION SIGN} violated at step {broken}"
     ends = [
-        _text(LEFT, 13, title),
-        _text(LEFT, HEIGHT - 12, "step 0"),
-        _text(_WIDTH - 70, HEIGHT - 12, f"step {length - 1}"),
+        line_of_text(LEFT, 13, title),
+        line_of_text(LEFT, HEIGHT - 12, "step 0"),
+        line_of_text(WIDTH - 20 - wide(last), HEIGHT - 12, last),
     ]
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {HEIGHT}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'aria-label="{html.escape(title)}" class="chart">{frame}{"".join(marks)}{"".join(body)}{"".join(ends)}</svg>'
     )
+
+
+@dataclass(frozen=True)
+class StepScale:
+    """Places of the steps 0 to length - 1 across the page."""
+
+    length: int
+
+    def x(self, step: int) -> float:
+        """Return the place of a step."""
+        return LEFT + (WIDTH - LEFT - 10) * step / (self.length - 1)
 
 
 class _Scale:
     def __init__(self, low: float, high: float, length: int) -> None:
         pad = (high - low) * 0.04 or 1.0
         self._axis = Axis(low - pad, high + pad, HEIGHT - BOTTOM, TOP + 4)
-        self._length = length
+        self.steps = StepScale(length)
 
     @property
     def ticks(self) -> list[float]:
         return self._axis.ticks
 
     def x(self, step: int) -> float:
-        return LEFT + (_WIDTH - LEFT - 10) * step / (self._length - 1)
+        return self.steps.x(step)
 
     def y(self, value: float) -> float:
         return self._axis.at(value)
@@ -107,11 +131,22 @@ def _widened(scale: _Scale, run: Sequence[tuple[int, float, float]]) -> list[tup
 
 def _mark(scale: _Scale, value: float, unit: str) -> str:
     y = scale.y(value)
-    return f'<line x1="{LEFT}" x2="{_WIDTH - 10}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>' + _text(
+    return f'<line x1="{LEFT}" x2="{WIDTH - 10}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>' + line_of_text(
         4, y + 4, f"{number(value)} {unit}"
     )
 
 
-def _text(x: float, y: float, text: str, colour: str = "") -> str:
+def broken_at(scale: StepScale, step: int, top: float, bottom: float) -> str:
+    """Return the mark of the step that breaks a property, from `top` to `bottom`."""
+    x = scale.x(step)
+    tip = f"violated at step {step}"
+    return (
+        f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{top:.0f}" y2="{bottom:.0f}" stroke="{RED}" stroke-width="2" '
+        f'stroke-dasharray="5 3" class="broken"><title>{tip}</title></line>'
+    )
+
+
+def line_of_text(x: float, y: float, text: str, colour: str = "") -> str:
+    """Return a text that begins at a place; text in it is escaped."""
     style = f' style="fill:{colour}"' if colour else ""
     return f'<text x="{x:.0f}" y="{y:.0f}"{style}>{html.escape(text)}</text>'

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from safeloc.language.units import NM_PER_MM
+from safeloc.report.lanes import mode_lanes
 from safeloc.report.plot import line_chart
 from safeloc.reported import Reported
 
@@ -45,14 +46,20 @@ def shown_value(signals: _Data, name: str, value: bool | int) -> str:
 
 
 def trace_charts(trace: _Data, machine: _Data) -> str:
-    """Return truth, reported position and margins where the machine reports an interval; otherwise what changed most."""
-    if machine["reported"] is not None:
-        return _position_chart(trace, Reported(**machine["reported"]))
+    """Return the charts of a run that ends with the step that violates a property.
+
+    They show the modes, and truth, reported position and margins where the machine reports an interval; otherwise what
+    changed most.
+    """
     signals = machine["signals"]
+    modes = mode_lanes(trace, signals)
+    if machine["reported"] is not None:
+        return modes + _position_chart(trace, Reported(**machine["reported"]))
     numbers = [name for name in trace["first"] if name in signals and signals[name]["unit"]]
     moving = sorted((name for name in numbers if _spread(trace, name)), key=lambda name: -_spread(trace, name))
-    return "".join(
-        line_chart(name, signals[name]["unit"], {name: _series(trace, name)}) for name in moving[:_MOST_CHARTS]
+    return modes + "".join(
+        line_chart(name, signals[name]["unit"], {name: _series(trace, name)}, broken=len(trace["steps"]))
+        for name in moving[:_MOST_CHARTS]
     )
 
 
@@ -76,7 +83,7 @@ def _position_chart(trace: _Data, reported: Reported) -> str:
     origin = next((value for value in (*truth, *position) if value is not None), 0.0)
     lines = {"truth": _shift(truth, origin), "reported position": _shift(position, origin)}
     title = f"truth, position and interval, from {origin:.0f} mm on"
-    chart = line_chart(title, "mm", lines, (_shift(low, origin), _shift(high, origin)))
+    chart = line_chart(title, "mm", lines, (_shift(low, origin), _shift(high, origin)), len(trace["steps"]))
     return chart + _margin_chart(truth, position, low, high)
 
 
@@ -85,7 +92,8 @@ def _margin_chart(truth: Series, position: Series, low: Series, high: Series) ->
     WRONG."""
     below, above = _minus(low, position), _minus(high, position)
     lines = {"- below": below, "+ above": above, "truth - position": _minus(truth, position)}
-    return line_chart("distance of the truth from the reported position, and margins", "mm", lines, (below, above))
+    title = "distance of the truth from the reported position, and margins"
+    return line_chart(title, "mm", lines, (below, above), len(truth) - 1)
 
 
 def _truth_mm(trace: _Data, reported: Reported) -> Series:
