@@ -56,9 +56,7 @@ def mode_lanes(trace: _Data, signals: _Data) -> str:
 def _lanes(trace: _Data, signals: _Data) -> list[Lane]:
     names = [name for name in trace["first"] if name.split(".")[-1] == "mode" and signals.get(name, {}).get("members")]
     lanes = [
-        Lane(
-            name, [trace["first"][name], *(step["state"][name] for step in trace["steps"])], signals[name]["members"]
-        )
+        Lane(name, [trace["first"][name], *(step["state"][name] for step in trace["steps"])], signals[name]["members"])
         for name in names
     ]
     return lanes if len(lanes) == 1 else [lane for lane in lanes if len(set(lane.modes)) > 1][:MOST_LANES]
@@ -75,9 +73,7 @@ def _stretch(lane: Lane, scale: StepScale, top: float, mode: int, first: int, af
     width = max(right - left, 2.0)
     colour, label = PALETTE[mode % len(PALETTE)], lane.labels[mode]
     tip = html.escape(f"{lane.name} = {label}, steps {first} to {after - 1}")
-    bar = (
-        f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{_BAR}" fill="{colour}"><title>{tip}</title></rect>'
-    )
+    bar = f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{_BAR}" fill="{colour}"><title>{tip}</title></rect>'
     if wide(label) + 6 > width:
         return bar
     return bar + line_of_text(left + 3, top + 12, label, "#ffffff" if colour in DARK else "#000000")

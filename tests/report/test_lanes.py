@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from safeloc.report.lanes import MOST_LANES, mode_lanes
@@ -31,7 +32,7 @@ def test_each_stretch_is_a_bar() -> None:
     ends = [0, 2, 5, 8]
     assert [(left, right) for left, right, _ in bars(svg)] == [
         (round(LEFT + room * first, 1), round(round(LEFT + room * first, 1) + round(room * (last - first), 1), 1))
-        for first, last in zip(ends, ends[1:], strict=False)
+        for first, last in pairwise(ends)
     ]
     assert [tip for *_, tip in bars(svg)] == [
         "mode = DOWN, steps 0 to 1",
@@ -65,7 +66,7 @@ def test_a_short_stretch_has_no_letters() -> None:
 def test_only_machines_that_change_mode_have_a_lane() -> None:
     """Of a composition; a machine by itself always has one."""
     names = [f"m{number}.mode" for number in range(9)]
-    signals = {name: SIGNALS["mode"] for name in names}
+    signals = dict.fromkeys(names, SIGNALS["mode"])
     still = run_of({name: [0, 0] for name in names})
     assert mode_lanes(still, signals) == ""
     assert mode_lanes(run_of({"mode": [0, 0]}), SIGNALS).count("<rect") == 1
