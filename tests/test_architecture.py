@@ -103,11 +103,12 @@ KNOWS = {
     "shipped": ("language", "reported", "models", "properties", "target", "targets"),
     "own_module": ("language", "reported", "railway.pictures", "target"),
     "catalogue": ("language", "runtime", "own_module", "shipped", "target"),
+    "explain": ("language", "codegen", "proof", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
     "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
     "templates": ("language", "proof", "models", "catalogue"),
     "cli": (
-        *ENGINE, "assurance", "checker", "railway", "simulation", "models", "report", "catalogue", "target", "config", "templates",
+        *ENGINE, "assurance", "checker", "explain", "railway", "simulation", "models", "report", "catalogue", "target", "config", "templates",
     ),
 }  # fmt: skip
 """Each room, or module at the root, and what it may import beside itself and the errors. The railway's have a row each.

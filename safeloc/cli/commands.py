@@ -85,6 +85,11 @@ COMMANDS: Mapping[str, Known] = {
         "prove",
         "Prove the properties and obligations of a machine for all streams that obey its assumption.",
     ),
+    "explain": Known(
+        "explain",
+        "explain",
+        "Explain one property: what it says and assumes, how it was decided, what that rests on, and the run that violates it.",
+    ),
     "test": Known("property_tests", "test", "Run property tests along plausible and faulty streams."),
     "replay": Known(
         "replay",

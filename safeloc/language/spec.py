@@ -16,7 +16,7 @@ Provers, the monitor, Hypothesis and replay all read this one Goal, so they cann
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -249,11 +249,7 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     check_reading(Reading(system, prop, waiting, helper))
     while_waiting = TRUE if waiting is None or helper is None else (waiting > 0).implies(helper)
     good, plain = observer.goal(prop, waiting), _relied_on(system, prop)
-    moved = {**plain.next, **observer.moves}
-    initial = {**plain.initial, **observer.initial}
-    first = all_of([plain.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
-    extended = replace(plain, state=(*plain.state, *observer.moves), next=moved, init=first, initial=initial)
-    return Goal(extended, good, prop, tuple(observer.moves), system, plain, while_waiting)
+    return Goal(observer.on(plain), good, prop, tuple(observer.moves), system, plain, while_waiting)
 
 
 def waiting_for(prop: Property) -> NumVar | None:
@@ -291,14 +287,20 @@ class _Observer:
         self.moves: dict[Var, Expr] = {}
         self.initial: dict[Var, Value] = {}
         self._after: dict[Var, Expr] = {**system.next, **{name: term for name, term in system.fired.items()}}
-        self._lifted: dict[Expr, Expr] = {}
+        self.lifted: dict[Expr, Expr] = {}
+
+    def on(self, plain: TransitionSystem) -> TransitionSystem:
+        """Return the system with the observer variables that have been made so far."""
+        moved, initial = {**plain.next, **self.moves}, {**plain.initial, **self.initial}
+        first = all_of([plain.init, *(_is_initially(var, value) for var, value in self.initial.items())])
+        return replace(plain, state=(*plain.state, *self.moves), next=moved, init=first, initial=initial)
 
     def goal(self, prop: Property, waiting: NumVar | None) -> Bool:
         match prop.kind:
             case "always":
-                return prop.term if self._state_only(prop.term) else ~self._latched(~self._now(prop.term))
+                return prop.term if self._state_only(prop.term) else ~self._latched(~self.read(prop.term))
             case "reachable":
-                return ~prop.term if self._state_only(prop.term) else ~self._latched(self._now(prop.term))
+                return ~prop.term if self._state_only(prop.term) else ~self._latched(self.read(prop.term))
             case "within":
                 assert waiting is not None
                 return self._answered(prop, waiting)
@@ -309,7 +311,7 @@ class _Observer:
         return all(var in state for var in variables([term])) and not any(isinstance(node, Past) for node in nodes)
 
     def _answered(self, prop: Property, waiting: NumVar) -> Bool:
-        trigger, response = self._now(prop.term), self._now(prop.response)
+        trigger, response = self.read(prop.term), self.read(prop.response)
         counted = ite(waiting > 0, waiting + 1, ite(trigger, as_num(1, COUNT), as_num(0, COUNT)))
         late = Lit(prop.steps + 1, COUNT)
         self.moves[waiting] = ite(waiting.eq(late), late, ite(response, as_num(0, COUNT), counted))
@@ -328,19 +330,19 @@ class _Observer:
         self.initial[var] = False
         return var
 
-    def _now(self, term: Bool) -> Bool:
-        """Rewrite a term over state before the step and inputs, with observer variables for past operators."""
+    def read(self, term: Bool) -> Bool:
+        """Return the term over state before the step and inputs, with observer variables for past operators."""
         for node in in_order([term]):
-            if node not in self._lifted:
-                self._lifted[node] = self._lift(node)
-        result = self._lifted[term]
+            if node not in self.lifted:
+                self.lifted[node] = self._lift(node)
+        result = self.lifted[term]
         assert isinstance(result, Bool)
         return result
 
     def _lift(self, node: Node) -> Expr:
         if isinstance(node, (NumVar, BoolVar)):
             return node.before if node.before is not None else self._after.get(node, node)
-        parts = tuple(self._lifted[child] for child in children(node))
+        parts = tuple(self.lifted[child] for child in children(node))
         if not isinstance(node, Past):
             return rebuilt(node, parts)
         args = [part for part in parts if isinstance(part, Bool)]
@@ -352,6 +354,27 @@ class _Observer:
             case "since":
                 var = self._flag("since", lambda var: args[1] | (args[0] & var))
                 return args[1] | (args[0] & var)
+
+
+@dataclass(frozen=True, eq=False)
+class StepReading:
+    """How the terms of a property are read in one step.
+
+    system  the system with a variable for each past operator, under the assumption of the property
+    of      each term of trigger and response -> the same over state before the step and inputs, all of `system`
+    """
+
+    system: TransitionSystem
+    of: Mapping[Expr, Expr]
+
+
+def step_reading(system: TransitionSystem, prop: Property) -> StepReading:
+    """Return how each term of the property is read in one step. PropertyError if it reads a variable that it must not."""
+    check_reading(Reading(system, prop, None, None))
+    observer, plain = _Observer(system, prop.name), _relied_on(system, prop)
+    for term in (prop.term, prop.response):
+        observer.read(term)
+    return StepReading(observer.on(plain), observer.lifted)
 
 
 @dataclass(frozen=True, eq=False)

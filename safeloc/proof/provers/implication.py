@@ -13,7 +13,7 @@ import z3
 
 from safeloc.codegen.smt import Terms, constant, implied, require
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
-from safeloc.language.expr import Bool
+from safeloc.language.expr import Bool, Var
 from safeloc.language.nodes import Value
 from safeloc.language.terms import conjuncts, variables
 from safeloc.language.trace import shown
@@ -85,6 +85,14 @@ def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Fail
     return failed
 
 
+def countermodel(query: Query[Key], seconds: float, seed: int = 0) -> dict[Var, Value] | None:
+    """Return values of the query's variables under which all hypotheses hold and some goal does not.
+
+    None if every goal follows, or if z3 does not decide within the seconds of effort.
+    """
+    return _Asked(query, seed).countermodel(deadline(seconds))
+
+
 def _failures(query: Query[Key], seconds: float, seed: int) -> dict[Key, Failure]:
     asked, ends = _Asked(query, seed), deadline(seconds)
     failed = asked.with_core(deadline(min(CORE_SECONDS, seconds / 2)))
@@ -127,6 +135,14 @@ class _Asked:
             _CORES[self._query] = [number for number, switch in enumerate(switches) if switch.get_id() in used]
             self.left = {}
         return {}
+
+    def countermodel(self, ends: Deadline) -> dict[Var, Value] | None:
+        """Return the values of all variables in a model of the hypotheses in which some goal is false, if z3 finds one."""
+        solver = self._solver(z3.Not(z3.And(*self.left.values())))
+        if ask(solver, ends.left) != z3.sat:
+            return None
+        model = solver.model()
+        return {var: _value(model, term) for var, term in self._named.items()}
 
     def together(self, ends: Deadline) -> dict[Any, Failure]:
         """Ask for all goals left together: each model refutes the goals that are false in it, until the rest follows or

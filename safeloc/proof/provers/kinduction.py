@@ -129,7 +129,7 @@ def _unrolled(goal: Goal, kept: Sequence[Bool], k: int) -> tuple[list[Substituti
     now: dict[Var, Expr] = {}
     states, allowed = [Substitution(now)], []
     for number in range(k):
-        inputs: dict[Var, Expr] = {var: _numbered_input(var, number) for var in system.inputs} if number else {}
+        inputs: dict[Var, Expr] = {var: numbered_input(var, number) for var in system.inputs} if number else {}
         step = Substitution({**now, **inputs})
         allowed.append(step.bool(environment_))
         now = {var: step(term) for var, term in system.next.items()}
@@ -137,5 +137,6 @@ def _unrolled(goal: Goal, kept: Sequence[Bool], k: int) -> tuple[list[Substituti
     return states, allowed
 
 
-def _numbered_input(var: Var, number: int) -> NumVar | BoolVar:
+def numbered_input(var: Var, number: int) -> NumVar | BoolVar:
+    """Return the variable of a query that stands for an input in step `number`, from 1; that of step 0 is the input itself."""
     return replace(var, name=f"{var.name}@{number}")

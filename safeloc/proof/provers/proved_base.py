@@ -14,11 +14,11 @@ or that the second solver does not confirm, is dropped and named in `refuted`; i
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.expr import Bool, NumVar
+from safeloc.language.expr import Bool, NumVar, Var
 from safeloc.language.system import Part, TransitionSystem, environment, first_without_the_world, in_range
 from safeloc.language.terms import Substitution, variables
 from safeloc.proof.provers.facts import Fact, about, range_of
@@ -129,7 +129,7 @@ def _alone(part: Part, seconds: float) -> Alone:
     return Alone(known.always, known.facts, known.certificates)
 
 
-def _without(terms: Mapping[Fact, Bool], known: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
+def _without(terms: Mapping[Fact, Bool], known: Container[Fact]) -> dict[Fact, Bool]:
     return {key: term for key, term in terms.items() if key not in known}
 
 
@@ -163,16 +163,46 @@ def _inductive(
     """Return the largest subset that is inductive together, its certificates, and the dropped terms."""
     kept, refuted = dict(terms), dict[Fact, Failure]()
     while kept:
+        kept, both, failed = _inductive_for_z3(layer, kept, ends)
+        refuted |= failed
+        if not kept:
+            break
+        texts, unconfirmed = _confirmed(both, layer.relies_on, ends)
+        if not unconfirmed:
+            return kept, texts, refuted
+        refuted |= unconfirmed
+        kept = _without(kept, unconfirmed)
+    return {}, {}, refuted
+
+
+def _inductive_for_z3(
+    layer: _Layer, terms: Mapping[Fact, Bool], ends: Deadline
+) -> tuple[dict[Fact, Bool], tuple[Query[Fact], Query[Fact]], dict[Fact, Failure]]:
+    """Return the largest subset of which z3 proves that it is inductive together, its queries, and the dropped terms."""
+    kept, refuted = dict(terms), dict[Fact, Failure]()
+    while True:
         both = layer.queries(kept)
         failed = {key: why for query in both for key, why in unproved(query, ends.left).items()}
-        texts: dict[str, str] = {}
         if not failed:
-            texts, failed = _confirmed(both, layer.relies_on, ends)
-        if not failed:
-            return kept, texts, refuted
+            return kept, both, refuted
         refuted |= failed
-        kept = {key: term for key, term in kept.items() if key not in failed}
-    return {}, {}, refuted
+        kept = _without(kept, failed)
+
+
+def inductive_beside(
+    system: TransitionSystem, known: Base, terms: Sequence[Bool], seconds: float, *, unconditional: bool = False
+) -> list[Bool]:
+    """Return the largest subset of the terms that is inductive together, given the base; z3 alone decides.
+
+    unconditional  for all inputs in range, not only under the assumption; terms over ghosts are then left out
+    """
+    ghosts = system.ghosts if unconditional else frozenset[Var]()
+    named = {
+        Fact("lemma", f"candidate {n}"): term for n, term in enumerate(terms) if ghosts.isdisjoint(variables([term]))
+    }
+    layer = _board(system, known.always, ()) if unconditional else _world(system, {**known.always, **known.facts}, ())
+    kept, _, _ = _inductive_for_z3(layer, named, deadline(seconds))
+    return list(kept.values())
 
 
 def _confirmed(
