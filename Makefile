@@ -8,12 +8,13 @@
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
-# Two processes begin with half of the tests each, file after file, so that a file's machines are compiled once; who is
-# through takes from the other's end.
-TWO := -n 2 --dist worksteal
+# Three processes for two cores, since some tests wait for a program. Each begins with a third of the tests, file after file, so that a
+# file's machines are compiled once; who is through takes from another's end.
+SHARED := -n 3 --dist worksteal
 # An ordinary test takes seconds; one that hangs is ended after this time, and where it hung is told.
 ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
-# Of the tests that take more than three seconds a sample is ordinary (tests/ordinary.py). CI says WHICH="not slow".
+# Of the tests that take more than three seconds a sample is ordinary (tests/ordinary.py). WHICH="not slow" are all that take less
+# than minutes.
 WHICH := ordinary
 
 .PHONY: verify test test-all test-long docs lint formatted ruff mypy pyright bench coverage clean
@@ -22,10 +23,10 @@ verify: $(READY)
 	$(BIN)/safeloc verify --out safeloc-report --jobs 2
 
 test: $(READY)
-	$(BIN)/python -m pytest $(TWO) $(ENDED) -m "$(WHICH)"
+	$(BIN)/python -m pytest $(SHARED) $(ENDED) -m "$(WHICH)"
 
 test-all: $(READY)
-	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest $(TWO)
+	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest $(SHARED)
 
 # One line a topic: long-NAME is the command of TOPIC=NAME; what it writes stands in long/.
 long-fuzz = -m tests.fuzz --machines 20000 --compositions 1000 --seed 1 --out long/fuzz.jsonl
