@@ -90,7 +90,7 @@ def _claimed(model: object) -> tuple[Machine, Sequence[Property]]:
 
 def _says(recording: str) -> str:
     """Return the expected outcome of a shipped recording; empty for any other."""
-    from safeloc.models.localizer.simulation.recordings import RUNS  # numpy is loaded only where a picture is drawn
+    from safeloc.models.localizer.simulation.recorded_runs import RUNS  # numpy is loaded only where a picture is drawn
 
     run = RUNS.get(recording.removeprefix("localizer-"))
     return run.says if run else ""
@@ -98,7 +98,7 @@ def _says(recording: str) -> str:
 
 def _simulated(config: LocalizerConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
     """Return a nominal journey; the seed gives the sensors' errors."""
-    from safeloc.models.localizer.simulation.recordings import (
+    from safeloc.models.localizer.simulation.recorded_runs import (
         simulated,  # numpy is loaded only where something is simulated
     )
 

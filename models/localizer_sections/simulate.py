@@ -21,7 +21,7 @@ from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
-FOLDER, SEED = Path(__file__).parents[1] / "streams", 3
+FOLDER, SEED = Path(__file__).with_name("recordings"), 3
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from safeloc.models.route.variables import RouteConfig
 from safeloc.railway.pictures import Hypothesis, Recognition, Sighting, TrackPlan
 from safeloc.runtime.streams.gzipped import name_of
 
-FIGURE_3 = frozenset(map(name_of, (Path(__file__).parents[1] / "streams").glob("route-*.jsonl.gz")))
+FIGURE_3 = frozenset(map(name_of, Path(__file__).with_name("recordings").glob("route-*.jsonl.gz")))
 """The shipped recordings: all run over the line fig3, its routes numbered in the order of the map."""
 
 

@@ -17,7 +17,7 @@ from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell, write_steps
 
 HALF_MM = 120_000  # half a pattern: a train with the uncertainty of its ends
-FOLDER = Path(__file__).parents[1] / "streams"
+FOLDER = Path(__file__).with_name("recordings")
 ENDS_MM = (0, 10_000_000)
 
 

@@ -25,8 +25,9 @@ from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.target import STREAMS, Target
+from safeloc.target import Target
 from tests.models.fibre_family import labels, mode_labels
+from tests.shipped_recordings import shipped
 
 STREAMS_OF: Mapping[str, ModuleType] = {
     "axle_head": axle_head_streams,
@@ -56,7 +57,7 @@ def recorded(stem: str) -> Trace:
     """A shipped recording, as it runs on board."""
     system = without_ghosts(target(stem.partition("-")[0]).system)
     inputs = {var.name for var in system.inputs}
-    steps = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
+    steps = read_steps(shipped(stem)).steps
     return run(system, [{name: value for name, value in step.items() if name in inputs} for step in steps])
 
 
@@ -75,7 +76,7 @@ def told(stem: str, output: str) -> Counter[str]:
 def test_a_recording_is_its_run(machine: str, stem: str) -> None:
     """The file that ships is what the model of it makes, step by step, and ships with its machine."""
     config = target(machine).config
-    assert list(read_steps(STREAMS / f"{stem}.jsonl.gz").steps) == STREAMS_OF[machine].RUNS[stem].steps(config)
+    assert list(read_steps(shipped(stem)).steps) == STREAMS_OF[machine].RUNS[stem].steps(config)
     assert stem in map(name_of, target(machine).streams)
     assert STREAMS_OF[machine].RUNS[stem].outcome.endswith(".")
 
@@ -84,7 +85,7 @@ def test_a_recording_is_its_run(machine: str, stem: str) -> None:
 @pytest.mark.parametrize(("machine", "stem"), [one for one in RUNS if one[1] not in UNLAWFUL])
 def test_a_run_is_lawful(machine: str, stem: str) -> None:
     """With its truth, it keeps what is assumed, and every property holds on it or is not about it."""
-    steps = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
+    steps = read_steps(shipped(stem)).steps
     trace = admissible_run(target(machine).system, {}, steps)
     assert {"held", "unknown"} >= {word(one) for one in check_all(trace, target(machine).properties)}
 
@@ -93,13 +94,13 @@ def test_a_run_is_lawful(machine: str, stem: str) -> None:
 def test_a_run_outside_the_assumption_claims_no_truth(stem: str) -> None:
     """What breaks the assumption ships without the truth that would break it."""
     ghosts = {var.name for var in target(stem.partition("-")[0]).system.ghosts}
-    assert all(ghosts.isdisjoint(step) for step in read_steps(STREAMS / f"{stem}.jsonl.gz").steps)
+    assert all(ghosts.isdisjoint(step) for step in read_steps(shipped(stem)).steps)
 
 
 @pytest.mark.parametrize(("machine", "stem"), RUNS, ids=[stem for _, stem in RUNS])
 def test_a_recording_verifies(machine: str, stem: str) -> None:
     """Replayed as `verify` does: whatever can be judged on it holds."""
-    _, findings = replay_stream(target(machine), STREAMS / f"{stem}.jsonl.gz")
+    _, findings = replay_stream(target(machine), shipped(stem))
     assert {"held"} == {word(one.result) for one in findings}
 
 

@@ -30,7 +30,7 @@ from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry, entry
-from safeloc.models.fibre_area.recordings import (
+from safeloc.models.fibre_area.recorded_runs import (
     FOLDER,
     LATE_RECORD,
     NAMED,

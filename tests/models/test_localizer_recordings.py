@@ -9,7 +9,7 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer.simulation.recordings import FOLDER, RUNS, simulated, write
+from safeloc.models.localizer.simulation.recorded_runs import FOLDER, RUNS, simulated, write
 from safeloc.proof.verification.replay import whole_run
 from tests.models.localizer_runs import run
 

@@ -1,6 +1,6 @@
 """Recordings of the route machine that ship: runs over the line of source 001, fig. 3, whole and with a reflector missed.
 
-Written by `python -m safeloc.models.route.recordings`; the tests check that they come out the same.
+Written by `python -m safeloc.models.route.recorded_runs`; the tests check that they come out the same.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from safeloc.railway.map.walk import Walk
 from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.motion import Leg
 
-FOLDER, LINE, MOST_ROUTES = Path(__file__).parents[1] / "streams", "fig3", 100
+FOLDER, LINE, MOST_ROUTES = Path(__file__).with_name("recordings"), "fig3", 100
 STEADY = [Leg(30_000, 50.0)]
 """Up to 30 m/s, 50 s in all."""
 
