@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -34,7 +32,6 @@ from safeloc.models.fibre_area.recorded_runs import (
     FOLDER,
     LATE_RECORD,
     NAMED,
-    ON_DEMAND,
     SERVICE,
     SPLIT,
     TURNED_BACK,
@@ -117,16 +114,6 @@ def test_the_recordings_come_out_the_same(tmp_path: Path) -> None:
     made = write(tmp_path)
     assert len(NAMED) == len(made)
     assert [path.name for path in made if path.read_bytes() != (FOLDER / path.name).read_bytes()] == []
-
-
-def test_what_does_not_ship_comes_out_the_same(tmp_path: Path) -> None:
-    """Recordings that are made on demand have the digest of the run that was looked at, and none of them ships."""
-    made = write(tmp_path, ON_DEMAND)
-    digests = {path.name: hashlib.sha256(gzip.decompress(path.read_bytes())).hexdigest()[:16] for path in made}
-    assert {
-        "fibre_area-turned-back.jsonl.gz": "7f3adc0a9048a14f",
-    } == digests
-    assert not any((FOLDER / name).exists() for name in digests)
 
 
 @pytest.mark.parametrize(
