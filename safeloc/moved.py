@@ -111,6 +111,7 @@ MOVED = {
     "safeloc.properties.verification_mismatch": "safeloc.properties.verification.mismatch",
     "safeloc.provers": "safeloc.proof.provers",
     "safeloc.railway.guard.told": "safeloc.railway.guard.judgement_data",
+    "safeloc.railway.audit.whole": "safeloc.railway.audit.all_rules",
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",
     "safeloc.requirements": "safeloc.assurance.requirements",

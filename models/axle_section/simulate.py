@@ -48,8 +48,8 @@ def quiet(cycles: int) -> Event:
 
 def train(axles: int, way: str, side: str, *, sweeps: bool = False) -> list[Event]:
     """Return a train counted `in` or `out` at the `low` or the `high` side; between its cycles a wheel stands on the head."""
-    whole, rest = divmod(axles, AXLES_A_CYCLE)
-    counts = [*[AXLES_A_CYCLE] * whole, *([rest] if rest else [])]
+    full, rest = divmod(axles, AXLES_A_CYCLE)
+    counts = [*[AXLES_A_CYCLE] * full, *([rest] if rest else [])]
     last = len(counts) - 1
     passages = [
         Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)

@@ -32,24 +32,24 @@ class Run:
 
     missed  number of the reflector that is never seen, counted from 0
     seed    seed of the drawn errors
-    whole   from standstill to the end of the route, as the line permits; otherwise 50 s of `STEADY`
+    to_the_end   from standstill to the end of the route, as the line permits; otherwise 50 s of `STEADY`
     """
 
     models: str
     seed: int
-    whole: bool = False
+    to_the_end: bool = False
     missed: int | None = None
 
 
 RUNS: Mapping[str, Run] = {
-    "acd-every-reflector": Run("ACD", 1, whole=True),
+    "acd-every-reflector": Run("ACD", 1, to_the_end=True),
     "adcd-first-missed": Run("ADCD", 3, missed=0),
     "adcd-second-missed": Run("ADCD", 3, missed=1),
 }
 """The recordings that ship, by the end of their names: the route is known; all are given up; it is known in spite of a reflector missed."""
 ON_DEMAND: Mapping[str, Run] = {
-    "adab-every-reflector": Run("ADAB", 1, whole=True),
-    "adad-every-reflector": Run("ADAD", 1, whole=True),
+    "adab-every-reflector": Run("ADAB", 1, to_the_end=True),
+    "adad-every-reflector": Run("ADAD", 1, to_the_end=True),
     "adcd-every-reflector": Run("ADCD", 3),
     "dcd-every-reflector": Run("DCD", 5),
 }
@@ -61,7 +61,7 @@ def recorded(run: Run) -> Steps:
     walk = Walk(find_line(LINE))
     routes = [one for one in through_routes(walk.topology, MOST_ROUTES) if one.runs[0].direction == "increasing"]
     taken = [one.models() for one in routes].index(run.models)
-    return _driven(walk, routes, taken, run.seed) if run.whole else _steady(routes, taken, run)
+    return _driven(walk, routes, taken, run.seed) if run.to_the_end else _steady(routes, taken, run)
 
 
 def _driven(walk: Walk, routes: Sequence[Route], taken: int, seed: int) -> Steps:

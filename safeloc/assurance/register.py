@@ -124,7 +124,7 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
         found = around.of(clause)
         alone = [one for one in found if len(one.clauses) == 1]
         against = tuple(str(other) for one in found for other in one.clauses if other is not clause)
-        observable: Observed = "no" if not alone else "whole" if alone[0].is_whole else "part"
+        observable: Observed = "no" if not alone else "whole" if alone[0].is_equivalent else "part"
         observed[clause.machine, clause.name] = {"observable": observable, "against": against}
     return observed
 

@@ -170,7 +170,7 @@ def _left(finding: Finding) -> dict[str, str]:
     Such a witness is only in the folder of traces.
     """
     trace = finding.result.witness if isinstance(finding.result, Proved) else None
-    if trace is not None and trace.system.whole:
+    if trace is not None and trace.system.composition:
         alone = f"{trace.system.machines[0].name} by itself"
         return {"witness": f"a run of {len(trace.steps)} steps of {alone}, in the folder of traces only"}
     if trace is None or len(trace.steps) * len(trace.initial) <= MOST_CELLS:

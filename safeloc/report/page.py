@@ -47,8 +47,8 @@ _Data = Mapping[str, Any]
 def to_pages(data: _Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
     """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
     rendering = _Rendering(data)
-    whole = rendering.page()
-    return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
+    page_html = rendering.page()
+    return (page_html, {}) if single or len(page_html) <= MOST_OF_ONE_PAGE else rendering.in_parts(page_html)
 
 
 def to_html(data: _Data) -> str:
@@ -94,9 +94,9 @@ class _Rendering:
             "page", **self._given, machines=machines, items_beside="", conditions_beside="", made="", script=""
         )
 
-    def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
+    def in_parts(self, page_html: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
-        made = hashlib.sha256(whole.encode()).hexdigest()[:16]
+        made = hashlib.sha256(page_html.encode()).hexdigest()[:16]
         files = file_names(["beside", "trace back", "conditions", *(one["name"] for one in self._machines)])
         html = {
             files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)

@@ -43,7 +43,7 @@ from safeloc.models.verification import Verification, VerificationConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
-from safeloc.proof.verification.replay import whole_run
+from safeloc.proof.verification.replay import run_with_truth
 from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
@@ -239,7 +239,7 @@ def test_properties_hold_along_drawn_streams() -> None:
     Runs begin along recordings too: without them no train is verified within forty steps, and most properties ask nothing.
     """
     target = load_target("fibre_area")
-    recorded = [run_ for run_ in (whole_run(target, path) for path in target.streams) if run_ is not None]
+    recorded = [run_ for run_ in (run_with_truth(target, path) for path in target.streams) if run_ is not None]
     found = run_tests(target.system, target.properties, examples=10, steps=40, seed=1, corpus=recorded)
     assert {one.id: word(one.result) for one in found if word(one.result) != "held"} == NOT_MET
 

@@ -345,7 +345,7 @@ EDITS: list[tuple[str, Callable[[Judgement], object], str]] = [
     ("reach", lambda j: j.own.reach, "reach grows by the fastest run"),
     ("placed", lambda j: j.own.associated & j.own.place.present, "not located withholds"),
     ("missing", lambda j: ~j.own.associated, "containment"),
-    ("whole", lambda j: j.own.sound & (j.own.record_count > 0), "only sound references"),
+    ("usable", lambda j: j.own.sound & (j.own.record_count > 0), "only sound references"),
     (
         "speed_fits",
         lambda j: j.own.record_speed_low <= j.own.seen_speed.value,

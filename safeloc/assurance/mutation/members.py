@@ -58,27 +58,27 @@ def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:
     return tuple(own.values())
 
 
-def member_mutants(whole: Composed, places: Places) -> list[Mutant]:
+def member_mutants(composed: Composed, places: Places) -> list[Mutant]:
     """Return all mutants of its machines, machine by machine."""
-    return [one for declared in whole.members.values() for one in mutants(declared, places)]
+    return [one for declared in composed.members.values() for one in mutants(declared, places)]
 
 
-def joined(whole: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
+def joined(composed: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
     """Return the composition with this machine in place of the one of its name, and these wires, in the original variables.
 
     ModelError if the result is not a valid composition.
     """
-    was = whole.members[machine.name].machine
-    rewired = _rewired(whole.plan.wires if wires is None else wires, was, machine)
-    machines = [machine if one is was else one for one in whole.plan.machines]
+    was = composed.members[machine.name].machine
+    rewired = _rewired(composed.plan.wires if wires is None else wires, was, machine)
+    machines = [machine if one is was else one for one in composed.plan.machines]
     made = compose(
-        whole.plan.name,
+        composed.plan.name,
         machines,
         rewired,
-        shared=whole.plan.shared,
-        discharge=_discharged(whole.plan.discharge, was, machine),
+        shared=composed.plan.shared,
+        discharge=_discharged(composed.plan.discharge, was, machine),
     )
-    return _renamed(made.system, whole.target.system)
+    return _renamed(made.system, composed.target.system)
 
 
 def _discharged(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> list[Machine | Clause]:

@@ -278,11 +278,11 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
         texts = {**known.certificates, **verdict.certificates, **first.texts}
         return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself", certificates=texts)
     if isinstance(verdict, Violated):
-        return _of_the_whole(goal, part, own, half)
+        return _of_the_composition(goal, part, own, half)
     return prove_one(goal, half)
 
 
-def _of_the_whole(goal: Goal, part: Part, own: Property, limits: Limits) -> Verdict:
+def _of_the_composition(goal: Goal, part: Part, own: Property, limits: Limits) -> Verdict:
     """Decide a claim that a machine breaks by itself on the composition, whose wires may exclude the run."""
     verdict = _in_turn(_QUICK, goal, limits)
     if not isinstance(verdict, Unknown):

@@ -84,7 +84,7 @@ class _Packing:
 
     def _trace(self, trace: Trace) -> Plain:
         kind = self._names.get(frozenset(var.name for var in trace.system.inputs))
-        if trace.system.whole:
+        if trace.system.composition:
             kind = f"part {trace.system.machines[0].name}"
         if kind is None:
             raise ValueError(f"a run of {trace.system.name} with other inputs cannot be packed")

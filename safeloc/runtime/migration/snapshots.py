@@ -58,11 +58,11 @@ def _controllers(path: Path, content: Mapping[str, Any]) -> Iterator[tuple[str, 
     """Yield the snapshot of every controller in it, each with its name for messages."""
     kind = content["kind"]
     version = controllers.VERSION if kind == controllers.KIND else processes.VERSION
-    whole = _opened(path, json.dumps(content).encode(), str(kind), version)
+    saved = _opened(path, json.dumps(content).encode(), str(kind), version)
     if kind == controllers.KIND:
-        yield "", whole
+        yield "", saved
         return
-    for name, vehicle in whole.get("vehicles", {}).items():
+    for name, vehicle in saved.get("vehicles", {}).items():
         if vehicle.get("controller") is not None:
             data = vehicle["controller"].encode()
             yield f"vehicle {quoted(name)}: ", _opened(path, data, controllers.KIND, controllers.VERSION)

@@ -231,8 +231,8 @@ def _value(name: str, text: str) -> int | bool | str:
     truth = truth_value(text)
     if truth is not None:
         return truth
-    whole = whole_number(text)
-    return text if whole is None else whole
+    integer = whole_number(text)
+    return text if integer is None else integer
 
 
 def _write_csv(path: Path, rows: Sequence[_Row]) -> None:

@@ -77,8 +77,8 @@ class Channels:
         """
         without_channel = self._assign(visible)
         faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in without_channel]
-        codes = [_whole(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
-        rates = [_whole(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
+        codes = [_as_integers(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
+        rates = [_as_integers(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
         inputs: ChannelValues = {}
         channels: dict[str, int] = {}
         for number, name in enumerate(self._held, 1):
@@ -111,7 +111,7 @@ class Channels:
         return {f"{channel}_{key}": value for key, value in values.items() if value is not None}
 
 
-def _whole(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[str, int]:
+def _as_integers(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[str, int]:
     """Return differences in whole mm or mm/s, rounded away from zero. One that is not finite or too great is a fault."""
     found: dict[str, int] = {}
     for name, value in values.items():

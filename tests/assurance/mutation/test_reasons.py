@@ -9,7 +9,7 @@ import pytest
 
 from safeloc.assurance.mutation.choosing import MADE, chosen
 from safeloc.assurance.mutation.composed_work import parts
-from safeloc.assurance.mutation.declared import whole_of
+from safeloc.assurance.mutation.declared import declared_of
 from safeloc.assurance.mutation.members import composed
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.reasons import Reasons, read_reasons, shipped_reasons
@@ -118,5 +118,5 @@ def test_what_ships_speaks_of_what_there_is(name: str) -> None:
         }
         assert reasons.of(existing)
     else:
-        some = chosen(whole_of(target), places, [part for part in MADE if part in reasons.by_part], most=1, seed=0)
+        some = chosen(declared_of(target), places, [part for part in MADE if part in reasons.by_part], most=1, seed=0)
         assert reasons.of(some.existing)
