@@ -165,5 +165,5 @@ def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[_F
     every = [] if config is None else _figures(config)
     for name in law.figures:
         found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
-        own = [one for one in found if machine in one.name.split(".")]
-        yield from own or found or [_Figure(name, "", "", "not found in the configuration")]
+        of_machine = [one for one in found if machine in one.name.split(".")]
+        yield from of_machine or found or [_Figure(name, "", "", "not found in the configuration")]

@@ -235,8 +235,8 @@ def _verdict_of(findings: Sequence[Finding]) -> str:
 
 def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths | None) -> dict[str, Any]:
     one = link.requirement
-    own = [finding for finding in findings if one.id in finding.requirements]
-    shown = {finding.id: word(finding.result) for finding in own}
+    about_it = [finding for finding in findings if one.id in finding.requirements]
+    shown = {finding.id: word(finding.result) for finding in about_it}
     return {
         "id": one.id,
         "kind": one.kind,
@@ -247,6 +247,6 @@ def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths |
         "carried_by": one.carried_by,
         "transitions": list(link.transitions),
         "results": list(shown),
-        "verdict": _verdict_of(own),
+        "verdict": _verdict_of(about_it),
         "strength": as_text(strengths.get(one.id, ())) if link.transitions and strengths is not None else [],
     }

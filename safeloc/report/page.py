@@ -142,19 +142,19 @@ def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
 def _machine(
     machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str], links: Links
 ) -> dict[str, Any]:
-    own = [{**_named(row), **links.of(row)} for row in results if row["machine"] == machine["name"]]
-    evidence = [row for row in own if row["kind"] in ("test", "replay")]
+    of_machine = [{**_named(row), **links.of(row)} for row in results if row["machine"] == machine["name"]]
+    evidence = [row for row in of_machine if row["kind"] in ("test", "replay")]
     elsewhere = {part["name"] for n, part in enumerate(machine["parts"]) if (machine["name"], n) in shown}
     return {
         **machine,
-        "rows": [row for row in own if row["kind"] == "property"],
+        "rows": [row for row in of_machine if row["kind"] == "property"],
         "evidence": _runs_table(evidence),
         "recordings": _recordings(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
-        "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
-        "counts": [(name, _counted(own, kinds)) for name, kinds in _SUMMARY.items()],
+        "obligations": [row for row in of_machine if row["kind"] in ("obligation", "lemma")],
+        "counts": [(name, _counted(of_machine, kinds)) for name, kinds in _SUMMARY.items()],
         "parts": [
             {
                 **part,

@@ -38,7 +38,7 @@ class _Chosen:
     @property
     def number(self) -> int:
         """The number of mutants to judge, including those that are judged only for claims."""
-        return len({one.id for own in (*self.parts.values(), self.against) for one in own})
+        return len({one.id for group in (*self.parts.values(), self.against) for one in group})
 
 
 def chosen(declared: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> _Chosen:
@@ -63,14 +63,16 @@ def _ids(mutants: Sequence[Mutant]) -> frozenset[str]:
 def by_id(declared: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> _Chosen:
     """Return the mutants with these ids; `most` limits only those of the machine that claims need. InputError: unknown id."""
     every: dict[Of, list[Mutant]] = {part: make(declared, places) for part, make in MADE.items()}
-    made: dict[Of, Sequence[Mutant]] = {part: [one for one in own if one.id in ids] for part, own in every.items()}
-    missing = sorted(set(ids) - {one.id for own in made.values() for one in own})
+    made: dict[Of, Sequence[Mutant]] = {part: [one for one in group if one.id in ids] for part, group in every.items()}
+    missing = sorted(set(ids) - {one.id for group in made.values() for one in group})
     if missing:
         raise InputError(f"{declared.machine.name} has no mutant {missing[0]!r}; --json lists them, of each --of.")
     machine = every["machine"]
     against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
-    existing: dict[Of, frozenset[str]] = {part: _ids(own) for part, own in every.items()}
-    return _Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
+    existing: dict[Of, frozenset[str]] = {part: _ids(group) for part, group in every.items()}
+    return _Chosen(
+        {part: group for part, group in made.items() if group}, sum(map(len, every.values())), against, existing
+    )
 
 
 def judge(judging: Judging, some: _Chosen) -> list[Judged]:

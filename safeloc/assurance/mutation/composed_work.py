@@ -79,12 +79,12 @@ class JudgingComposed:
         return [together.get(one, alone.get(one)) or together[one] for one in (*alone, *some.wires)]
 
     def _by_itself(self, name: str, every: Sequence[Mutant]) -> list[Judged]:
-        own = [one for one in every if one.machine == name]
-        if not own:
+        of_name = [one for one in every if one.machine == name]
+        if not of_name:
             return []
         target, declared = self.composed.alone(name), self.composed.members[name]
         judging = Judging(target, declared, self.plan, self._closed, self.look_in, self.keep_in, searched=False)
-        return judging.of_machine(own)
+        return judging.of_machine(of_name)
 
     def _closed(self, one: Judged) -> None:
         """Report the result if the machine's own claims have decided it; otherwise it is reported after the composition."""

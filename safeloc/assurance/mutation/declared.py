@@ -128,8 +128,10 @@ def exchanged(declared: Declared, on_board: Substitution, beyond: Substitution |
         lemmas={name: beyond.bool(term) for name, term in declared.machine.lemmas.items()},
         **world.rewritten(declared.machine, beyond),
     )
-    own, further = (tuple(claimed(prop, beyond) for prop in some) for some in (declared.properties, declared.further))
-    return Declared(changed, own, further)
+    claims, further = (
+        tuple(claimed(prop, beyond) for prop in some) for some in (declared.properties, declared.further)
+    )
+    return Declared(changed, claims, further)
 
 
 def remade(machine: Machine, **fields: Any) -> Machine:

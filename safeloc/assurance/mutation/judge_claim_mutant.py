@@ -47,11 +47,11 @@ def _named(declared: Declared, name: str) -> Property:
 
 def _noticed_alone(claim: str, against: Against) -> Against:
     """Return the mutants that this claim and no other one was seen to detect, with the term wrong everywhere."""
-    own = {f"property {claim}", f"helper {claim}"}
+    names = {f"property {claim}", f"helper {claim}"}
     return [
         (mutant, one)
         for mutant, one in against
-        if one.everywhere.fate in BY_PROOF and one.everywhere.by and own.issuperset(one.everywhere.by)
+        if one.everywhere.fate in BY_PROOF and one.everywhere.by and names.issuperset(one.everywhere.by)
     ]
 
 

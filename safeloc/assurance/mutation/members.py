@@ -54,8 +54,8 @@ def composed(target: Target, places: Places) -> Composed:
 def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:
     """Return the properties of the machine by itself: those that the composition inherits, and those that the target gives."""
     kept = [prop.kept_by[1] for prop in target.properties if prop.kept_by is not None and prop.kept_by[0] is machine]
-    own = {prop.name: prop for prop in (*kept, *target.members.get(machine.name, ()))}
-    return tuple(own.values())
+    by_name = {prop.name: prop for prop in (*kept, *target.members.get(machine.name, ()))}
+    return tuple(by_name.values())
 
 
 def member_mutants(composed: Composed, places: Places) -> list[Mutant]:
@@ -117,7 +117,7 @@ def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSyst
         ghosts=frozenset(twin[var] for var in system.ghosts),
         initial={twin[var]: value for var, value in system.initial.items()},
         optionals=tuple(Optional(_number(twin[one.value]), _flag(twin[one.present])) for one in system.optionals),
-        parts=tuple(_part(part, own, change) for part, own in zip(system.parts, like.parts, strict=True)),
+        parts=tuple(_part(part, by_name, change) for part, by_name in zip(system.parts, like.parts, strict=True)),
         stages=(),
     )
 

@@ -94,7 +94,7 @@ def sample(made: Sequence[Mutant], most: int, seed: int) -> list[Mutant]:
     for number, one in enumerate(made):
         strata[one.machine, one.kind].append(number)
     draw, chosen = random.Random(seed), list[int]()
-    ranked = [(rank / len(own), number) for own in strata.values() for rank, number in _shuffled(own, draw)]
+    ranked = [(rank / len(stratum), number) for stratum in strata.values() for rank, number in _shuffled(stratum, draw)]
     chosen = [number for _, number in sorted(ranked)[:most]]
     return [made[number] for number in sorted(chosen)]
 
@@ -170,9 +170,9 @@ def _requirements(roots: Sequence[Root]) -> tuple[str, ...]:
 def other_variables(machine: Machine) -> Others:
     """Return a function that gives the next variable of the same unit, among inputs or among state; None if there is none."""
     following: dict[Var, Var] = {}
-    for own in (_inputs(machine), list(machine.state)):
+    for stratum in (_inputs(machine), list(machine.state)):
         alike: dict[object, list[Var]] = defaultdict(list)
-        for var in own:
+        for var in stratum:
             alike[var.unit if isinstance(var, NumVar) else BoolVar].append(var)
         for group in alike.values():
             following |= dict(zip(group, [*group[1:], group[0]], strict=True))

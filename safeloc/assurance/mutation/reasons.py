@@ -54,14 +54,14 @@ class Reasons:
         """
         found: dict[str, str] = {}
         for part, ids in existing.items():
-            own = self.by_part.get(part, {})
-            gone = sorted(set(own) - set(ids))
+            written = self.by_part.get(part, {})
+            gone = sorted(set(written) - set(ids))
             if gone:
                 raise InputError(
                     f"{self.file}: there is no mutant {gone[0]!r} of the {part} any more. Judge the one that took its place "
                     "(--json lists all ids), or take the reason away."
                 )
-            found |= own
+            found |= written
         return found
 
 

@@ -325,10 +325,10 @@ def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses
     for number, part in enumerate(system.parts):
         if part.alone.name not in witnesses:
             continue
-        own = [target.goal for target in targets if target.part == number]
+        wanted = [target.goal for target in targets if target.part == number]
         pairs = {
             one: theirs
-            for mine, theirs in zip(_targets(part.alone), own, strict=True)
+            for mine, theirs in zip(_targets(part.alone), wanted, strict=True)
             for one in (mine.goal, mine.free)
         }
         for free in (False, True):
@@ -347,8 +347,8 @@ def _by_itself(
     """Find targets that no known run of the composition reaches, but a run of one machine alone; return these runs."""
     found: dict[_Target, _Alone] = {}
     for number, part in enumerate(system.parts):
-        own = [target for target in targets if target.part == number]
-        pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
+        wanted = [target for target in targets if target.part == number]
+        pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), wanted, strict=True) if theirs in open_]
         if pairs:
             found |= {theirs: _Alone(*shown_) for theirs, shown_ in _runs_alone(part.alone, pairs, limits, witnesses)}
     return found

@@ -45,17 +45,17 @@ def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, A
     return content
 
 
-def require_same(what: str, own: object, found: object) -> None:
+def require_same(what: str, expected: object, found: object) -> None:
     """Raise SnapshotError if the snapshot's `what` differs from that of this program."""
-    if own != found:
-        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {_NOT_FIT}.")
+    if expected != found:
+        raise SnapshotError(f"the snapshot is of another {what} ({_differing(expected, found)}); {_NOT_FIT}.")
 
 
-def _differing(own: object, found: object) -> str:
-    if not (isinstance(own, Mapping) and isinstance(found, Mapping)):
-        return f"{found!r}, here {own!r}"
-    names = [name for name in {**own, **found} if own.get(name) != found.get(name)]
-    shown = [f"{name} {found.get(name)!r}, here {own.get(name)!r}" for name in names[:3]]
+def _differing(expected: object, found: object) -> str:
+    if not (isinstance(expected, Mapping) and isinstance(found, Mapping)):
+        return f"{found!r}, here {expected!r}"
+    names = [name for name in {**expected, **found} if expected.get(name) != found.get(name)]
+    shown = [f"{name} {found.get(name)!r}, here {expected.get(name)!r}" for name in names[:3]]
     return "; ".join(shown) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 

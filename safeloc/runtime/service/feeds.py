@@ -275,12 +275,12 @@ class GrowingFile(Feed):
         """Return whether the path is another file now, or this file was truncated."""
         assert self._file is not None
         with self._in_words():
-            own = os.fstat(self._file.fileno())
+            opened = os.fstat(self._file.fileno())
             try:
                 named = self._path.stat()
             except FileNotFoundError:
                 return False
-        return (named.st_dev, named.st_ino) != (own.st_dev, own.st_ino) or own.st_size < self._file.tell()
+        return (named.st_dev, named.st_ino) != (opened.st_dev, opened.st_ino) or opened.st_size < self._file.tell()
 
     def _begin_other(self) -> Iterator[Event]:
         tail = self._cutter.tail()

@@ -156,10 +156,10 @@ def _narrow(row: _Row) -> _Row:
 def _of_its_kind(row: _Row) -> _Row:
     """Return the row without the empty fields of other kinds. InputError if such a field has a value."""
     kind = row.get("kind")
-    own = OWN.get(kind) if isinstance(kind, str) else None
-    if own is None:
+    fields = OWN.get(kind) if isinstance(kind, str) else None
+    if fields is None:
         return row
-    foreign = [name for name in row if name not in own and name in FIELDS]
+    foreign = [name for name in row if name not in fields and name in FIELDS]
     for name in foreign:
         if row[name] is not None:
             others = " and ".join(other for other, names in OWN.items() if name in names)

@@ -38,10 +38,10 @@ def identity(satellite: str) -> int:
 
 def satellite_name(number: int) -> str:
     """Return the name of an identity: 205 is E05. InputError for a number that is no identity."""
-    constellation, own = divmod(number, 100)
-    if number < 1 or own == 0 or constellation >= len(_CONSTELLATIONS):
+    constellation, within = divmod(number, 100)
+    if number < 1 or within == 0 or constellation >= len(_CONSTELLATIONS):
         raise InputError(f"{number} is no identity of a satellite.")
-    return f"{_CONSTELLATIONS[constellation]}{own:02d}"
+    return f"{_CONSTELLATIONS[constellation]}{within:02d}"
 
 
 @dataclass(frozen=True)
