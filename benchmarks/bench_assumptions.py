@@ -51,7 +51,7 @@ def spent_s(program: Program, settings: FleetSettings, lines: Lines) -> float:
     begin = time.process_time()
     for data in lines:
         for line in cutter.feed(data):
-            for told in fleet.handle("benchmark", line, whole=True):
+            for told in fleet.handle("benchmark", line, from_start=True):
                 cycles += b'"mode"' in json.dumps(told).encode()
     spent = time.process_time() - begin
     if not cycles or fleet.tally.refused or fleet.tally.breaches:

@@ -17,7 +17,7 @@ from safeloc.language.interpret import run
 from safeloc.language.nodes import BoolVar, Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.models import localizer, odometry
-from safeloc.models.localizer.simulation import recordings as localizer_recordings
+from safeloc.models.localizer.simulation import recorded_runs
 from safeloc.models.odometry import simulate as odometry_streams
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.streams.steps import read_steps
@@ -154,7 +154,7 @@ def _odometry_service() -> Service:
 
 def _localizer_service() -> Service:
     """Out of a hall, under satellites and into a tunnel."""
-    recorded = read_steps(localizer_recordings.FOLDER / "localizer-main-line.jsonl.gz")
+    recorded = read_steps(recorded_runs.FOLDER / "localizer-main-line.jsonl.gz")
     return Service(recorded.first, recorded.steps)
 
 

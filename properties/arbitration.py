@@ -324,7 +324,7 @@ def _estimated_change(model: Arbitration) -> Num:
     return ite(change > most, most, ite(change < -most, -most, change))
 
 
-def kept_in_a_whole(model: Arbitration) -> list[Property]:
+def kept_in_compositions(model: Arbitration) -> list[Property]:
     """Return the properties that a localizer claims of the whole as well."""
     leading = [made for one in model.own.sources for made in (_leads_validly(model, one), _leads_by_margin(model, one))]
     front = [_advances_with_distance(model), _advances_with_estimate(model)]

@@ -423,8 +423,8 @@ def _one_way(model: FibreArea, run: Num) -> Iterator[Bool]:
 
 def _of_sections(model: FibreArea) -> Iterator[Property]:
     """Yield the properties of area and sections; here they rest on the fibre instead of on a report that is assumed true."""
-    whole = Sections(model.area, model.sections, model.composition)
-    for prop in sections_properties.properties(whole):
+    alone = Sections(model.area, model.sections, model.composition)
+    for prop in sections_properties.properties(alone):
         yield prop if prop.unconditional else replace(prop, assumption=LAW)
 
 

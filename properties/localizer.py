@@ -16,7 +16,7 @@ from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import NM
 from safeloc.models.localizer import Localizer
 from safeloc.models.vocabulary.reasons import LOCATED
-from safeloc.properties.arbitration import kept_in_a_whole
+from safeloc.properties.arbitration import kept_in_compositions
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
 REQUIREMENTS = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
@@ -24,26 +24,26 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
-def properties(whole: Localizer) -> list[Property]:
+def properties(model: Localizer) -> list[Property]:
     """Return the properties of the position for host and trackside, and of the steps in which it changes."""
     makers = (_host, _arbitrated, _responses, _trackside)
-    return [prop for maker in makers for prop in maker(whole)]
+    return [prop for maker in makers for prop in maker(model)]
 
 
-def _host(whole: Localizer) -> Iterator[Property]:
-    (_, below, above), tolerance = _passed(whole), whole.config.tolerance_mm
-    yield _of_the_guard(whole)
+def _host(model: Localizer) -> Iterator[Property]:
+    (_, below, above), tolerance = _passed(model), model.config.tolerance_mm
+    yield _of_the_guard(model)
     yield for_all_inputs(
         "tolerance",
-        _restrictive(whole) | ((below <= tolerance) & (above <= tolerance)),
+        _restrictive(model) | ((below <= tolerance) & (above <= tolerance)),
         statement="the position that the host gets is never wider than the tolerable error",
     )
-    yield _of_the_front(whole)
+    yield _of_the_front(model)
 
 
-def _of_the_guard(whole: Localizer) -> Property:
+def _of_the_guard(model: Localizer) -> Property:
     """A position that is passed on holds the truth: proved of the restrictive state, given that arbitration's interval holds it."""
-    guard, truth = whole.guard, next(iter(whole.guard.world.choices))  # the vehicle's, after the step
+    guard, truth = model.guard, next(iter(model.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
     position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
     own = under_assumption(
@@ -51,58 +51,58 @@ def _of_the_guard(whole: Localizer) -> Property:
         guard.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
         statement="the position that the host gets holds the true position of the front end",
     )
-    return replace(whole.composition.inherited(guard, own), name=own.name)
+    return replace(model.composition.inherited(guard, own), name=own.name)
 
 
-def _of_the_front(whole: Localizer) -> Property:
+def _of_the_front(model: Localizer) -> Property:
     """The min safe front end is behind the front end: proved of arbitration, given that its sources hold the truth."""
-    counts, truth = whole.arbitration.machine, whole.arbitration.own.next_truth
+    counts, truth = model.arbitration.machine, model.arbitration.own.next_truth
     own = under_assumption(
         "min safe front end",
         counts.flag("valid").implies(exact_to(counts.output("min_safe_front_mm"), NM) <= truth),
         statement="the front end is never behind the min safe front end",
     )
-    return replace(whole.composition.inherited(counts, own), name=own.name)
+    return replace(model.composition.inherited(counts, own), name=own.name)
 
 
-def _arbitrated(whole: Localizer) -> Iterator[Property]:
+def _arbitrated(model: Localizer) -> Iterator[Property]:
     """The properties that arbitration has for all inputs in range, and so in the whole."""
-    for prop in kept_in_a_whole(whole.arbitration):
-        yield whole.composition.inherited(whole.arbitration.machine, prop)
+    for prop in kept_in_compositions(model.arbitration):
+        yield model.composition.inherited(model.arbitration.machine, prop)
 
 
-def _responses(whole: Localizer) -> Iterator[Property]:
-    restrictive = _restrictive(whole)
-    counts = whole.composition.of(whole.arbitration.machine)
-    valid = counts.bool(whole.arbitration.machine.flag("valid"))
+def _responses(model: Localizer) -> Iterator[Property]:
+    restrictive = _restrictive(model)
+    counts = model.composition.of(model.arbitration.machine)
+    valid = counts.bool(model.arbitration.machine.flag("valid"))
     yield for_all_inputs(
         "same-step entry",
         (~valid).implies(restrictive),
         statement="the step in which arbitration withholds is the step in which the vehicle is restrictive",
     )
-    stated = _stated(whole)
+    stated = _stated(model)
     yield for_all_inputs(
         "every source withdrawn",
         all_of(~one for one in stated.values()).implies(restrictive),
         statement="the step in which the last source withdraws is the step in which the vehicle is restrictive",
     )
-    referred = counts.bool(whole.arbitration.machine.flag("reference_accepted"))
+    referred = counts.bool(model.arbitration.machine.flag("reference_accepted"))
     yield for_all_inputs(
         "no resurrection",
         (earlier_bool(restrictive) & ~restrictive).implies(referred & valid),
         statement="the restrictive state is left only in a step in which a source accepted an absolute reference and all "
         "sources that state a position agree",
     )
-    guard = whole.composition.of(whole.guard)
+    guard = model.composition.of(model.guard)
     yield for_all_inputs(
         "reason stated",
-        guard.num(whole.guard.output("reason")).eq(LOCATED).iff(~restrictive),
+        guard.num(model.guard.output("reason")).eq(LOCATED).iff(~restrictive),
         statement="a reason is stated exactly while the vehicle is restrictive",
     )
 
 
-def _trackside(whole: Localizer) -> Iterator[Property]:
-    seen, machine = whole.composition.of(whole.uplink.machine), whole.uplink.machine
+def _trackside(model: Localizer) -> Iterator[Property]:
+    seen, machine = model.composition.of(model.uplink.machine), model.uplink.machine
     valid = seen.bool(machine.flag("valid"))
     position, below, above = (
         seen.num(machine.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
@@ -110,11 +110,11 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
     yield under_assumption(
         "trackside containment",
         valid.implies(
-            between(exact_to(position - below, NM), whole.motion.own.ghosts.truth, exact_to(position + above, NM))
+            between(exact_to(position - below, NM), model.motion.own.ghosts.truth, exact_to(position + above, NM))
         ),
         statement="the interval that the trackside gets, widened by its age, holds the true position of the front end",
     )
-    limit = whole.config.uplink.age_limit_cycles
+    limit = model.config.uplink.age_limit_cycles
     arrives = machine.fired("report arrives")
     yield within(
         "trackside forgets",
@@ -124,30 +124,30 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         statement="the trackside reports a vehicle that sends nothing any more for no longer than the age limit",
         requirements=REQUIREMENTS,
         unconditional=True,
-        helper=lambda waited: (waited > 0).implies(~valid | (seen.num(whole.uplink.own.held.age) >= waited)),
+        helper=lambda waited: (waited > 0).implies(~valid | (seen.num(model.uplink.own.held.age) >= waited)),
     )
 
 
-def _stated(whole: Localizer) -> dict[str, Bool]:
+def _stated(model: Localizer) -> dict[str, Bool]:
     """Return the sources that state a position after the step, in terms of the whole; of the fibre, what has arrived on board."""
     found: dict[str, Bool] = {}
-    for name, piece in whole.pieces.items():
+    for name, piece in model.pieces.items():
         machine = piece.machines[-1]
-        if name == "fibre" and whole.downlink is not None:
-            machine = whole.downlink.machine
-            found[name] = whole.composition.of(machine).bool(machine.flag("valid"))
+        if name == "fibre" and model.downlink is not None:
+            machine = model.downlink.machine
+            found[name] = model.composition.of(machine).bool(machine.flag("valid"))
         else:
-            found[name] = whole.composition.of(machine).bool(piece.stated.valid)
+            found[name] = model.composition.of(machine).bool(piece.stated.valid)
     return found
 
 
-def _restrictive(whole: Localizer) -> Bool:
-    return whole.composition.of(whole.guard).bool(whole.guard.flag("restrictive"))
+def _restrictive(model: Localizer) -> Bool:
+    return model.composition.of(model.guard).bool(model.guard.flag("restrictive"))
 
 
-def _passed(whole: Localizer) -> tuple[Num, Num, Num]:
-    guard = whole.composition.of(whole.guard)
+def _passed(model: Localizer) -> tuple[Num, Num, Num]:
+    guard = model.composition.of(model.guard)
     position, below, above = (
-        guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
+        guard.num(model.guard.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
     )
     return position, below, above

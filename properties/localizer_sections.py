@@ -34,46 +34,46 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
-def properties(whole: LocalizerSections) -> list[Property]:
+def properties(model: LocalizerSections) -> list[Property]:
     """Return all properties of the localizer, of the sections, and of both together."""
     parts = [
-        *localizer_properties.properties(whole.localizer),
-        *sections_properties.properties(whole.area_and_sections),
+        *localizer_properties.properties(model.localizer),
+        *sections_properties.properties(model.area_and_sections),
     ]
     found = [replace(prop, assumption=LAW) if prop.assumption else prop for prop in parts]
-    found += [*_one_truth(whole), *_radio(whole)]
-    for one in whole.sections:
-        found += [*_this_train(whole, one)]
+    found += [*_one_truth(model), *_radio(model)]
+    for one in model.sections:
+        found += [*_this_train(model, one)]
     return found
 
 
-def _on_board(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
-    guard = whole.localizer.guard
-    of = whole.composition.of(guard)
+def _on_board(model: LocalizerSections) -> tuple[Bool, Num, Num]:
+    guard = model.localizer.guard
+    of = model.composition.of(guard)
     position, below, above = (
         of.num(guard.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
     )
     return ~of.bool(guard.flag("restrictive")), position - below, position + above
 
 
-def _by_radio(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
-    machine = whole.localizer.uplink.machine
-    of = whole.composition.of(machine)
+def _by_radio(model: LocalizerSections) -> tuple[Bool, Num, Num]:
+    machine = model.localizer.uplink.machine
+    of = model.composition.of(machine)
     position, below, above = (
         of.num(machine.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
     )
     return of.bool(machine.flag("valid")), position - below, position + above
 
 
-def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
-    (here, low, high), (there, seen_low, seen_high) = _on_board(whole), _by_radio(whole)
+def _one_truth(model: LocalizerSections) -> Iterator[Property]:
+    (here, low, high), (there, seen_low, seen_high) = _on_board(model), _by_radio(model)
     yield under_assumption(
         "both views agree",
         (here & there).implies((low <= seen_high) & (seen_low <= high)),
         statement="where the vehicle passes on a position and the trackside sees one, both intervals have the true place in common",
     )
-    machine, own = whole.far_uplink.machine, whole.far_uplink.own
-    of = whole.composition.of(machine)
+    machine, own = model.far_uplink.machine, model.far_uplink.own
+    of = model.composition.of(machine)
     position, below, above = (
         of.num(machine.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
     )
@@ -86,15 +86,15 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
     )
 
 
-def _radio(whole: LocalizerSections) -> Iterator[Property]:
-    uplink, of = whole.localizer.uplink, whole.composition.of(whole.localizer.uplink.machine)
-    guard = whole.composition.of(whole.localizer.guard)
+def _radio(model: LocalizerSections) -> Iterator[Property]:
+    uplink, of = model.localizer.uplink, model.composition.of(model.localizer.uplink.machine)
+    guard = model.composition.of(model.localizer.guard)
     landed, valid = of.bool(uplink.machine.fired("report arrives")), of.bool(uplink.machine.flag("valid"))
     flying, held = uplink.own.flying, uplink.own.held
     alike, kept, widened = list[Bool](), list[Bool](), list[Bool]()
     for what, name in SENT.items():
         sent, way, arrived = (
-            guard.num(zero_while_absent(whole.localizer.guard.output(name))),
+            guard.num(zero_while_absent(model.localizer.guard.output(name))),
             getattr(flying, what),
             getattr(held, what),
         )
@@ -110,27 +110,27 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a report counts once",
-        _counted_once(whole),
+        _counted_once(model),
         statement="the area gets a report of a train only in a cycle in which it arrives: a stored report is not repeated",
     )
 
 
-def _counted_once(whole: LocalizerSections) -> Bool:
+def _counted_once(model: LocalizerSections) -> Bool:
     """The trackside learns of the train only by a report that arrives; with its state of the cycle before."""
-    uplink, seen = whole.localizer.uplink.machine, whole.trackside
-    link, side = whole.composition.of(uplink), whole.composition.of(seen.machine)
+    uplink, seen = model.localizer.uplink.machine, model.trackside
+    link, side = model.composition.of(uplink), model.composition.of(seen.machine)
     remembers = side.bool(seen.own.known).iff(link.bool(uplink.flag("valid")))
     age = side.num(seen.own.known_age).eq(link.num(uplink.output("age_ms")))
     return side.bool(seen.machine.flag("told")).implies(link.bool(uplink.fired("report arrives"))) & remembers & age
 
 
-def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
-    name, slots = one.machine.name, whole.area.own.slots
-    of, there = whole.composition.of(one.machine), whole.composition.of(whole.area.machine)
+def _this_train(model: LocalizerSections, one: Section) -> Iterator[Property]:
+    name, slots = one.machine.name, model.area.own.slots
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
     free = of.bool(one.machine.flag("clear"))
     truth, far = (
-        whole.localizer.motion.own.ghosts.truth,
-        whole.composition.of(whole.ends.machine).num(whole.ends.own.far),
+        model.localizer.motion.own.ghosts.truth,
+        model.composition.of(model.ends.machine).num(model.ends.own.far),
     )
     start, end = exact_to(of.num(one.start), NM), exact_to(of.num(one.end), NM)
     inside = (minimum(truth, far) <= end) & (maximum(truth, far) >= start)
@@ -139,11 +139,11 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
         (free & there.bool(slots[0].there)).implies(~inside),
         statement="no part of the train that the localizer locates, counted into the area, is in a section that is reported clear",
     )
-    link = whole.localizer.uplink.machine
-    landed = whole.composition.of(link).bool(link.fired("report arrives"))
+    link = model.localizer.uplink.machine
+    landed = model.composition.of(link).bool(link.fired("report arrives"))
     others = all_of(there.bool(train.last_verdict.ne(ACCEPTED)) for train in slots[1:])
     counted = all_of(~there.bool(train.leaves) for train in slots)
-    swept = there.bool(whole.area.machine.fired("counters are clear", "everything loose is pushed out"))
+    swept = there.bool(model.area.machine.fired("counters are clear", "everything loose is pushed out"))
     yield for_all_inputs(
         f"{name} is not cleared by a silent uplink",
         (~landed & others & counted & ~swept & ~earlier_bool(free)).implies(~free),

@@ -13,17 +13,17 @@ from safeloc.properties.odometry import LAW
 for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
-def properties(whole: Supervised) -> list[Property]:
+def properties(model: Supervised) -> list[Property]:
     """Containment, tolerance, same-step entry and no resurrection of the whole."""
-    source, guard = whole.composition.of(whole.source.machine), whole.composition.of(whole.guard)
-    own, tolerance = whole.source.own, whole.source.own.config.tolerance_mm
+    source, guard = model.composition.of(model.source.machine), model.composition.of(model.guard)
+    own, tolerance = model.source.own, model.source.own.config.tolerance_mm
     position, above, below = (
-        guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "margin_above", "margin_below")
+        guard.num(model.guard.output(f"{name}_mm")) for name in ("position", "margin_above", "margin_below")
     )
-    restrictive = guard.bool(whole.guard.flag("restrictive"))
+    restrictive = guard.bool(model.guard.flag("restrictive"))
     truth = source.num(own.ghosts.truth)
-    valid = source.bool(whole.source.machine.flag("valid"))
-    checked = source.bool(whole.source.machine.flag("reference_accepted"))
+    valid = source.bool(model.source.machine.flag("valid"))
+    checked = source.bool(model.source.machine.flag("reference_accepted"))
     return [
         always(
             "containment",

@@ -125,12 +125,12 @@ def _unasked(module: ModuleType) -> str:
 
 def _other_name(module: ModuleType) -> str:
     """Return the name under which the module seems to declare its properties; empty if nothing looks like it."""
-    own = {name: value for name, value in vars(module).items() if not name.startswith("_")}
-    for name, value in own.items():
+    members = {name: value for name, value in vars(module).items() if not name.startswith("_")}
+    for name, value in members.items():
         if isinstance(value, (list, tuple)) and value and all(isinstance(item, Property) for item in value):
             return name
-    alone = [name for name, value in own.items() if isinstance(value, Property)]
-    callables = [name for name, value in own.items() if isinstance(value, (list, tuple)) or isfunction(value)]
+    alone = [name for name, value in members.items() if isinstance(value, Property)]
+    callables = [name for name, value in members.items() if isinstance(value, (list, tuple)) or isfunction(value)]
     close = [name for name in callables if difflib.get_close_matches(name.casefold(), NEARLY, n=1, cutoff=0.8)]
     return (close or alone or [""])[0]
 

@@ -28,10 +28,8 @@ if TYPE_CHECKING:
 AnyConfig = TypeVar("AnyConfig", bound=BaseModel)
 Simulate = Callable[[int], Sequence[Mapping[str, Value | str]]]
 """A simulation: seed -> steps of simulated sensors."""
-STREAMS = Path(__file__).parent / "models" / "streams"
-"""The folder of the recordings that ship."""
-WITNESSES = STREAMS.with_name("witnesses")
-"""The folder of the runs that ship as witnesses of events."""
+MODELS = Path(__file__).parent / "models"
+"""The folders of the machines that ship; in the folder of each its recordings, witnesses and reasons."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +133,8 @@ class Entry(Generic[AnyConfig]):
 
 
 def recorded(name: str) -> tuple[Path, ...]:
-    """Return the recordings that ship for a machine: `models/streams/NAME-what-happens.jsonl.gz`."""
-    return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl.gz")))
+    """Return the recordings that ship for a machine: `recordings/NAME-what-happens.jsonl.gz` in its folder of `models/`."""
+    return tuple(sorted(MODELS.glob(f"*/recordings/{name}-*.jsonl.gz")))
 
 
 def find_recording(target: Target, name: Path) -> Path:
@@ -156,9 +154,13 @@ def recording_name(path: Path) -> str:
 
 
 def witnesses_of(name: str) -> Path | None:
-    """Return the file of witnesses that ships for a machine, `models/witnesses/NAME.jsonl.xz`; None if there is none."""
-    path = WITNESSES / f"{name}.jsonl.xz"
-    return path if path.is_file() else None
+    """Return the file of witnesses that ships for a machine; None if there is none."""
+    return beside(name, "witnesses.jsonl.xz")
+
+
+def beside(name: str, kind: str) -> Path | None:
+    """Return the file `NAME.KIND` of a machine that ships, in its folder of `models/`; None if there is none."""
+    return next(iter(MODELS.glob(f"*/{name}.{kind}")), None)
 
 
 def single(

@@ -99,5 +99,5 @@ def _limit(pid: int, seconds: float) -> None:
     with suppress(ImportError, AttributeError, ProcessLookupError):
         import resource  # not on every system
 
-        whole = max(1, round(seconds))
-        resource.prlimit(pid, resource.RLIMIT_CPU, (whole, whole))
+        limit_s = max(1, round(seconds))
+        resource.prlimit(pid, resource.RLIMIT_CPU, (limit_s, limit_s))

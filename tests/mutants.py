@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.assurance.mutation.composed_work import JudgingComposed, Parts, parts
-from safeloc.assurance.mutation.declared import whole_of
+from safeloc.assurance.mutation.declared import declared_of
 from safeloc.assurance.mutation.members import composed, member_mutants
 from safeloc.assurance.mutation.mutants import mutants, sample
 from safeloc.assurance.mutation.places import Places, noted
@@ -67,7 +67,7 @@ def loaded(name: str) -> Loaded:
     with noted() as places:
         target = load_target(name)
     if not target.system.parts:
-        return Loaded(name, target, places, tuple(one.id for one in mutants(whole_of(target), places)))
+        return Loaded(name, target, places, tuple(one.id for one in mutants(declared_of(target), places)))
     whole = composed(target, places)
     every = [*member_mutants(whole, places), *(edit.mutant for edit in wire_edits(whole))]
     return Loaded(name, target, places, tuple(one.id for one in every))
@@ -111,7 +111,7 @@ def parts_of_sample(
             return JudgingComposed(whole, plan, heard).all(Parts(members, wires, some.existing)) if left else None
 
         return ids, in_whole
-    declared = whole_of(own.target)
+    declared = declared_of(own.target)
     few = sample(mutants(declared, own.places), most, seed)
 
     def alone(left: Sequence[str], heard: OnJudged) -> object:

@@ -1,4 +1,5 @@
-"""Make the witnesses that ship: `python -m tests.witnesses [--anew] [MACHINE ...]` writes models/witnesses/MACHINE.jsonl.xz.
+"""Make the witnesses that ship: `python -m tests.witnesses [--anew] [MACHINE ...]` writes MACHINE.witnesses.jsonl.xz
+into the folder of each machine.
 
 A witness is a short run to a mode, a transition or a case of a property. With witnesses at hand `verify` need not search for it. Run
 this after an edit that made some of them show nothing (tests/models/test_witnesses.py says so), or that brought new events.
@@ -21,7 +22,7 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.witness_files import read_witnesses, write_witnesses
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.target import WITNESSES, Target
+from safeloc.target import MODELS, Target
 
 MOST_STEPS = 1000
 """Longer runs are left to the recordings that show them."""
@@ -72,10 +73,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--anew", action="store_true")
     parser.add_argument("machine", nargs="*", default=sorted(ENTRIES))
     asked = parser.parse_args(arguments)
-    WITNESSES.mkdir(exist_ok=True)
     for name in asked.machine:
         runs = witnesses(load_target(name), anew=asked.anew)
-        path = WITNESSES / f"{name}.jsonl.xz"
+        path = MODELS / ENTRIES[name].folder / f"{name}.witnesses.jsonl.xz"
         if runs:
             write_witnesses(path, [(run.system.name, first_of(run), run.stream()) for run in runs])
         else:

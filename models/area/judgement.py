@@ -78,10 +78,10 @@ class Judgement:
         return any_of(self.followed(train) for train in self.trains)
 
     @property
-    def only_whole(self) -> Bool:
+    def only_confirmed(self) -> Bool:
         """Every vehicle that may be here belongs to a train with a recent report that is whole."""
-        whole = [(~self.reaches(t)) | (self.followed(t) & (t.unconfirmed <= self.integrity)) for t in self.trains]
-        return ~self.loose & all_of(whole)
+        confirmed = [(~self.reaches(t)) | (self.followed(t) & (t.unconfirmed <= self.integrity)) for t in self.trains]
+        return ~self.loose & all_of(confirmed)
 
     def status(self, label: str) -> Bool:
         """Return the condition of one of the four states; exactly one of them holds."""
@@ -89,9 +89,9 @@ class Judgement:
             case "FREE":
                 return self.free
             case "OCCUPIED":
-                return ~self.free & self.any_followed & self.only_whole
+                return ~self.free & self.any_followed & self.only_confirmed
             case "AMBIGUOUS":
-                return ~self.free & self.any_followed & ~self.only_whole
+                return ~self.free & self.any_followed & ~self.only_confirmed
             case _:
                 return ~self.free & ~self.any_followed
 

@@ -155,12 +155,12 @@ class Slot:
     def verdict(self) -> Num:
         """Verdict on the report: accepted, or the reason against it."""
         low, high = self.run_on
-        whole = self.rear.present & self.front.present & (self.rear.value <= self.front.value)
+        both_ends = self.rear.present & self.front.present & (self.rear.value <= self.front.value)
         meets = (self.lowest <= high) & (low <= self.highest)
         reported = self.rear.present | self.front.present
         verdict = ite(meets, ACCEPTED, CONTRADICTED)
         verdict = ite(self.age > self.reach.report_age_limit_ms, STALE, verdict)
-        verdict = ite(self.trusted, ite(whole, verdict, INCOMPLETE), UNTRUSTED)
+        verdict = ite(self.trusted, ite(both_ends, verdict, INCOMPLETE), UNTRUSTED)
         return ite(reported, ite(self.present, verdict, NOBODY), NO_REPORT)
 
     @property

@@ -189,8 +189,8 @@ def _since_first(own: Parts) -> Bool:
 def _since_before(own: Parts, low: Num, high: Num) -> Bool:
     """Return the bounds for the whole cycle, up to the last axle within it, and after that."""
     slowest, fastest = _ways(own, low, high)
-    whole = between(slowest, own.step, fastest)
-    return whole & _within_cycle(own, (own.axle_step, own.step - own.axle_step), low, high)
+    over_cycle = between(slowest, own.step, fastest)
+    return over_cycle & _within_cycle(own, (own.axle_step, own.step - own.axle_step), low, high)
 
 
 def _within_cycle(own: Parts, runs: tuple[Num, ...], low: Num, high: Num) -> Bool:

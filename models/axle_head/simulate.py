@@ -1,6 +1,8 @@
 """Simulated samples of a counting head while wheels roll over it: damped channels, and the true place of the wheel.
 
 A wheel damps channel A over one stretch and channel B over the next; where the two stretches overlap it damps both.
+
+`python -m safeloc.models.axle_head.simulate` writes the runs that ship.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from random import Random
 
 from safeloc.language.units import UM_PER_MM, US_PER_S
 from safeloc.models.axle_head import AxleHeadConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 CLEARANCE_MM = 40  # a run begins and ends with both channels free
@@ -134,3 +136,8 @@ RUNS: Mapping[str, WorkedRun[AxleHeadConfig]] = {
         "A wheel that was never sampled on both channels disturbs and is not counted; the next one is.", _sample_lost
     ),
 }
+"""The recordings that ship, by name."""
+
+
+if __name__ == "__main__":
+    write_named(__file__, RUNS, {}, AxleHeadConfig())

@@ -1,4 +1,7 @@
-"""Simulated patterns of a test emitter, and of others, as steps of the machine that checks it."""
+"""Simulated patterns of a test emitter, and of others, as steps of the machine that checks it.
+
+`python -m safeloc.models.emitter.simulate` writes the runs that ship, `... simulate FOLDER` those that are made on demand.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.emitter import EmitterConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 OTHER_BITS = 0b1010
@@ -141,7 +144,15 @@ RUNS: Mapping[str, WorkedRun[EmitterConfig]] = {
         _early,
     ),
     "emitter-elsewhere": _worked("The own pattern from another place: failed in that cycle.", _elsewhere),
+}
+"""The recordings that ship, by name."""
+ON_DEMAND: Mapping[str, WorkedRun[EmitterConfig]] = {
     "emitter-unanswered": _worked(
         "A request is not answered: failed when its time is over, before the regular pattern is due.", _unanswered
     ),
 }
+"""Runs that do not ship, by name: another one shows each of their transitions and cases."""
+
+
+if __name__ == "__main__":
+    write_named(__file__, RUNS, ON_DEMAND, EmitterConfig())

@@ -155,7 +155,7 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
     turns = own.counted & cycle.forwards.iff(~own.upwards)
     turned: Updates = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
     found: Updates = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
-    whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
+    complete = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
     yield Transition(
         "no end of the section", counting, waiting, cycle.endless | (cycle.enters & cycle.full),
         together(every_cycle, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own),
@@ -174,7 +174,7 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
         "symbol not read", counting, counting, cycle.leaves & ~cycle.turned_back,
         together(every_cycle, edge, passed, _no_word(own)), CODE, 4)  # fmt: skip
     yield Transition(
-        "code word found", counting, located, whole, together(every_cycle, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
+        "code word found", counting, located, complete, together(every_cycle, on, no_signal, _no_word(own), found), CODE, 5)  # fmt: skip
     yield Transition("count on", counting, counting, TRUE, together(every_cycle, on, no_signal), COUNTS, 6)
 
 

@@ -200,10 +200,10 @@ def _windows(symbols: Word, window: int) -> Iterator[tuple[Word, tuple[int, int]
 
 def _one_error(passed: Word, window: int) -> Iterator[Word]:
     """Yield the last `window` symbols read, with one section missed, misread or false, but not the last one."""
-    whole = passed[-window - 1 :]
-    if len(whole) == window + 1:
+    symbols_read = passed[-window - 1 :]
+    if len(symbols_read) == window + 1:
         for missed in range(1, window):
-            yield whole[:missed] + whole[missed + 1 :]
+            yield symbols_read[:missed] + symbols_read[missed + 1 :]
     last = passed[-window:]
     if len(last) == window:
         for wrong, symbol in product(range(window - 1), ALPHABET):

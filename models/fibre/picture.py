@@ -18,7 +18,7 @@ from safeloc.railway.pictures import (
 )
 from safeloc.reported import Reported
 
-STREAMS = Path(__file__).parents[1] / "streams"
+MODELS = Path(__file__).parents[1]
 
 
 def picture() -> Waterfall:
@@ -57,7 +57,8 @@ def _reported(machine: str, valid: str) -> Reported:
 
 def loud(recording: str) -> LoudFibre | None:
     """Return the loudness of the fibre in a shipped recording; None for any other."""
-    path = STREAMS / f"{recording}.waterfall.json"
+    machine = recording.partition("-")[0]
+    path = MODELS / machine / "recordings" / f"{recording}.waterfall.json"
     if not path.is_file():
         return None
     data = json.loads(path.read_text(encoding="utf-8"))

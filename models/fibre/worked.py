@@ -1,4 +1,7 @@
-"""Worked runs of the fibre machine, as features, beside the figures of the source."""
+"""Worked runs of the fibre machine, as features, beside the figures of the source.
+
+`python -m safeloc.models.fibre.worked` writes the runs that ship.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from collections.abc import Mapping
 from safeloc.models.fibre.code import Symbol
 from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.models.fibre.variables import FibreConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 
 
 def _endless(config: FibreConfig) -> Steps:
@@ -35,4 +38,8 @@ RUNS: Mapping[str, WorkedRun[FibreConfig]] = {
         _endless_where_located,
     ),
 }
-"""By the name of the recording that ships."""
+"""The recordings that ship, by name."""
+
+
+if __name__ == "__main__":
+    write_named(__file__, RUNS, {}, FibreConfig())

@@ -177,8 +177,8 @@ def joined(
     for one in sections:
         wires |= section_wires(area, one)
     machines = [front.machine, rear.machine, emitter.machine, entry_.machine, verification.machine, report.machine]
-    whole = compose("fibre_area", [*machines, area.machine, *(one.machine for one in sections)], wires)
-    return FibreArea(config, front, rear, emitter, entry_, verification, report, area, sections, whole)
+    composition = compose("fibre_area", [*machines, area.machine, *(one.machine for one in sections)], wires)
+    return FibreArea(config, front, rear, emitter, entry_, verification, report, area, sections, composition)
 
 
 def ends(fibre: Fibre) -> tuple[Num, Num]:

@@ -124,14 +124,14 @@ class Parts:
     # -------------------------------------------------------------- the world's moves
 
     @property
-    def next_whole(self) -> Bool:
+    def next_complete(self) -> Bool:
         """The pattern is the whole train."""
         return self.next_rear_is & self.next_front_is
 
     @property
     def next_since(self) -> Num:
         """Run since the train was last whole, after the cycle, um."""
-        return ite(self.next_whole, 0, minimum(self.since + abs_(self.step), self.config.since_limit_um))
+        return ite(self.next_complete, 0, minimum(self.since + abs_(self.step), self.config.since_limit_um))
 
     @property
     def next_counts(self) -> Bool:

@@ -103,7 +103,7 @@ class Believed:
         return self.own.trusted & self.own.usable & (self.own.low <= self.own.high)
 
     @cached_property
-    def good_whole(self) -> Bool:
+    def good_complete(self) -> Bool:
         """Both ends of a train that was counted can be reported: they lie on the line."""
         limit = self.own.reach.limit_mm
         return (
@@ -186,7 +186,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
         yield Transition(f"{name}, not reported", source, target, when & ~good, withhold, REQUIREMENTS, rank)
 
-    yield from row("count matches", table, whole, own.counted, now.good_whole, complete, 0)
+    yield from row("count matches", table, whole, own.counted, now.good_complete, complete, 0)
     led_up, led_down = now.up & now.led_high(own.straight), now.down & now.led_low(own.straight)
     yield from row("runs up since it was complete", whole, high, led_up, now.good, follow, 1)
     yield from row("runs down since it was complete", whole, low, led_down, now.good, follow, 1)

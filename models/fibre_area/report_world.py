@@ -19,7 +19,7 @@ from safeloc.models.fibre_area.parting import Parts
 
 def world(own: Parts) -> World:
     """Return the world: the train with all its lost parts."""
-    whole = own.next_whole
+    complete = own.next_complete
     low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
     return World(
         ghosts=own.declared.ghosts,
@@ -30,8 +30,8 @@ def world(own: Parts) -> World:
             own.since: own.next_since,
             own.body_rear: own.next_body_rear,
             own.body_front: own.next_body_front,
-            own.lowest: ite(whole, own.next_body_rear, low),
-            own.highest: ite(whole, own.next_body_front, high),
+            own.lowest: ite(complete, own.next_body_rear, low),
+            own.highest: ite(complete, own.next_body_front, high),
         },
         clauses=_clauses(own),
     )
@@ -42,7 +42,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
     return {
         "a count is that of the train within its last run": _count(own),
         "a complete train fills its pattern": Law(
-            own.next_whole.implies(own.next_body_rear.eq(own.pattern_rear) & own.next_body_front.eq(own.pattern_front)),
+            own.next_complete.implies(own.next_body_rear.eq(own.pattern_rear) & own.next_body_front.eq(own.pattern_front)),
             "A train that lost nothing lies from end to end of its pattern.",
             source="[D] a definition of the body",
             owner="nobody",
@@ -74,7 +74,7 @@ def _part(own: Parts) -> Law:
     moved = own.next_body_rear.eq(own.body_rear + own.step) & own.next_body_front.eq(own.body_front + own.step)
     inside = (own.next_body_rear <= own.pattern_rear) & (own.pattern_front <= own.next_body_front)
     return Law(
-        (~own.next_whole & own.next_counts).implies(moved & inside),
+        (~own.next_complete & own.next_counts).implies(moved & inside),
         "A train runs as one body; after it lost vehicles its pattern is what is left of that body.",
         source="[D] vehicles do not stretch; a part that stands does not shake the ground",
         owner="nobody",
@@ -136,7 +136,7 @@ def _lost(own: Parts) -> Law:
     back = own.config.roll_back_mm * UM_PER_MM + own.ran
     low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
     return Law(
-        (~own.next_whole & own.next_counts).implies(
+        (~own.next_complete & own.next_counts).implies(
             all_of([own.next_rear >= low - back, own.next_front <= high + back])
         ),
         "A part that was lost stays where it was lost or runs on after the train; it runs back no farther than "

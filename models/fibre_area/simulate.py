@@ -224,11 +224,11 @@ class _World:
 
     def _truth(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
         """Return the train itself: a part left behind stands where it was, and is the train's rear."""
-        whole = not self._parted(cycle)
-        self._lost_um = low_mm * UM_PER_MM if whole else self._lost_um
+        complete = not self._parted(cycle)
+        self._lost_um = low_mm * UM_PER_MM if complete else self._lost_um
         low, high = self._journey.area_mm
         return {
-            "report.next_rear_is_the_trains": whole, "report.next_front_is_the_trains": True,
+            "report.next_rear_is_the_trains": complete, "report.next_front_is_the_trains": True,
             "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
             "report.step_um": self._ran_mm(cycle) * UM_PER_MM,
             "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,

@@ -25,8 +25,8 @@ REPORTED = Reported(
 
 def target(config: FibreAreaConfig) -> Target:
     """Make the composition."""
-    whole = fibre_area.compose_machines(config)
-    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    model = fibre_area.compose_machines(config)
+    properties, system = tuple(claims.properties(model)), model.composition.system
     pictures = (area_picture(config.sections.sections),)
     return Target(
         "fibre_area", system.machines, system, properties, config, DOC, recorded("fibre_area"), REPORTED, pictures=pictures

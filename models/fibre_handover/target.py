@@ -20,8 +20,8 @@ REPORTED = Reported(
 
 def target(config: FibreHandoverConfig) -> Target:
     """Make the composition."""
-    whole = fibre_handover.compose_machines(config)
-    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    model = fibre_handover.compose_machines(config)
+    properties, system = tuple(claims.properties(model)), model.composition.system
     streams = recorded("fibre_handover")
     return Target("fibre_handover", system.machines, system, properties, config, DOC, streams, REPORTED)
 

@@ -24,15 +24,28 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, as_num, between, ceil_to, floor_div, floor_to, ite
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    as_num,
+    between,
+    ceil_to,
+    floor_div,
+    floor_to,
+    ite,
+    maximum,
+    minimum,
+)
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.language.world import World
 from safeloc.models.guard import law
-from safeloc.models.guard.box import Box, Held, become, begun, tolerable, usable
+from safeloc.models.guard.box import Box, Held, begun, of_fix, tolerable, usable
 from safeloc.models.guard.judgement import Judgement, judge
-from safeloc.models.guard.variables import PASSED, UNCONFIRMED, GuardConfig, Parts, parts
+from safeloc.models.guard.variables import OFF_TRACK, PASSED, UNCONFIRMED, GuardConfig, Parts, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 REQUIREMENTS = ("MRK-D6",)
@@ -70,7 +83,10 @@ def build(own: Parts) -> Guard:
         outputs=_outputs(own, holding),
         transitions=[
             _new_start(own, judgement, table),
-            *(_recording_fix(judgement, row) for row in (*_held(own, judgement, table), *_free(own, judgement, table))),
+            *(
+                _recording_fix(own, judgement, row)
+                for row in (*_held(own, judgement, table), *_free(own, judgement, table))
+            ),
         ],
         world=World(
             ghosts=own.declared.ghosts,
@@ -107,26 +123,18 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 # ------------------------------------------------------------------ the transition table
 
 
-def _recording_fix(cycle: Judgement, row: Transition) -> Transition:
+def _recording_fix(own: Parts, cycle: Judgement, row: Transition) -> Transition:
     """Add to every other transition that it stores the fix as the last one near the way, and as the last known place, if it is one."""
-    return replace(row, set=together(row.set, cycle.near_after, cycle.known_after))
+    return replace(row, set=together(row.set, _last_near(own, cycle), _last_known(own, cycle)))
 
 
 def _new_start(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Transition:
     """Return the transition of the host's new start: it forgets everything known before, and uses no fix of the same step."""
     verdict = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
     nothing = together(
-        become(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.last_verdict: verdict}
+        stored(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.last_verdict: verdict}
     )
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
-
-
-def _nowhere(own: Parts) -> Updates:
-    """Return updates after which no fix near the way and no place of the vehicle is known: both may be anywhere on the line."""
-    low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
-    return {
-        own.near_low: low, own.near_high: high, own.known_low: low, own.known_high: high, own.fair: as_num(0, COUNT),
-    }  # fmt: skip
 
 
 def _held(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -138,13 +146,13 @@ def _held(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     kept = usable(config, coasted.box)
 
     def coast(agreed: Num, verdict: Num) -> Updates:
-        return together(become(own, coasted), {own.agreed: agreed, own.last_verdict: verdict})
+        return together(stored(own, coasted), {own.agreed: agreed, own.last_verdict: verdict})
 
-    passed = together(become(own, narrow), {own.agreed: full, own.last_verdict: PASSED})
+    passed = together(stored(own, narrow), {own.agreed: full, own.last_verdict: PASSED})
     goes_on = cycle.agrees & cycle.follows
     yield Transition("fix passed on", passing, passing, goes_on, passed, REQUIREMENTS, 0)
     yield Transition("receiver believed again", probation, passing, goes_on & cycle.confirmed, passed, REQUIREMENTS, 0)
-    lose = together(become(own, _nothing()), {own.agreed: none, own.last_verdict: _withheld(cycle)})
+    lose = together(stored(own, _nothing()), {own.agreed: none, own.last_verdict: _withheld(cycle)})
     yield Transition("window given up", both, lost, ~kept, lose, REQUIREMENTS, 1)
     doubt = coast(none, cycle.verdict)
     yield Transition("implausible fix", both, probation, cycle.implausible, doubt, REQUIREMENTS, 2)
@@ -172,7 +180,7 @@ def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     none, one = as_num(0, COUNT), as_num(1, COUNT)
 
     def begun_by(agreed: Num, verdict: Num) -> Updates:
-        return together(become(own, fresh), {own.agreed: agreed, own.last_verdict: verdict})
+        return together(stored(own, fresh), {own.agreed: agreed, own.last_verdict: verdict})
 
     full = begun_by(as_num(config.confirmations, COUNT), PASSED)
     agrees = cycle.agrees & cycle.begins
@@ -183,7 +191,7 @@ def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     yield Transition("first fix", lost, recovering, cycle.begins, begin, REQUIREMENTS, 7)
     yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, REQUIREMENTS, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
-    empty = together(become(own, _nothing()), {own.agreed: none, own.last_verdict: cycle.verdict})
+    empty = together(stored(own, _nothing()), {own.agreed: none, own.last_verdict: cycle.verdict})
     yield Transition("fixes dropped", recovering, lost, unusable, empty, REQUIREMENTS, 9)
     waiting = together(_carried(own, cycle.coasted.box), {own.last_verdict: cycle.verdict})
     yield Transition("agreeing fixes carried", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
@@ -192,9 +200,49 @@ def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     )
 
 
+# ------------------------------------------------------------------ groups of updates: what the transitions set
+
+
+def stored(own: Parts, now: Held) -> Updates:
+    """The box and its anchor are those."""
+    box, anchor = now.box, now.anchor
+    return {
+        own.low: box.low, own.high: box.high, own.slow: box.slow, own.fast: box.fast,
+        own.anchor_low: anchor.low, own.anchor_high: anchor.high, own.anchor_steps: anchor.steps,
+    }  # fmt: skip
+
+
+def _last_near(own: Parts, cycle: Judgement) -> Updates:
+    """This fix is the last one near the way, if it is one; otherwise the stored places are moved on."""
+    fix, (low, high), passes = of_fix(own), cycle.near, cycle.alone.eq(PASSED)
+    return {own.near_low: ite(passes, fix.low, low), own.near_high: ite(passes, fix.high, high)}
+
+
+def _last_known(own: Parts, cycle: Judgement) -> Updates:
+    """Fair fixes in a row are counted; one that fills the row narrows the last known place, which else is moved on."""
+    fix, (low, high), full = of_fix(own), cycle.known, own.config.confirmations
+    ends = (cycle.alone.eq(PASSED) & ~cycle.begins) | cycle.alone.eq(OFF_TRACK)
+    longer = ite(cycle.follows & ~own.elsewhere, minimum(own.fair + 1, full), as_num(1, COUNT))
+    row = ite(cycle.begins, longer, ite(ends, as_num(0, COUNT), own.fair))
+    fills = cycle.begins & row.eq(full)
+    return {
+        own.fair: row,
+        own.known_low: ite(fills, maximum(fix.low, low), low),
+        own.known_high: ite(fills, minimum(fix.high, high), high),
+    }
+
+
+def _nowhere(own: Parts) -> Updates:
+    """No fix near the way and no place of the vehicle is known: both may be anywhere on the line."""
+    low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
+    return {
+        own.near_low: low, own.near_high: high, own.known_low: low, own.known_high: high, own.fair: as_num(0, COUNT),
+    }  # fmt: skip
+
+
 def _carried(own: Parts, box: Box) -> Updates:
     """Return updates that store the moved box of the last fix, as its own anchor."""
-    return become(own, begun(box))
+    return stored(own, begun(box))
 
 
 def _nothing() -> Held:

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 from safeloc.language.expr import (
     Bool,
-    Expr,
     Lit,
     Num,
-    Var,
     all_of,
     as_num,
     ceil_div,
@@ -174,15 +172,6 @@ def usable(config: GuardConfig, box: Box) -> Bool:
 def tolerable(config: GuardConfig, box: Box) -> Bool:
     """Return whether both margins stay within the tolerance, also when rounded outward to whole mm."""
     return box.width <= (2 * config.tolerance_mm - 3) * NM_PER_MM
-
-
-def become(own: Parts, now: Held) -> dict[Var, Expr]:
-    """Return updates that store the box and its anchor."""
-    box, anchor = now.box, now.anchor
-    return {
-        own.low: box.low, own.high: box.high, own.slow: box.slow, own.fast: box.fast,
-        own.anchor_low: anchor.low, own.anchor_high: anchor.high, own.anchor_steps: anchor.steps,
-    }  # fmt: skip
 
 
 def begun(box: Box) -> Held:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Num, Var, as_num, between, exact_to, ite, maximum, minimum
-from safeloc.language.units import COUNT, NM, NM_PER_MM, UM_S
+from safeloc.language.expr import Bool, Num, as_num, between, exact_to, ite, minimum
+from safeloc.language.units import NM, NM_PER_MM, UM_S
 from safeloc.models.guard.box import (
     Box,
     Held,
@@ -80,27 +80,6 @@ class Judgement:
         """The vehicle can have run from the last fix near the way to this one, whatever the verdict on that one was."""
         fix, (low, high) = of_fix(self.own), self.near
         return (fix.low <= high) & (low <= fix.high)
-
-    @property
-    def near_after(self) -> dict[Var, Expr]:
-        """The updates that store this fix as the last one near the way, if it is one; otherwise the stored places are moved on."""
-        own, fix, (low, high) = self.own, of_fix(self.own), self.near
-        passes = self.alone.eq(PASSED)
-        return {own.near_low: ite(passes, fix.low, low), own.near_high: ite(passes, fix.high, high)}
-
-    @property
-    def known_after(self) -> dict[Var, Expr]:
-        """The updates that count fair fixes in a row, and narrow the last known place to a fix that fills the row."""
-        own, fix, (low, high), full = self.own, of_fix(self.own), self.known, self.own.config.confirmations
-        ends = (self.alone.eq(PASSED) & ~self.begins) | self.alone.eq(OFF_TRACK)
-        longer = ite(self.follows & ~own.elsewhere, minimum(own.fair + 1, full), as_num(1, COUNT))
-        row = ite(self.begins, longer, ite(ends, as_num(0, COUNT), own.fair))
-        fills = self.begins & row.eq(full)
-        return {
-            own.fair: row,
-            own.known_low: ite(fills, maximum(fix.low, low), low),
-            own.known_high: ite(fills, minimum(fix.high, high), high),
-        }
 
     @property
     def confirmed(self) -> Bool:

@@ -1,6 +1,6 @@
 """A made-up receiver on a made-up junction: a map with courses, positions once a second, and the truth beside them.
 
-`models/positions` holds what this makes: `junction.toml`, `junction.csv` and `junction.nmea`, for `safeloc guard`.
+`recordings/` beside it holds what this makes: `junction.toml`, `junction.csv` and `junction.nmea`, for `safeloc guard`.
 The receiver calls every position FIXED, even if it is off the track, frozen, displaced, or wrong in speed.
 """
 
@@ -17,7 +17,7 @@ from random import Random
 from safeloc.railway.map.elements import Geometry, Node, Switch, TrackEdge
 from safeloc.railway.map.model import Line, sealed
 
-FOLDER = Path(__file__).parents[1] / "positions"
+FOLDER = Path(__file__).with_name("recordings")
 BEGIN = datetime(2026, 3, 2, 8, 0, tzinfo=UTC)
 LONGITUDE_DEG, LATITUDE_DEG = 9.0, 48.0
 EARTH_AXIS_M, ECCENTRICITY_2 = 6_378_137.0, 0.00669437999014

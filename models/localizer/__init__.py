@@ -114,14 +114,14 @@ def compose_machines(
     links = [downlink.machine] if downlink else []
     machines = (moves.machine, *sources, *links, counts.machine, guard, uplink.machine, *more.machines)
     discharged = [one for piece in pieces.values() for one in piece.discharged]
-    whole = compose(
+    composition = compose(
         name,
         machines,
         wires,
         shared=[*moves.shared, *more.shared],
         discharge=[*discharged, *links, counts.machine, guard, uplink.machine, *more.discharge],
     )
-    return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
+    return Localizer(config, composition, moves, pieces, downlink, counts, guard, uplink)
 
 
 def _shipped_pieces(config: LocalizerConfig, moves: Motion, sources: Sequence[str]) -> dict[str, Piece]:

@@ -27,7 +27,7 @@ def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
         "arbitration.lead",
         tuple(_interval(name) for name in used),
         tuple(_BESIDE[name] for name in used if name in _BESIDE),
-        (*refusals, *_whole()),
+        (*refusals, *_of_the_composition()),
         says,
     )
 
@@ -41,7 +41,7 @@ def _interval(name: str) -> NamedInterval:
     return NamedInterval(name, Reported(position, below, above, valid))
 
 
-def _whole() -> Iterator[Refusals]:
+def _of_the_composition() -> Iterator[Refusals]:
     excluding = ("arbitration.contradicting_first", "arbitration.contradicting_second")
     yield Refusals("passed on", "arbitration.reason", ("NONE",), excluding)
 

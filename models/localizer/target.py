@@ -45,25 +45,25 @@ def target(config: LocalizerConfig) -> Target:
     return localized(localizer.compose_machines(config), config)
 
 
-def localized(whole: localizer.Localizer, config: LocalizerConfig) -> Target:
+def localized(model: localizer.Localizer, config: LocalizerConfig) -> Target:
     """Return the target of a localizer that is composed already."""
-    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    properties, system = tuple(claims.properties(model)), model.composition.system
     return Target(
-        "localizer", whole.machines, system, properties, config, DOC, recorded("localizer"), PASSED_ON,
-        partial(_simulated, config), (picture(config, _says),), members=properties_of_machines(whole),
+        "localizer", model.machines, system, properties, config, DOC, recorded("localizer"), PASSED_ON,
+        partial(_simulated, config), (picture(config, _says),), members=properties_of_machines(model),
     )  # fmt: skip
 
 
-def properties_of_machines(whole: localizer.Localizer) -> dict[str, tuple[Property, ...]]:
+def properties_of_machines(composed: localizer.Localizer) -> dict[str, tuple[Property, ...]]:
     """Return the properties of each machine by itself; `motion` and the satellites' position have none."""
-    config = whole.config
+    config = composed.config
     guard = DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm)
-    links = [link for link in (whole.downlink, whole.uplink) if link is not None]
-    own = {whole.guard.name: tuple(delocalized_claims.properties(whole.guard, guard))}
-    for model in [one for piece in whole.pieces.values() for one in piece.models] + [*links, whole.arbitration]:
+    links = [link for link in (composed.downlink, composed.uplink) if link is not None]
+    found = {composed.guard.name: tuple(delocalized_claims.properties(composed.guard, guard))}
+    for model in [one for piece in composed.pieces.values() for one in piece.models] + [*links, composed.arbitration]:
         machine, properties = _claimed(model)
-        own[machine.name] = tuple(properties)
-    return own
+        found[machine.name] = tuple(properties)
+    return found
 
 
 def _claimed(model: object) -> tuple[Machine, Sequence[Property]]:
@@ -90,7 +90,7 @@ def _claimed(model: object) -> tuple[Machine, Sequence[Property]]:
 
 def _says(recording: str) -> str:
     """Return the expected outcome of a shipped recording; empty for any other."""
-    from safeloc.models.localizer.simulation.recordings import RUNS  # numpy is loaded only where a picture is drawn
+    from safeloc.models.localizer.simulation.recorded_runs import RUNS  # numpy is loaded only where a picture is drawn
 
     run = RUNS.get(recording.removeprefix("localizer-"))
     return run.says if run else ""
@@ -98,7 +98,7 @@ def _says(recording: str) -> str:
 
 def _simulated(config: LocalizerConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
     """Return a nominal journey; the seed gives the sensors' errors."""
-    from safeloc.models.localizer.simulation.recordings import (
+    from safeloc.models.localizer.simulation.recorded_runs import (
         simulated,  # numpy is loaded only where something is simulated
     )
 

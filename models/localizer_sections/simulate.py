@@ -21,7 +21,7 @@ from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
-FOLDER, SEED = Path(__file__).parents[1] / "streams", 3
+FOLDER, SEED = Path(__file__).with_name("recordings"), 3
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,14 @@ def simulate(config: LocalizerSectionsConfig, scene: Scene, *, seed: int) -> Ste
     front = before = 0
     made: Steps = []
     for cycle, step in enumerate(steps):
-        before, front = front, front + _whole(step["true_step_nm"])
-        whole = scene.parts is None or cycle < scene.parts
-        far = front - config.train.length_mm * NM_PER_MM if whole else far
-        made.append({**step, **_train(whole, far), **_area(config, scene, cycle, before, front)})
+        before, front = front, front + _as_int(step["true_step_nm"])
+        complete = scene.parts is None or cycle < scene.parts
+        far = front - config.train.length_mm * NM_PER_MM if complete else far
+        made.append({**step, **_train(complete, far), **_area(config, scene, cycle, before, front)})
     return made
 
 
-def _whole(cell: Cell) -> int:
+def _as_int(cell: Cell) -> int:
     assert isinstance(cell, int)
     return cell
 
@@ -96,8 +96,8 @@ def _first_far_nm(config: LocalizerSectionsConfig) -> int:
     return -config.train.length_mm * NM_PER_MM
 
 
-def _train(whole: bool, far_nm: int) -> dict[str, Cell]:
-    return {"ends.train_whole": whole, "ends.next_far_end_nm": far_nm}
+def _train(complete: bool, far_nm: int) -> dict[str, Cell]:
+    return {"ends.train_whole": complete, "ends.next_far_end_nm": far_nm}
 
 
 def _area(config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: int, front_nm: int) -> dict[str, Cell]:

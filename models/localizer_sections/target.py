@@ -18,11 +18,11 @@ DOC = (
 
 def target(config: LocalizerSectionsConfig) -> Target:
     """Make the composition."""
-    whole = localizer_sections.compose_machines(config)
-    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    model = localizer_sections.compose_machines(config)
+    properties, system = tuple(claims.properties(model)), model.composition.system
     return Target(
         NAME, system.machines, system, properties, config, DOC, recorded(NAME), PASSED_ON,
-        pictures=(picture(config.localizer, _says),), members=properties_of_machines(whole.localizer),
+        pictures=(picture(config.localizer, _says),), members=properties_of_machines(model.localizer),
     )  # fmt: skip
 
 

@@ -67,7 +67,7 @@ class Parts:
     """The variables of the machine.
 
     valid, position, below, above  inputs: the front end's interval, as it is passed on
-    whole            input: integrity monitoring confirms the train in this cycle
+    train_whole      input: integrity monitoring confirms the train in this cycle
     upwards          the front end faces growing positions: fixed
     told, ...        the far end's interval
     truth, far       ghosts: front end and far end, nm
@@ -83,7 +83,7 @@ class Parts:
         self.position = declared.sensor(number("front_position_mm", MM, -limit, limit))
         self.below = declared.sensor(number("front_margin_below_mm", MM, 0, widest))
         self.above = declared.sensor(number("front_margin_above_mm", MM, 0, widest))
-        self.whole = declared.sensor(boolean("train_whole"))
+        self.train_whole = declared.sensor(boolean("train_whole"))
         self.upwards = declared.state(boolean("faces_upwards"), first=ANY)
         self.both_position = declared.state(number("far_position_mm", MM, -limit, limit), first=0)
         self.both_below = declared.state(number("far_margin_below_mm", MM, 0, wider), first=0)
@@ -164,7 +164,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         own.both_position: far, own.both_below: own.below + wider, own.both_above: own.above + wider
     }  # fmt: skip
     cleared: dict[Var, Expr] = {var: as_num(0, MM) for var in set_both}
-    known = own.valid & own.whole & between(-limit, far, limit)
+    known = own.valid & own.train_whole & between(-limit, far, limit)
     yield Transition("both ends known", table, both, known, set_both, REQUIREMENTS, 0)
     yield Transition("front end known", table, front_only, own.valid, cleared, REQUIREMENTS, 1)
     yield Transition("nothing known", table, nothing, TRUE, cleared, REQUIREMENTS, 2)
@@ -197,7 +197,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
             check="train data entry: which end is the front",
         ),
         "a complete train has its length": Law(
-            own.whole.implies(between(length - slack, extent, length + slack)),
+            own.train_whole.implies(between(length - slack, extent, length + slack)),
             "A train that integrity monitoring confirms as whole is as long as its data say, within their tolerance.",
             ("length_mm", "length_tolerance_mm"),
             "[D] passenger train of eight coaches; couplers and train data",

@@ -153,9 +153,9 @@ def fix(reader: Reader, moved: Cycle) -> Fix:
     """Return the fix by the cycle's reading, given the distances that the device at that end measured in the cycle."""
     since = reader.since.value_or(as_num(0, MM))
     late, untimed = moved.farthest(reader.latency_ppm), moved.farthest(PPM_PER_ONE)
-    slack, whole = reader.unsteady_nm
+    slack, in_cycle = reader.unsteady_nm
     forth, back = (
-        ite(reader.since.present, one + slack, other + whole) for one, other in zip(late, untimed, strict=True)
+        ite(reader.since.present, one + slack, other + in_cycle) for one, other in zip(late, untimed, strict=True)
     )
     accuracy = exact_to(reader.accuracy.value_or(as_num(reader.accuracy_mm, MM)), NM)
     own = accuracy + abs_(since) * Lit(reader.since_ppm, PPM) + reader.offset_tolerance_mm * NM_PER_MM

@@ -49,8 +49,8 @@ class BaliseReading:
         """Return the interval of end A at the end of the cycle by this reading."""
         accuracy = exact_to(self.accuracy.value_or(as_num(self.accuracy_mm, MM)), NM)
         own = accuracy + abs_(self.run) * Lit(self.law_ppm, PPM)
-        late, whole = odometer.lag(self.latency_ppm), odometer.lag(NM_PER_MM)
-        forward, backward = (ite(self.since.present, a, b) for a, b in zip(late, whole, strict=True))
+        late, untimed = odometer.lag(self.latency_ppm), odometer.lag(NM_PER_MM)
+        forward, backward = (ite(self.since.present, a, b) for a, b in zip(late, untimed, strict=True))
         return Interval(self.position.value + self.run, own + forward, own + backward)
 
 

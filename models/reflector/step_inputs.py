@@ -32,10 +32,10 @@ def completed(config: ReflectorConfig, given: Mapping[str, Cell]) -> dict[str, C
 
     The inputs of a slot with a range stay as they are: the machine refuses a range without its error.
     """
-    whole: dict[str, Cell] = {"frame_present": False, "route_contradicted": False}
+    inputs: dict[str, Cell] = {"frame_present": False, "route_contradicted": False}
     for number in range(1, config.echo_slots + 1):
         if f"echo_{number}_range_mm" not in given:
-            whole |= {f"echo_{number}_{name}": value for name, value in EMPTY_SLOT.items()}
+            inputs |= {f"echo_{number}_{name}": value for name, value in EMPTY_SLOT.items()}
     if "next_position_mm" not in given:
-        whole |= NO_NEXT
-    return {**whole, **given}
+        inputs |= NO_NEXT
+    return {**inputs, **given}

@@ -204,8 +204,8 @@ def _balise_off(own: Parts) -> tuple[Num, Num, Num, Num]:
     off = _after(own) - exact_to(balise.position.value, NM) - exact_to(since, NM)
     accuracy = exact_to(ite(~balise.accuracy.present, config.balise_accuracy_mm, balise.accuracy.value), NM)
     allowed = accuracy + with_unit(maximum(since, -since) * config.odometer.rate_ppm, NM)
-    latched, whole = _ran_late(own, config.balise_latency_ms), _ran_late(own, config.period_ms)
-    forward, backward = (ite(balise.since.present, late, all_) for late, all_ in zip(latched, whole, strict=True))
+    latched, untimed = _ran_late(own, config.balise_latency_ms), _ran_late(own, config.period_ms)
+    forward, backward = (ite(balise.since.present, late, all_) for late, all_ in zip(latched, untimed, strict=True))
     return off, allowed, forward, backward
 
 

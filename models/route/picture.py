@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from safeloc.models.route.variables import RouteConfig
 from safeloc.railway.pictures import Hypothesis, Recognition, Sighting, TrackPlan
-from safeloc.runtime.streams.gzipped import name_of
-
-FIGURE_3 = frozenset(map(name_of, (Path(__file__).parents[1] / "streams").glob("route-*.jsonl.gz")))
-"""The shipped recordings: all run over the line fig3, its routes numbered in the order of the map."""
 
 
 def picture(config: RouteConfig) -> Recognition:
@@ -26,10 +20,12 @@ def _route(number: int) -> Hypothesis:
 
 
 def plan(recording: str) -> TrackPlan | None:
-    """Return the plan of fig3 for the recordings that run over it."""
-    if recording not in FIGURE_3:
+    """Return the plan of fig3 for the named runs: all are over this line, its routes numbered in the order of the map."""
+    from safeloc.models.route.recorded_runs import ON_DEMAND, RUNS  # numpy is loaded only where a picture is drawn
+
+    if recording not in {f"route-{name}" for name in (*RUNS, *ON_DEMAND)}:
         return None
-    from safeloc.railway.map.plan import track_plan  # networkx and the map are loaded only where a picture is drawn
+    from safeloc.railway.map.plan import track_plan  # networkx and the map as well
     from safeloc.railway.map.routes import through_routes
     from safeloc.railway.map.toml_files import find_line
     from safeloc.railway.map.topology import Topology

@@ -111,8 +111,8 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
     machine = build(own, trusted)
     wires = selection_wires(own, selection, trusted)
     discharged = [Clause(machine, SELECTED)] if trusted == "satellites" else []
-    whole = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=discharged)
-    return Satellite(selection, machine, own, whole)
+    composition = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=discharged)
+    return Satellite(selection, machine, own, composition)
 
 
 def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satellites") -> dict[Var, Expr]:

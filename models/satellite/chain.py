@@ -125,9 +125,9 @@ def _programs(figures: str) -> tuple[Compiled, Compiled]:
 
     Compiling takes seconds for 32 channels, so each configuration is compiled once.
     """
-    whole = compose_machines(SatelliteConfig.model_validate_json(figures))
-    selection = lower(whole.selection.machine)
-    return compile_system(without_ghosts(whole.composition.system)), compile_system(without_ghosts(selection))
+    model = compose_machines(SatelliteConfig.model_validate_json(figures))
+    selection = lower(model.selection.machine)
+    return compile_system(without_ghosts(model.composition.system)), compile_system(without_ghosts(selection))
 
 
 class EpochChain:

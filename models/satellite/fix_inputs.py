@@ -80,7 +80,7 @@ def _speed_um_s(solution: Solution, ahead: Ahead, offset_s: float, config: Satel
     if found is None:
         return 0, fast
     gained = math.ceil(Fraction(abs(offset_s)) * ahead.max_acceleration_mm_s2 * UM_PER_MM)
-    whole = ExactBounds(found.low * UM_PER_MM, found.high * UM_PER_MM).widened(gained).moved(ahead.speed_um_s)
-    speed, further = outward(whole)
+    bounds = ExactBounds(found.low * UM_PER_MM, found.high * UM_PER_MM).widened(gained).moved(ahead.speed_um_s)
+    speed, further = outward(bounds)
     nearest = max(-fast, min(speed, fast))
     return nearest, further + abs(speed - nearest)

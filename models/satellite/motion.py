@@ -49,8 +49,8 @@ def referred(own: Parts) -> State:
     fast, known = own.config.max_speed_mm_s * 1_000, own.reference_speed.present
     place, error = exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
     speed = ite(known, own.reference_speed.value, as_num(0, UM_S))
-    whole = around(place, error, speed, ite(known, own.speed_accuracy, as_num(fast, UM_S)))
-    return State(place, whole.low, whole.high, speed, maximum(whole.slowest, -fast), minimum(whole.fastest, fast))
+    reach = around(place, error, speed, ite(known, own.speed_accuracy, as_num(fast, UM_S)))
+    return State(place, reach.low, reach.high, speed, maximum(reach.slowest, -fast), minimum(reach.fastest, fast))
 
 
 def fixed(own: Parts) -> State:

@@ -115,15 +115,15 @@ def track() -> LineTrack:
 
 def motion(journey: Journey, config: SatelliteConfig, vehicle: VehicleConfig | None = None) -> Motion:
     """Return the motion from standstill at the line's beginning to a halt at the journey's end, cut to the recorded part."""
-    whole = drive(
+    driven = drive(
         vehicle or VehicleConfig(),
         [Halt(round(journey.to_m * MM_PER_M), 3.0, journey.speed_mm_s)],
         [],
         config.period_ms,
     )
-    first = int(np.searchsorted(whole.position_nm, round(journey.from_m * MM_PER_M) * NM_PER_MM))
-    start = whole.start_nm if first == 0 else int(whole.position_nm[first - 1])
-    return replace(whole, position_nm=whole.position_nm[first:], speed_mm_s=whole.speed_mm_s[first:], start_nm=start)
+    first = int(np.searchsorted(driven.position_nm, round(journey.from_m * MM_PER_M) * NM_PER_MM))
+    start = driven.start_nm if first == 0 else int(driven.position_nm[first - 1])
+    return replace(driven, position_nm=driven.position_nm[first:], speed_mm_s=driven.speed_mm_s[first:], start_nm=start)
 
 
 def signals(journey: Journey, config: SatelliteConfig, *, seed: int) -> SimulatedRun:

@@ -21,21 +21,21 @@ DRIFT_DOC = "The same machines, with nothing assumed of any signal: how far fals
 
 def target(config: SatelliteConfig) -> Target:
     """Make the composition in a world whose signals obey their laws."""
-    whole = satellite.compose_machines(config)
-    return _target(whole, claims.properties(whole), config, DOC, REPORTED)
+    model = satellite.compose_machines(config)
+    return _target(model, claims.properties(model), config, DOC, REPORTED)
 
 
 def drifting(config: SatelliteConfig) -> Target:
     """Make the composition in a world in which only the odometry is trusted."""
-    whole = satellite.compose_machines(config, trusted="odometry")
-    return _target(whole, claims.drift_properties(whole), config, DRIFT_DOC, BOUNDED)
+    model = satellite.compose_machines(config, trusted="odometry")
+    return _target(model, claims.drift_properties(model), config, DRIFT_DOC, BOUNDED)
 
 
 def _target(
-    whole: satellite.Satellite, properties: Sequence[Property], config: SatelliteConfig, doc: str, reported: Reported
+    model: satellite.Satellite, properties: Sequence[Property], config: SatelliteConfig, doc: str, reported: Reported
 ) -> Target:
-    system, machines = whole.composition.system, (whole.selection.machine, whole.machine)
-    members = {whole.selection.machine.name: tuple(selection_claims.properties(whole.selection))}
+    system, machines = model.composition.system, (model.selection.machine, model.machine)
+    members = {model.selection.machine.name: tuple(selection_claims.properties(model.selection))}
     return Target(
         system.name, machines, system, tuple(properties), config, doc, recorded(system.name), reported,
         lambda seed: _simulated(config, seed), pictures(reported, config), members=members,

@@ -150,8 +150,8 @@ def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
     wires: dict[Var, Expr] = {}
     for one in sections:
         wires |= section_wires(area, one)
-    whole = compose("sections", [area.machine, *(one.machine for one in sections)], wires)
-    return Sections(area, sections, whole)
+    composition = compose("sections", [area.machine, *(one.machine for one in sections)], wires)
+    return Sections(area, sections, composition)
 
 
 def section_wires(area: Area, one: Section) -> dict[Var, Expr]:

@@ -15,9 +15,9 @@ DOC = "Trains of a line area between axle counters, and the virtual sections tha
 
 def target(config: SectionsConfig) -> Target:
     """Make the composition of the area and its sections."""
-    whole = sections.compose_machines(config)
-    machines = (whole.area.machine, *(one.machine for one in whole.sections))
-    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    model = sections.compose_machines(config)
+    machines = (model.area.machine, *(one.machine for one in model.sections))
+    properties, system = tuple(claims.properties(model)), model.composition.system
     return Target("sections", machines, system, properties, config, DOC, _recordings(config))
 
 

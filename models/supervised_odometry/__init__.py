@@ -33,5 +33,5 @@ def compose_machines(config: OdometryConfig | None = None) -> Supervised:
     )
     guard = delocalized.build(own)
     wires: dict[Var, Expr] = {**own.reads(source.machine), own.next_truth: source.own.ghosts.truth}
-    whole = compose("supervised_odometry", [source.machine, guard], wires, discharge=[guard])
-    return Supervised(whole, source, guard)
+    composition = compose("supervised_odometry", [source.machine, guard], wires, discharge=[guard])
+    return Supervised(composition, source, guard)

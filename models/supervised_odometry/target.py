@@ -24,15 +24,15 @@ REPORTED = Reported(
 
 def target(config: OdometryConfig) -> Target:
     """Make the composition, with the properties of each of its two machines."""
-    whole = supervised_odometry.compose_machines(config)
-    machines = (whole.source.machine, whole.guard)
-    properties = tuple(claims.properties(whole))
+    model = supervised_odometry.compose_machines(config)
+    machines = (model.source.machine, model.guard)
+    properties = tuple(claims.properties(model))
     guard = DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.position_limit_mm)
     members = {
-        whole.source.machine.name: tuple(odometry_claims.properties(whole.source)),
-        whole.guard.name: tuple(delocalized_claims.properties(whole.guard, guard)),
+        model.source.machine.name: tuple(odometry_claims.properties(model.source)),
+        model.guard.name: tuple(delocalized_claims.properties(model.guard, guard)),
     }
-    system = whole.composition.system
+    system = model.composition.system
     return Target("supervised_odometry", machines, system, properties, config, DOC, reported=REPORTED, members=members)
 
 

@@ -1,23 +1,21 @@
 """Simulated trains of an area and the fibre's patterns, as steps of the machine that associates them.
 
-`python -m safeloc.models.train_order.simulate` writes the named runs anew. A cycle is a second. Trains run along the track;
-if two come so near that the fibre sees one pattern, there is one.
+`python -m safeloc.models.train_order.simulate` writes the runs that ship, `... simulate FOLDER` those that are made on demand.
+A cycle is a second. Trains run along the track; if two come so near that the fibre sees one pattern, there is one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from random import Random
 
 from safeloc.language.units import UM_PER_MM
 from safeloc.models.train_order import TrainOrderConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun
-from safeloc.runtime.streams.steps import Cell, write_steps
+from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.runtime.streams.steps import Cell
 
 HALF_MM = 120_000  # half a pattern: a train with the uncertainty of its ends
-FOLDER = Path(__file__).parents[1] / "streams"
 ENDS_MM = (0, 10_000_000)
 
 
@@ -148,6 +146,19 @@ RUNS: Mapping[str, WorkedRun[TrainOrderConfig]] = {
         "Two trains follow each other, a third comes from above and goes back: every pattern belongs to its train.",
         Scene(300, (FIRST, TrainRun(2, 80, ((80, 30_000), (160, 0), (220, 30_000))), FROM_ABOVE)),
     ),
+    "train_order-counter-fault": _worked(
+        "A disturbed counter ends the order; patterns belong to no train until the counters report an empty "
+        "area; then the next train has its own.",
+        Scene(300, (FIRST, TrainRun(2, 275, ((275, 40_000),))), clear=(1, 265), fault=(100, 101)),
+    ),
+    "train_order-impossible-event": _worked(
+        "A train is counted out of an empty area: the order is unknown from that cycle on, until the counters "
+        "report an empty area.",
+        Scene(60, (), clear=(1, 40), events=((20, {"leaves_high": True}),)),
+    ),
+}
+"""The recordings that ship, by name."""
+ON_DEMAND: Mapping[str, WorkedRun[TrainOrderConfig]] = {
     "train_order-close-together": _worked(
         "The second train comes so near to the first that there is one pattern: it belongs to no train; apart "
         "again, each has its own.",
@@ -161,27 +172,9 @@ RUNS: Mapping[str, WorkedRun[TrainOrderConfig]] = {
         "A train that is not seen: the other's pattern belongs to no train, not to the nearest.",
         Scene(200, (FIRST, TrainRun(2, 80, ((80, 30_000),))), lost=((120, 150, 2),)),
     ),
-    "train_order-counter-fault": _worked(
-        "A disturbed counter ends the order; patterns belong to no train until the counters report an empty "
-        "area; then the next train has its own.",
-        Scene(300, (FIRST, TrainRun(2, 275, ((275, 40_000),))), clear=(1, 265), fault=(100, 101)),
-    ),
-    "train_order-impossible-event": _worked(
-        "A train is counted out of an empty area: the order is unknown from that cycle on, until the counters "
-        "report an empty area.",
-        Scene(60, (), clear=(1, 40), events=((20, {"leaves_high": True}),)),
-    ),
 }
-
-
-def write(folder: Path = FOLDER) -> list[Path]:
-    """Write all of them; return their paths."""
-    paths = [folder / f"{name}.jsonl.gz" for name in RUNS]
-    for path, run in zip(paths, RUNS.values(), strict=True):
-        write_steps(path, run.steps(TrainOrderConfig()), machine="train_order")
-    return paths
+"""Runs that do not ship, by name: another one shows each of their transitions and cases."""
 
 
 if __name__ == "__main__":
-    for path in write():
-        print(path)
+    write_named(__file__, RUNS, ON_DEMAND, TrainOrderConfig())

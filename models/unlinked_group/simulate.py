@@ -2,6 +2,8 @@
 
 The run is one of the balise machine: same motion, same odometer, same telegrams. What of them the machine of the unlinked group
 reads is passed on.
+
+`python -m safeloc.models.unlinked_group.simulate` writes the runs that ship.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from safeloc.models.balise.simulate import simulate as over_groups
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.unlinked_group.limits import at_the_limits
 from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, move, plan
@@ -156,6 +158,11 @@ RUNS: Mapping[str, WorkedRun[UnlinkedGroupConfig]] = {
         "Every distance and every reading is as wrong as the laws allow: each group is taken, and the truth lies at an end of its "
         "interval.",
         at_the_limits,
+        {"odometer_wander_nm": 0, "true_distance_nm": 0},
     ),
 }
-"""By the recording's name."""
+"""The recordings that ship, by name."""
+
+
+if __name__ == "__main__":
+    write_named(__file__, RUNS, {}, UnlinkedGroupConfig())

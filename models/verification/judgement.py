@@ -42,7 +42,7 @@ class Judgement:
     # -------------------------------------------------------------- the reference
 
     @cached_property
-    def whole(self) -> Bool:
+    def usable(self) -> Bool:
         """The reference is sound and recent, has axles, and its bounds are in order."""
         own = self.own
         recent = own.record_age <= own.config.reference_age_limit_cycles
@@ -66,7 +66,7 @@ class Judgement:
     @cached_property
     def accepted(self) -> Bool:
         """The machine accepts a reference in this cycle: no mismatch."""
-        return self.own.due & self.own.source.ne(v.NOBODY) & self.whole & ~self.mismatch
+        return self.own.due & self.own.source.ne(v.NOBODY) & self.usable & ~self.mismatch
 
     # -------------------------------------------------------------- parameters that do not change
 
@@ -245,7 +245,7 @@ class Judgement:
         given = own.due & own.source.ne(v.NOBODY)
         always_on = [
             (own.due & own.source.eq(v.NOBODY), v.REFERENCE_LOST),
-            (given & ~self.whole, v.REFERENCE_REFUSED),
+            (given & ~self.usable, v.REFERENCE_REFUSED),
             (given & self.contradicts, v.REFERENCE_CONTRADICTS),
             (own.fibre_error, v.FIBRE_ERROR),
             (seen_count & ~self.count_matches, v.COUNT_DIFFERS),

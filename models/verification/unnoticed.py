@@ -17,7 +17,7 @@ from safeloc.models.verification.variables import VerificationConfig
 from safeloc.runtime.streams.steps import Cell, write_steps
 
 CONFIG = VerificationConfig()
-FOLDER = Path(__file__).parents[1] / "streams"
+FOLDER = Path(__file__).with_name("recordings")
 ENTRY, FROM_CYCLE, CYCLES = 2, 12, 90
 Steps = list[dict[str, Cell]]
 

@@ -123,7 +123,7 @@ def _references(model: Balise) -> Iterator[Property]:
     accepted = own.memory.verdict.eq(v.ACCEPTED)
     yield for_all_inputs(
         "only complete and undamaged groups count",
-        own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.whole),
+        own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.complete),
         statement="the machine uses a group only if every balise of it was read, with right check bits, no longer "
         "ago than permitted, while running forwards",
     )
@@ -139,7 +139,7 @@ def _references(model: Balise) -> Iterator[Property]:
     right = [step.expecting, step.read_of(expected), ~step.against(expected), step.inside(expected), ~placed]
     yield for_all_inputs(
         "the expected group counts",
-        all_of([earlier_bool(valid), step.well_formed, step.whole, *right]).implies(
+        all_of([earlier_bool(valid), step.well_formed, step.complete, *right]).implies(
             own.memory.verdict.one_of(v.ACCEPTED, v.CONTRADICTED)
         ),
         statement="the machine accepts the expected group if it was read completely, in the announced orientation "

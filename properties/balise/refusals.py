@@ -34,7 +34,7 @@ def _disagrees(model: Balise) -> Bool:
     for slot in reversed(model.own.linking.slots):
         announced = earlier_num(slot.group).ne(0) & step.read_of(slot)
         found = ite(announced, step.against(slot) | _elsewhere(model, slot) | ~step.inside(slot), found)
-    return step.announced & step.whole & found
+    return step.announced & step.complete & found
 
 
 def _elsewhere(model: Balise, slot: Record) -> Bool:
@@ -81,7 +81,7 @@ def _rightly(model: Balise) -> Iterator[Property]:
     own, step = model.own, Step(model)
     as_announced = all_of(_where_announced(model, slot) for slot in own.linking.slots)
     ran = between(as_num(0, NM), own.world.true_since, own.world.true_step)
-    read = all_of([earlier_bool(model.machine.flag("valid")), step.announced, step.whole, ran])
+    read = all_of([earlier_bool(model.machine.flag("valid")), step.announced, step.complete, ran])
     yield always(
         "a group at its place is neither out of its window nor a contradiction",
         (read & as_announced).implies(~own.memory.verdict.one_of(v.TOO_EARLY, v.TOO_LATE, v.CONTRADICTED)),

@@ -96,7 +96,7 @@ class Step:
         return all_of([*(one.present for one in (*numbers, *group)), *fits, several.iff(read.read.value.ne(1))])
 
     @cached_property
-    def whole(self) -> Bool:
+    def complete(self) -> Bool:
         """Every balise was read, with right check bits, no longer ago than permitted, while running forwards."""
         own = self.model.own
         read = own.read

@@ -151,5 +151,5 @@ def _symbol(model: Fibre) -> Num:
 def _joined(model: Fibre, symbol: Num) -> Bool:
     """Return the condition that the word is four times the last one and the symbol, less the oldest symbol of a whole word."""
     own = model.own
-    joined, whole = before(own.word) * SYMBOLS + symbol, SYMBOLS**own.config.window
-    return any_of(own.word.eq(joined - whole * oldest) for oldest in range(SYMBOLS))
+    joined, words = before(own.word) * SYMBOLS + symbol, SYMBOLS**own.config.window
+    return any_of(own.word.eq(joined - words * oldest) for oldest in range(SYMBOLS))

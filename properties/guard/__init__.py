@@ -32,7 +32,7 @@ def properties(model: Guard) -> list[Property]:
         _course,
         _carried,
         _new_start,
-        _whole_fix,
+        _begun_by_a_fix,
         _reported,
         _trust,
         _stored,
@@ -96,7 +96,7 @@ def _added_error(model: Guard) -> Iterator[Property]:
     )
 
 
-def _whole_fix(model: Guard) -> Iterator[Property]:
+def _begun_by_a_fix(model: Guard) -> Iterator[Property]:
     """Properties of the reported last known place: it is rounded outward to a millimetre and no farther."""
     machine, own = model.machine, model.own
     behind = own.known_low - exact_to(machine.output("known_from_mm"), NM) - own.config.rollback_mm * NM_PER_MM

@@ -116,11 +116,11 @@ def known_sides(own: Parts) -> tuple[Num, Num]:
     """Return how far end A may be (ahead of, behind) that place, nm: by the errors of the reading and of the odometer since."""
     config = own.config
     base = with_unit(config.odometer.rate_ppm * without_sign(run_since(own)), NM) + exact_to(balise_accuracy(own), NM)
-    late, whole = ran_late(own, config.balise_latency_ms), ran_late(own, config.period_ms)
+    late, untimed = ran_late(own, config.balise_latency_ms), ran_late(own, config.period_ms)
     dated, law = own.balise.since.present, law_nm(own)
     return (
-        ite(begun(own), ite(~dated, whole[0], late[0]) + base, law + before(own.anchor.above)),
-        ite(begun(own), ite(~dated, whole[1], late[1]) + base, law + before(own.anchor.below)),
+        ite(begun(own), ite(~dated, untimed[0], late[0]) + base, law + before(own.anchor.above)),
+        ite(begun(own), ite(~dated, untimed[1], late[1]) + base, law + before(own.anchor.below)),
     )
 
 

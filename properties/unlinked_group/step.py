@@ -62,10 +62,10 @@ class Step:
         """An unlinked group of several balises was read whole and undamaged, recently, while running forwards."""
         own = self.model.own
         read = own.read
-        whole = (read.read.value >= read.total.value) & read.check.value.eq(PASSED)
+        complete = (read.read.value >= read.total.value) & read.check.value.eq(PASSED)
         recent = read.age.value <= own.config.telegram_age_limit_ms
         marked = read.link.value.eq(UNLINKED) & (read.total.value >= 2)
-        return all_of([self.given, whole, recent, marked, ~own.heading.backwards])
+        return all_of([self.given, complete, recent, marked, ~own.heading.backwards])
 
     # ------------------------------------------------------------------ what was measured
 

@@ -124,7 +124,7 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
         found = around.of(clause)
         alone = [one for one in found if len(one.clauses) == 1]
         against = tuple(str(other) for one in found for other in one.clauses if other is not clause)
-        observable: Observed = "no" if not alone else "whole" if alone[0].is_whole else "part"
+        observable: Observed = "no" if not alone else "whole" if alone[0].is_equivalent else "part"
         observed[clause.machine, clause.name] = {"observable": observable, "against": against}
     return observed
 
@@ -165,5 +165,5 @@ def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[_F
     every = [] if config is None else _figures(config)
     for name in law.figures:
         found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
-        own = [one for one in found if machine in one.name.split(".")]
-        yield from own or found or [_Figure(name, "", "", "not found in the configuration")]
+        of_machine = [one for one in found if machine in one.name.split(".")]
+        yield from of_machine or found or [_Figure(name, "", "", "not found in the configuration")]

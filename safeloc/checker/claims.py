@@ -138,7 +138,7 @@ class Claims:
             return NO_PROOF, "a violation without a run"
         if prop.kept_by is None or self._proved(row, goal):
             lasts = prop.further_assumption is TRUE or self._goes_on(
-                self.theory.whole, goal.plain, lawful=not prop.unconditional
+                self.theory.together, goal.plain, lawful=not prop.unconditional
             )
             return proven(self._proved(row, goal) and lasts)
         return self._inherited(row, prop, goal)
@@ -182,7 +182,7 @@ class Claims:
 
     def _lemma(self, row: Row, term: Bool) -> Answer:
         free = "for all inputs in range" in row["method"]
-        return proven(self.theory.write.conjuncts([term]) <= self.theory.whole.known(lawful=not free))
+        return proven(self.theory.write.conjuncts([term]) <= self.theory.together.known(lawful=not free))
 
     # -------------------------------------------------------------- obligations
 
@@ -198,7 +198,7 @@ class Claims:
         yield "absence", lambda _: proven(all(map(self._unread, [*self.theory.parts, ""])))
         yield "assumption", self.runs.kept_for_a_while
         yield "assumption lasts", self._lasts
-        yield "dead ends", lambda _: proven(self._goes_on(self.theory.whole, system, lawful=True))
+        yield "dead ends", lambda _: proven(self._goes_on(self.theory.together, system, lawful=True))
         for var in system.state:
             yield f"range of {var.name}", lambda _, var=var: proven(self._in_range(var))  # type: ignore[misc]
         for machine in system.machines:
@@ -217,7 +217,7 @@ class Claims:
 
     def _in_range(self, var: Var) -> bool:
         """Return whether the range of a variable is proved: of on-board state for all inputs, of ghosts under the assumption."""
-        known = self.theory.whole.known(lawful=var in self.target.system.ghosts)
+        known = self.theory.together.known(lawful=var in self.target.system.ghosts)
         return self.theory.write.conjuncts([in_range([var])]) <= known
 
     def _ranges(self, row: Row) -> Answer:
@@ -239,7 +239,7 @@ class Claims:
         read = [var for var in self.target.system.state if lawful or var not in self.target.system.ghosts]
         if not all(map(self._in_range, read)):
             return WRONG, "it rests on ranges that are not proved"
-        return proven(self._within(name, terms) <= self.theory.whole.step(lawful=lawful))
+        return proven(self._within(name, terms) <= self.theory.together.step(lawful=lawful))
 
     def _apart(self, machine: Machine) -> Answer:
         speaker = self.theory.speaker(machine.name if self.theory.parts else "")
@@ -257,8 +257,8 @@ class Claims:
         input."""
         speaker = self.theory.speaker(part)
         assert speaker is not None
-        system, whole = speaker.system, not part and self.theory.parts
-        terms = list(_through_wires(system) if whole else _on_board(system))
+        system, composed = speaker.system, not part and self.theory.parts
+        terms = list(_through_wires(system) if composed else _on_board(system))
         return all(self._unread_in(part, option, terms) for option in system.optionals)
 
     def _unread_in(self, part: str, option: Optional, terms: Sequence[Expr]) -> bool:
@@ -276,7 +276,7 @@ class Claims:
     def _lasts(self, row: Row) -> Answer:
         """Check that the assumption can be satisfied for ever: by the facts about every state, or by a run that returns to a
         state."""
-        shown = self._goes_on(self.theory.whole, self.target.system, lawful=True)
+        shown = self._goes_on(self.theory.together, self.target.system, lawful=True)
         return proven(True) if shown else self.runs.comes_round(row)
 
     def _goes_on(self, speaker: Speaker, system: TransitionSystem, *, lawful: bool) -> bool:

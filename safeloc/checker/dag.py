@@ -98,8 +98,8 @@ class Dag:
     def variables(self, term: int) -> frozenset[int]:
         """Return the variables that a term reads."""
         for node in self.below(term, self._variables):
-            own = frozenset([node]) if self.nodes[node][0] == "var" else frozenset[int]()
-            self._variables[node] = own.union(*(self._variables[part] for part in self.parts(node)))
+            itself = frozenset([node]) if self.nodes[node][0] == "var" else frozenset[int]()
+            self._variables[node] = itself.union(*(self._variables[part] for part in self.parts(node)))
         return self._variables[term]
 
     def sort(self, term: int) -> str:

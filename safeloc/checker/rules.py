@@ -175,7 +175,7 @@ class Theory:
     def __init__(self, system: TransitionSystem, goals: Callable[[str, str], Sequence[Goal]]) -> None:
         self.write = Translation(Dag())
         self.dag, self.goals = self.write.dag, goals
-        self.whole = Speaker(system, self.write)
+        self.together = Speaker(system, self.write)
         self.parts = {part.name: (part, Speaker(part.alone, self.write)) for part in system.parts}
         self._into = {
             name: Rewriting(self.dag, {self.write(var): self.write(part.into(var)) for var in part.alone.state})
@@ -209,7 +209,7 @@ class Theory:
         header = together[0].header
         speaker = self.speaker(header.get("part", ""))
         try:
-            if speaker is None or header.get("system") != self.whole.system.name:
+            if speaker is None or header.get("system") != self.together.system.name:
                 raise RefusedError("it is about an unknown system")
             _RULES[family](self, speaker, *together)
         except (RefusedError, ValueError) as error:
@@ -222,18 +222,18 @@ class Theory:
 
     def speaker(self, part: str) -> Speaker | None:
         """Return the machine of this name, the whole system for "", None for an unknown machine."""
-        return self.whole if not part else self.parts[part][1] if part in self.parts else None
+        return self.together if not part else self.parts[part][1] if part in self.parts else None
 
     def _pass_on(self) -> None:
         """Add the facts about each machine to the composition, once its wired inputs are in range and its assumption is
         discharged."""
         for name, (part, alone) in self.parts.items():
-            if self.write.conjuncts([part.inputs_in_range]) <= self.whole.free:
+            if self.write.conjuncts([part.inputs_in_range]) <= self.together.free:
                 self.in_range.add(name)
-                self.whole.add(self._into[name].all(alone.always), lawful=False)
-                if self.write.conjuncts([part.contract]) <= self.whole.lawful:
+                self.together.add(self._into[name].all(alone.always), lawful=False)
+                if self.write.conjuncts([part.contract]) <= self.together.lawful:
                     self.contracts.add(name)
-                    self.whole.add(self._into[name].all(alone.facts), lawful=True)
+                    self.together.add(self._into[name].all(alone.facts), lawful=True)
 
     # -------------------------------------------------------------- facts
 

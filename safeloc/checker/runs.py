@@ -32,13 +32,13 @@ Key = tuple[int, int, int]
 class _Sought:
     """An event that must occur; each goal is given under the assumption, and for all inputs in range.
 
-    whole  the goals in the whole system
+    together  the goals in the system of the target
     alone  the goals in one machine of a composition by itself; None if there is no such machine
     prop   the property, if the event is one of its cases
     """
 
     name: str
-    whole: tuple[Goal, Goal]
+    together: tuple[Goal, Goal]
     alone: tuple[Goal, Goal] | None
     prop: Property | None = None
 
@@ -93,7 +93,7 @@ class Occurrences:
     # -------------------------------------------------------------- events
 
     def _occurs(self, row: Row, one: _Sought) -> Answer:
-        sought = one.alone if str(row["statement"]).endswith(_BY_ITSELF) else one.whole
+        sought = one.alone if str(row["statement"]).endswith(_BY_ITSELF) else one.together
         if sought is None:
             return WRONG, "no machine of the composition has this event by itself"
         run, goal = self._run(row), sought[_DEFENCE in row["method"]]
@@ -104,7 +104,7 @@ class Occurrences:
         """Check that each case occurs in a recording of the target, or has a result with a run of its own."""
         found, counts = self._recorded(), re.match(r"(\d+) of (\d+) ", row["method"])
         every = [one for one in self._sought if one.prop is not None]
-        missing = [one.name for one in every if one.whole[0] not in found and not self._has_its_own(one.name)]
+        missing = [one.name for one in every if one.together[0] not in found and not self._has_its_own(one.name)]
         if missing or counts is None or not int(counts[1]) == int(counts[2]) == len(every):
             return (
                 WRONG,
@@ -120,7 +120,7 @@ class Occurrences:
         ignored."""
         system, found = self._target.system, set[Goal]()
         known = {var.name for var in system.state}
-        keys = {self._places[one.whole[0]][0] for one in self._sought if one.prop is not None}
+        keys = {self._places[one.together[0]][0] for one in self._sought if one.prop is not None}
         for recording in map(read_steps, self._target.streams if keys else ()):
             first = {name: value for name, value in recording.first.items() if name in known}
             for key in keys:
@@ -147,7 +147,7 @@ class Occurrences:
     def _together(self) -> dict[Key, list[Goal]]:
         """The goals of one system under one assumption, by a key of both."""
         found: dict[Key, list[Goal]] = {}
-        for goal in dict.fromkeys(goal for one in self._sought for goal in (*one.whole, *(one.alone or ()))):
+        for goal in dict.fromkeys(goal for one in self._sought for goal in (*one.together, *(one.alone or ()))):
             found.setdefault(self._key(goal), []).append(goal)
         return found
 
@@ -169,8 +169,8 @@ def _targets(system: TransitionSystem, number: int) -> Iterator[_Sought]:
     machine, part = system.machines[number], system.parts[number] if system.parts else None
     for name, term in _reached(machine):
         goal_name = f"machine {number}, {name}"
-        whole = _both(system, goal_name, term if part is None else part.into.bool(term))
-        yield _Sought(name, whole, None if part is None else _both(part.alone, goal_name, term))
+        together = _both(system, goal_name, term if part is None else part.into.bool(term))
+        yield _Sought(name, together, None if part is None else _both(part.alone, goal_name, term))
 
 
 def _reached(machine: Machine) -> Iterable[tuple[str, Bool]]:

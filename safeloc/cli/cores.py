@@ -53,16 +53,16 @@ def cores(
             keep_in=store,
         )
     if as_json:
-        print_json(as_data(loaded, found, whole=names is None))
+        print_json(as_data(loaded, found, complete=names is None))
         return
-    for line in _lines(loaded, found, whole=names is None):
+    for line in _lines(loaded, found, complete=names is None):
         out.print(line, markup=False, soft_wrap=True)
 
 
-def _lines(target: Target, found: Sequence[Core], *, whole: bool) -> Iterator[str]:
+def _lines(target: Target, found: Sequence[Core], *, complete: bool) -> Iterator[str]:
     for one in found:
         yield from _of_claim(one, _row_count(target, one))
-    if whole:
+    if complete:
         unused = needed_by_none(target, found)
         for kind, words in (("clause", "clauses"), ("row", "rows")):
             names = [f"{one.machine}: {one.name}" for one in unused if one.kind == kind]

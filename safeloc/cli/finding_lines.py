@@ -22,9 +22,9 @@ def finding_line(finding: Finding) -> str:
 
 def finding_lines(finding: Finding, width: int) -> list[str]:
     """Return the same in lines of this width: the id is never cut, the method only if there is no room for it."""
-    whole = finding_line(finding)
-    if len(whole) <= width:
-        return [whole]
+    line = finding_line(finding)
+    if len(line) <= width:
+        return [line]
     *first, last = folded(f"{word(finding.result):9} {finding.id}", width, _INDENT)
     if not first:
         return [last, f"{_INDENT}{_method(finding, width - len(_INDENT))}"]

@@ -97,8 +97,8 @@ def _show(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds
 def beside(machines: Sequence[str], config: Path | None) -> list[Path]:
     """Return the files to watch besides the package: Python files in the folders of the user's machines, and a configuration."""
     named = [one for name in machines for one in sources_of(name)]
-    own = [name.rpartition(":")[0] for name in named if ":" in name]
-    folders = dict.fromkeys(Path(name).parent if name.endswith(".py") else Path.cwd() for name in own)
+    addresses = [name.rpartition(":")[0] for name in named if ":" in name]
+    folders = dict.fromkeys(Path(name).parent if name.endswith(".py") else Path.cwd() for name in addresses)
     return [path for folder in folders for path in folder.glob("*.py")] + ([] if config is None else [config])
 
 

@@ -109,29 +109,29 @@ def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: i
 
     longest  all cases together may have so many times the work of the undivided moves
     """
-    whole = _Case(targets, 0).under({})
-    room, modes = whole.work * longest, _modes(system, whole)
-    events, quiet = _quiet(system, whole)
+    undivided = _Case(targets, 0).under({})
+    room, modes = undivided.work * longest, _modes(system, undivided)
+    events, quiet = _quiet(system, undivided)
     if not events:
-        return _by_mode(modes, whole, blocks, room)
+        return _by_mode(modes, undivided, blocks, room)
     return blocks.either(
         any_of(events),
-        lambda: _by_mode(modes, whole, blocks, room / 2),
+        lambda: _by_mode(modes, undivided, blocks, room / 2),
         lambda: _by_mode(modes, quiet, blocks, room / 2),
     )
 
 
-def _modes(system: TransitionSystem, whole: _Case) -> list[NumVar]:
+def _modes(system: TransitionSystem, undivided: _Case) -> list[NumVar]:
     """Return the mode variables that the targets read, whatever their names in the system."""
-    units, read = {id(machine.mode.unit) for machine in system.machines}, set(whole.nodes())
+    units, read = {id(machine.mode.unit) for machine in system.machines}, set(undivided.nodes())
     return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units and var in read]
 
 
-def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
+def _quiet(system: TransitionSystem, undivided: _Case) -> tuple[list[Bool], _Case]:
     """Return the conditions that make a step busy, and the case that remains if none of them holds."""
     events: list[Bool] = []
-    quiet = whole
-    arrivals = [*_records(system, whole), *_messages(system, whole)]
+    quiet = undivided
+    arrivals = [*_records(system, undivided), *_messages(system, undivided)]
     for find in (lambda _: arrivals, _faults):
         found = find(quiet)
         case = quiet.under({part: known for event in found for part, known in implied(event, False).items()})
@@ -140,26 +140,26 @@ def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
     return events, quiet
 
 
-def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
+def _messages(system: TransitionSystem, undivided: _Case) -> list[Bool]:
     """Return the presence flags of the inputs that cause much of the work."""
     flags = {option.present for option in system.optionals}
-    worth = whole.work * _WORTH
-    likely = dict.fromkeys(flag for flag, branch in _guarded(whole) if flag in flags and work([branch]) >= worth)
-    return [flag for flag in likely if whole.under({flag: FALSE}).work <= whole.work - worth]
+    worth = undivided.work * _WORTH
+    likely = dict.fromkeys(flag for flag, branch in _guarded(undivided) if flag in flags and work([branch]) >= worth)
+    return [flag for flag in likely if undivided.under({flag: FALSE}).work <= undivided.work - worth]
 
 
-def _records(system: TransitionSystem, whole: _Case) -> list[Bool]:
+def _records(system: TransitionSystem, undivided: _Case) -> list[Bool]:
     """Return the conditions that a record of several fields is present, for records that cause much of the work."""
     flags = {option.present for option in system.optionals}
-    found = [node for node in whole.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
-    worth = whole.work * (1 - _WORTH)
-    return [node for node in found if whole.under(implied(node, False)).work <= worth]
+    found = [node for node in undivided.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
+    worth = undivided.work * (1 - _WORTH)
+    return [node for node in found if undivided.under(implied(node, False)).work <= worth]
 
 
-def _faults(whole: _Case) -> list[Bool]:
+def _faults(undivided: _Case) -> list[Bool]:
     """Return fault conditions: for every chain of constants that is compared with its last one, those of the earlier rows."""
     found: dict[Bool, None] = {}
-    for node in whole.nodes():
+    for node in undivided.nodes():
         if isinstance(node, Compare) and node.op == "==" and isinstance(node.right, Lit):
             rows, last = chain(node.left)
             values = {value.value if isinstance(value, Lit) else None for _, value in rows}
@@ -168,9 +168,9 @@ def _faults(whole: _Case) -> list[Bool]:
     return list(found)
 
 
-def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
+def _guarded(undivided: _Case) -> Iterator[tuple[BoolVar, Expr]]:
     """Yield flags, each with a term that is needed only if it is true."""
-    for node in whole.nodes():
+    for node in undivided.nodes():
         if isinstance(node, (Choose, ChooseBool)):
             condition, branch = node.condition, node.then
             if isinstance(condition, Not):
@@ -179,11 +179,11 @@ def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
                 yield condition, branch
 
 
-def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float) -> Block:
+def _by_mode(modes: Sequence[NumVar], undivided: _Case, blocks: Blocks, room: float) -> Block:
     """Return the moves split by the mode that saves most work; without such a mode, split by conditions."""
-    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= _WORTH]
+    worth = [split for split in (_split(mode, undivided, room) for mode in modes) if split.saved >= _WORTH]
     if not worth:
-        return _by_condition(whole, blocks, room)
+        return _by_condition(undivided, blocks, room)
     best = max(worth, key=lambda split: split.saved)
     others, block = [mode for mode in modes if mode is not best.mode], list[Statement]()
     share = room / max(1, best.written)
@@ -193,13 +193,13 @@ def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float)
     return [*block, *_by_mode(others, best.rest, blocks, share * best.rest.work)]
 
 
-def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> Block:
+def _by_condition(undivided: _Case, blocks: Blocks, room: float, depth: int = 0) -> Block:
     """Return the moves split by the cheap condition that saves most work; unsplit if no condition saves enough."""
-    tried = map(whole.decided, _cheap(whole)) if depth < DEEPEST_CASE else ()
+    tried = map(undivided.decided, _cheap(undivided)) if depth < DEEPEST_CASE else ()
     decided = [one for one in tried if one.holds.work + one.fails.work <= room]
     best = max(decided, key=lambda one: one.saved, default=None)
-    if best is None or best.saved < _passing(whole) * _WORTH:
-        return blocks.ending(whole.targets)
+    if best is None or best.saved < _passing(undivided) * _WORTH:
+        return blocks.ending(undivided.targets)
     share = room / max(1, best.holds.work + best.fails.work)
     return blocks.either(
         best.condition,
@@ -208,20 +208,20 @@ def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> 
     )
 
 
-def _cheap(whole: _Case) -> list[Bool]:
+def _cheap(undivided: _Case) -> list[Bool]:
     """Return cheap conditions on which much work depends, the most work first; fewer conditions for large machines."""
     behind: dict[Bool, list[Expr]] = {}
-    for condition, branch in _behind(whole):
+    for condition, branch in _behind(undivided):
         behind.setdefault(condition, []).append(branch)
-    worth = _passing(whole) * _WORTH
+    worth = _passing(undivided) * _WORTH
     found = [(work(parts), condition) for condition, parts in behind.items() if work([condition]) <= worth]
     found = sorted((one for one in found if one[0] >= worth), key=lambda one: one[0], reverse=True)
-    return [condition for _, condition in found[: _MOST_LOOKED_AT // len(whole.nodes())]]
+    return [condition for _, condition in found[: _MOST_LOOKED_AT // len(undivided.nodes())]]
 
 
-def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:
+def _behind(undivided: _Case) -> Iterator[tuple[Bool, Expr]]:
     """Yield conditions, each with a term that is needed only if it holds, or only if it fails."""
-    for node in whole.nodes():
+    for node in undivided.nodes():
         if isinstance(node, (Choose, ChooseBool)):
             condition = node.condition.inner if isinstance(node.condition, Not) else node.condition
             yield condition, node.then
@@ -250,26 +250,26 @@ def _is_true(term: Expr) -> bool:
     return isinstance(term, Truth) and term.value
 
 
-def _split(mode: NumVar, whole: _Case, room: float) -> _Split:
+def _split(mode: NumVar, undivided: _Case, room: float) -> _Split:
     """Split off as many modes as there is room for, those with the least work first."""
-    tests = _tests(mode, whole)
-    cases = {value: whole.under(_results(tests, [value])) for value in range(mode.low, mode.high + 1)}
+    tests = _tests(mode, undivided)
+    cases = {value: undivided.under(_results(tests, [value])) for value in range(mode.low, mode.high + 1)}
     order = sorted(cases, key=lambda value: cases[value].work)
-    written, count = whole.work, 0
+    written, count = undivided.work, 0
     while count < len(order) - 1 and written + cases[order[count]].work <= room:
         written += cases[order[count]].work
         count += 1
     apart, others = sorted(order[:count]), order[count:]
-    rest = whole.under(_results(tests, others)) if apart else whole
+    rest = undivided.under(_results(tests, others)) if apart else undivided
     left = sum(cases[value].work for value in apart) + len(others) * rest.work
-    return _Split(mode, {value: cases[value] for value in apart}, rest, 1 - left / len(cases) / max(1, whole.work))
+    return _Split(mode, {value: cases[value] for value in apart}, rest, 1 - left / len(cases) / max(1, undivided.work))
 
 
-def _tests(mode: NumVar, whole: _Case) -> dict[Expr, int]:
+def _tests(mode: NumVar, undivided: _Case) -> dict[Expr, int]:
     """Return the terms that compare the mode, each with the number of the mode."""
     return {
         node: node.right.value
-        for node in whole.nodes()
+        for node in undivided.nodes()
         if isinstance(node, Compare) and node.op == "==" and node.left is mode and isinstance(node.right, Lit)
     }
 

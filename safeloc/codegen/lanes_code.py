@@ -174,11 +174,11 @@ def _places(system: TransitionSystem, stage: Stage) -> dict[Var, str]:
 
 def _messages(system: TransitionSystem, terms: Sequence[Expr]) -> set[Var]:
     """Return the presence flags of optional inputs whose absence alone saves enough of the work."""
-    whole = work(list(map(Known({}), terms)))
+    all_work = work(list(map(Known({}), terms)))
     read = {option.present for option in system.optionals} & set(variables(terms))
-    if whole < _LEAST_WORK:
+    if all_work < _LEAST_WORK:
         return set()
-    return {flag for flag in read if work(list(map(Known({flag: FALSE}), terms))) <= whole * (1 - _WORTH)}
+    return {flag for flag in read if work(list(map(Known({flag: FALSE}), terms))) <= all_work * (1 - _WORTH)}
 
 
 def _tell(system: TransitionSystem, keep: Sequence[str], recorded: Sequence[NumVar]) -> str:

@@ -69,9 +69,9 @@ class Known:
         more._among, more._distances = dict(self._among), dict(self._distances)
         left = [*facts]
         while left:
-            for whole in self._wholes.get(left.pop(), ()):
-                if more._done.pop(whole, None) is not None:
-                    left.append(whole)
+            for parent in self._parents.get(left.pop(), ()):
+                if more._done.pop(parent, None) is not None:
+                    left.append(parent)
         more._done.update(facts)
         return more
 
@@ -80,7 +80,7 @@ class Known:
         return all(folded is node for node, folded in self._done.items())
 
     @cached_property
-    def _wholes(self) -> Mapping[Expr, Sequence[Expr]]:
+    def _parents(self) -> Mapping[Expr, Sequence[Expr]]:
         """The terms that contain each term as an operand."""
         found: dict[Expr, list[Expr]] = {}
         for node in self._done:

@@ -43,9 +43,9 @@ def stages(system: TransitionSystem) -> list[Stage]:
     earlier, cut = list[Var](), dict[Expr, Var]()
     after: dict[Var, Var] = {}
     for name, group, fired in _groups(system):
-        whole = Substitution({}, cut.items())
-        moved = {var: whole(system.next[var]) for var in group}
-        numbers = {var: whole.num(system.fired[var]) for var in fired}
+        replaced = Substitution({}, cut.items())
+        moved = {var: replaced(system.next[var]) for var in group}
+        numbers = {var: replaced.num(system.fired[var]) for var in fired}
         read = set(variables([*moved.values(), *numbers.values()])).intersection(earlier)
         before = {var: replace(var, name=f"{var.name} before") for var in earlier if var in read}
         past = Substitution(before)

@@ -216,7 +216,7 @@ class _Merging:
         discharged, _ = _divided(machine, system, discharge)
         ghosts = in_range([var for var in one.wired if var in system.ghosts])
         return Part(
-            replace(system, name=f"{self._plan.name} {machine.name}", whole=self._plan.name),
+            replace(system, name=f"{self._plan.name} {machine.name}", composition=self._plan.name),
             one.now,
             step.bool(_wired_inputs_fit(system, one.wired)),
             step.bool(all_of([ghosts, discharged])),

@@ -79,12 +79,12 @@ class Bound:
 class Divided:
     """The parts of a clause that read no hidden variable, and its bounds of hidden sums.
 
-    is_whole  all parts of the clause are visible
+    is_equivalent  all parts of the clause are visible
     """
 
     visible: Sequence[Bool]
     bounds: Sequence[Bound] = field(default_factory=tuple)
-    is_whole: bool = False
+    is_equivalent: bool = False
 
 
 def divided(clause: Bool, hidden: Hidden) -> Divided:

@@ -122,7 +122,7 @@ _Parts = TypeVar("_Parts", covariant=True)
 
 @dataclass(frozen=True, eq=False)
 class Model(Generic[_Parts]):
-    """A machine together with its variables (`own`), which properties of it read."""
+    """A machine together with its own variables, `own`, which properties of it read."""
 
     machine: Machine
     own: _Parts

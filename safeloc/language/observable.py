@@ -57,12 +57,12 @@ class Stated:
 class Observable:
     """A condition that follows from one clause, or from two together, and that reads no hidden variable.
 
-    is_whole  the condition is equivalent to its clause
+    is_equivalent  the condition is equivalent to its clause
     """
 
     clauses: tuple[Stated, ...]
     term: Bool
-    is_whole: bool = False
+    is_equivalent: bool = False
 
     def __str__(self) -> str:
         return " / ".join(map(str, self.clauses))
@@ -174,7 +174,7 @@ def _memory(terms: Iterable[Expr], moves: Mapping[Var, Expr]) -> dict[Var, Expr]
 def _alone(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
     for one, part in known.items():
         if part.visible:
-            yield Observable((one,), one.term if part.is_whole else all_of(part.visible), part.is_whole)
+            yield Observable((one,), one.term if part.is_equivalent else all_of(part.visible), part.is_equivalent)
 
 
 def _together(known: Mapping[Stated, Divided]) -> Iterator[Observable]:

@@ -94,7 +94,7 @@ class TransitionSystem:
     parts     of a composition: one Part per machine
     stages    of a composition: the state variables of each machine, in the order of the step; only back ends that write
               the step machine by machine read it, and they compute `next` whatever it contains
-    whole     of one machine of a composition by itself: the composition's name
+    composition  of one machine of a composition by itself: the composition's name
     """
 
     name: str
@@ -112,7 +112,7 @@ class TransitionSystem:
     machines: tuple[Machine, ...]
     parts: tuple[Part, ...] = ()
     stages: tuple[frozenset[Var], ...] = ()
-    whole: str = ""
+    composition: str = ""
 
     def variable(self, name: str) -> Var:
         """Return a state or input variable by name; UnknownNameError if there is none."""

@@ -103,12 +103,12 @@ def variables(roots: Iterable[Expr]) -> list[Var]:
 class Substitution:
     """Replaces variables by terms; shared sub-terms stay shared across all terms to which it is applied.
 
-    whole  pairs of a term and its replacement: such a term is replaced as a unit, and its parts are not visited
+    terms  pairs of a term and its replacement: such a term is replaced as a unit, and its parts are not visited
     """
 
-    def __init__(self, replacements: Mapping[Var, Expr], whole: Iterable[tuple[Expr, Expr]] = ()) -> None:
+    def __init__(self, replacements: Mapping[Var, Expr], terms: Iterable[tuple[Expr, Expr]] = ()) -> None:
         self._done: dict[Expr, Expr] = {var: term for var, term in replacements.items()}
-        self._done |= dict(whole)
+        self._done |= dict(terms)
 
     def num(self, term: Num) -> Num:
         """Return the numeric term after replacement."""

@@ -181,7 +181,7 @@ def _left(finding: Finding) -> dict[str, str]:
     Such a witness is only in the folder of traces.
     """
     trace = finding.result.witness if isinstance(finding.result, Proved) else None
-    if trace is not None and trace.system.whole:
+    if trace is not None and trace.system.composition:
         alone = f"{trace.system.machines[0].name} by itself"
         return {"witness": f"a run of {len(trace.steps)} steps of {alone}, in the folder of traces only"}
     if trace is None or len(trace.steps) * len(trace.initial) <= MOST_CELLS:
@@ -246,8 +246,8 @@ def _verdict_of(findings: Sequence[Finding]) -> str:
 
 def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths | None) -> dict[str, Any]:
     one = link.requirement
-    own = [finding for finding in findings if one.id in finding.requirements]
-    shown = {finding.id: word(finding.result) for finding in own}
+    about_it = [finding for finding in findings if one.id in finding.requirements]
+    shown = {finding.id: word(finding.result) for finding in about_it}
     return {
         "id": one.id,
         "kind": one.kind,
@@ -258,6 +258,6 @@ def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths |
         "carried_by": one.carried_by,
         "transitions": list(link.transitions),
         "results": list(shown),
-        "verdict": _verdict_of(own),
+        "verdict": _verdict_of(about_it),
         "strength": as_text(strengths.get(one.id, ())) if link.transitions and strengths is not None else [],
     }

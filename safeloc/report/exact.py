@@ -66,12 +66,12 @@ def spelled_alone(terms: Sequence[Expr], definitions: Mapping[str, Expr]) -> tup
     Nothing but these lines is needed to read them. A term of a few lines is written without letters.
     """
     share = Sharing()
-    whole = [share(term) for term in terms]
-    inside = set(in_order(whole))
+    shared = [share(term) for term in terms]
+    inside = set(in_order(shared))
     own = {name: one for name, one in definitions.items() if share(one) in inside}
     given = {share(one): name for name, one in own.items()}
-    exact = Exact({str(number): term for number, term in enumerate(terms)}, own, letters(whole))
-    found = [infix(term, _A_FEW_LINES, given, deepest=_UNBOUNDED) for term in whole]
+    exact = Exact({str(number): term for number, term in enumerate(terms)}, own, letters(shared))
+    found = [infix(term, _A_FEW_LINES, given, deepest=_UNBOUNDED) for term in shared]
     found = [exact.texts[str(number)] if text.endswith("…") else text for number, text in enumerate(found)]
     return found, _used("\n".join(found), exact.lines)
 

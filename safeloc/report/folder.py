@@ -78,13 +78,13 @@ def write_folder(
     If two runs write into one folder at once, the second one waits, so that a report is always of one run.
     InputError if the folder cannot be written.
     """
-    whole = report_data(findings, targets, evidence, strengths, made)
+    everything = report_data(findings, targets, evidence, strengths, made)
     archives = certificates.archives(findings)
     runs = _runs(findings)
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
     names = {file: list(texts) for file, texts in archives.items()}
-    small, machines = stored.split_data(whole, names, steps)
-    files = stored.machine_files(whole)
+    small, machines = stored.split_data(everything, names, steps)
+    files = stored.machine_files(everything)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with _alone(folder):
@@ -99,7 +99,7 @@ def write_folder(
                 (folder / stored.TRACES / files[name]).write_bytes(runs_file(own))
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
-            page = _write_page(folder, {**whole, "certificates": names, "runs": steps}, single=single)
+            page = _write_page(folder, {**everything, "certificates": names, "runs": steps}, single=single)
             on_written()
             return page
     except OSError as error:
@@ -140,9 +140,9 @@ def render_folder(folder: Path, *, single: bool = False) -> Path:
     data = stored.read_report(folder)
     try:
         stored.checked(path, lambda: _refuse_unknown_verdicts(path, data))
-        whole = stored.read_for_page(folder)
+        everything = stored.read_for_page(folder)
         with _alone(folder):
-            return _write_page(folder, whole, single=single)
+            return _write_page(folder, everything, single=single)
     except UndefinedError as error:
         raise InputError(f"{path}: does not fit schema {SCHEMA}: {error}") from error
     except OSError as error:

@@ -47,16 +47,16 @@ def headline(found: Sequence[KindAndVerdict]) -> str:
     """Return the sentence, which is never better than the worst verdict."""
     left_open = sum(one.quick for one in found)
     if not left_open:
-        return _whole(found)
+        return _in_full(found)
     quick, rest = f"quick: {left_open} not asked", [one for one in found if not one.quick]
-    return f"{_whole(rest)}; {quick}" if worst(one.verdict for one in rest) in _WORSE else quick
+    return f"{_in_full(rest)}; {quick}" if worst(one.verdict for one in rest) in _WORSE else quick
 
 
 _WORSE = ("violated", "unknown", "vacuous")
 """Verdicts that the headline of a quick run names before what was not asked."""
 
 
-def _whole(found: Sequence[KindAndVerdict]) -> str:
+def _in_full(found: Sequence[KindAndVerdict]) -> str:
     match worst(one.verdict for one in found):
         case "violated":
             return "violated"

@@ -17,12 +17,12 @@ def to_junit(findings: Sequence[Finding]) -> str:
     """Return XML with one test case for each finding, grouped by machine; its class is `machine.kind`, its name the rest of the id."""
     root = ElementTree.Element("testsuites", name="safeloc")
     for machine in dict.fromkeys(finding.machine for finding in findings):
-        own = [finding for finding in findings if finding.machine == machine]
-        failed = sum(isinstance(finding.result, Violated) for finding in own)
-        unsure = sum(isinstance(finding.result, (Unknown, Vacuous, NotAsked)) for finding in own)
-        counts = {"tests": str(len(own)), "failures": str(failed), "errors": str(unsure)}
+        of_machine = [finding for finding in findings if finding.machine == machine]
+        failed = sum(isinstance(finding.result, Violated) for finding in of_machine)
+        unsure = sum(isinstance(finding.result, (Unknown, Vacuous, NotAsked)) for finding in of_machine)
+        counts = {"tests": str(len(of_machine)), "failures": str(failed), "errors": str(unsure)}
         suite = ElementTree.SubElement(root, "testsuite", {"name": machine, **counts})
-        for finding in own:
+        for finding in of_machine:
             _case(suite, finding)
     ElementTree.indent(root, space="")
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"

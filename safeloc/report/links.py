@@ -92,7 +92,7 @@ class Links:
         """
         name = machine["name"]
         lines = [{**one, "at": anchor("source", name, str(number))} for number, one in enumerate(machine["declared"])]
-        own = [one for one in lines if not all(of[0] == "transition" and of[1] in elsewhere for of in one["of"])]
-        lines = [one for one in own if one["text"]]  # a file that could not be read has none, and no link leads there
+        shown = [one for one in lines if not all(of[0] == "transition" and of[1] in elsewhere for of in one["of"])]
+        lines = [one for one in shown if one["text"]]  # a file that could not be read has none, and no link leads there
         rows = {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == "transition"}
         return {"lines": lines, "transitions": rows}

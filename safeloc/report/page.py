@@ -47,8 +47,8 @@ _Data = Mapping[str, Any]
 def to_pages(data: _Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
     """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
     rendering = _Rendering(data)
-    whole = rendering.page()
-    return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
+    page_html = rendering.page()
+    return (page_html, {}) if single or len(page_html) <= MOST_OF_ONE_PAGE else rendering.in_parts(page_html)
 
 
 def to_html(data: _Data) -> str:
@@ -94,9 +94,9 @@ class _Rendering:
             "page", **self._given, machines=machines, items_beside="", conditions_beside="", made="", script=""
         )
 
-    def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
+    def in_parts(self, page_html: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
-        made = hashlib.sha256(whole.encode()).hexdigest()[:16]
+        made = hashlib.sha256(page_html.encode()).hexdigest()[:16]
         files = file_names(["beside", "trace back", "conditions", *(one["name"] for one in self._machines)])
         html = {
             files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)
@@ -142,19 +142,19 @@ def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
 def _machine(
     machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str], links: Links
 ) -> dict[str, Any]:
-    own = [{**_named(row), **links.of(row)} for row in results if row["machine"] == machine["name"]]
-    evidence = [row for row in own if row["kind"] in ("test", "replay")]
+    of_machine = [{**_named(row), **links.of(row)} for row in results if row["machine"] == machine["name"]]
+    evidence = [row for row in of_machine if row["kind"] in ("test", "replay")]
     elsewhere = {part["name"] for n, part in enumerate(machine["parts"]) if (machine["name"], n) in shown}
     return {
         **machine,
-        "rows": [row for row in own if row["kind"] == "property"],
+        "rows": [row for row in of_machine if row["kind"] == "property"],
         "evidence": _runs_table(evidence),
         "recordings": _recordings(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
-        "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
-        "counts": [(name, _counted(own, kinds)) for name, kinds in _SUMMARY.items()],
+        "obligations": [row for row in of_machine if row["kind"] in ("obligation", "lemma")],
+        "counts": [(name, _counted(of_machine, kinds)) for name, kinds in _SUMMARY.items()],
         "parts": [
             {
                 **part,

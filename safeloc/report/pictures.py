@@ -74,10 +74,10 @@ def _drawn(declared: Picture, recorded: RecordedRun) -> str:
 
 def recorded_runs(target: Target, findings: Sequence[Finding]) -> Iterator[RecordedRun]:
     """Yield each replayed run once, with all statements that it violates."""
-    own = [(one.replayed, one) for one in findings if one.machine == target.name]
-    for replayed in dict.fromkeys(replayed for replayed, _ in own):
+    replays = [(one.replayed, one) for one in findings if one.machine == target.name]
+    for replayed in dict.fromkeys(replayed for replayed, _ in replays):
         if replayed is not None:
-            broken = [_broken(one, replayed) for run, one in own if run is replayed]
+            broken = [_broken(one, replayed) for run, one in replays if run is replayed]
             known = tuple(sorted((one for one in broken if one is not None), key=lambda one: one.step))
             yield RecordedRun(replayed.name, replayed.trace, replayed.truth_mm, known)
 

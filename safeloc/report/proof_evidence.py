@@ -19,7 +19,7 @@ from safeloc.target import Target
 def evidence_data(target: Target, cores: Sequence[Core], effects: Sequence[Effect]) -> dict[str, Any]:
     """Return the cores of all claims, the effects of broken clauses, and the picture of the cut sets ("" without an interval)."""
     sets = cut_sets(effects)
-    data = as_data(target, cores, whole=True)
+    data = as_data(target, cores, complete=True)
     found = {
         "cores": [{**one, "rows_of": _row_count(target, one["kept_by"])} for one in data["cores"]],
         "needed_by_none": data["needed_by_none"],

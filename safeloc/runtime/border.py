@@ -161,24 +161,24 @@ def admitted(channel: Channel, value: object) -> Admitted | Fault:
 
     The check uses the object's real type; methods of a subclass are not called.
     """
-    whole: int
+    integer: int
     if issubclass(type(value), float):
         assert isinstance(value, float)
         if not math.isfinite(value):
             return Fault(channel.name, Reason.NOT_FINITE, float.__repr__(value))
         if not float.is_integer(value):
             return Fault(channel.name, Reason.WRONG_TYPE, float.__repr__(value))
-        whole = float.__int__(value)
+        integer = float.__int__(value)
     elif issubclass(type(value), int) and type(value) is not bool:
         assert isinstance(value, int)
-        whole = int.__add__(value, 0)
+        integer = int.__add__(value, 0)
     else:
         return Fault(channel.name, Reason.WRONG_TYPE, type(value).__name__)
-    if whole < channel.low:
+    if integer < channel.low:
         return Fault(channel.name, Reason.OUT_OF_RANGE, f"below {channel.low} {channel.unit}")
-    if whole > channel.high:
+    if integer > channel.high:
         return Fault(channel.name, Reason.OUT_OF_RANGE, f"above {channel.high} {channel.unit}")
-    return Admitted(whole)
+    return Admitted(integer)
 
 
 def channels_of(machine: Machine, max_age_ms: int) -> list[Channel]:

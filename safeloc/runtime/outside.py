@@ -103,11 +103,11 @@ def _text(error: BaseException) -> str:
 def _where(error: BaseException) -> str:
     """Return file and line of the innermost frame in safeloc."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if Path(frame.filename).is_relative_to(_ROOT)] or frames
-    if not own:
+    inside = [frame for frame in frames if Path(frame.filename).is_relative_to(_ROOT)] or frames
+    if not inside:
         return "place unknown"
-    name = Path(own[-1].filename)
-    return f"{name.relative_to(_ROOT.parent) if name.is_relative_to(_ROOT) else name.name}:{own[-1].lineno}"
+    name = Path(inside[-1].filename)
+    return f"{name.relative_to(_ROOT.parent) if name.is_relative_to(_ROOT) else name.name}:{inside[-1].lineno}"
 
 
 _ROOT = Path(__file__).resolve().parents[1]

@@ -49,5 +49,5 @@ def _square(range_nm: int, farther_nm: int, cosine_ppb: int) -> int:
     return max(0, range_nm**2 + farther_nm**2 - _ceil_share(2 * range_nm * farther_nm, cosine_ppb))
 
 
-def _ceil_share(whole: int, ppb: int) -> int:
-    return -(-whole * ppb // _BILLION)
+def _ceil_share(amount: int, ppb: int) -> int:
+    return -(-amount * ppb // _BILLION)

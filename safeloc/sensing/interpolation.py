@@ -97,8 +97,8 @@ def _places(peak: Floats, before: Floats, after: Floats, noise: Floats, samples:
 
 
 def _offset(ratio: Floats) -> Floats:
-    whole = np.maximum(ratio, 0.0)
-    offset: Floats = (2 * whole - 1) / (1 + whole)
+    positive = np.maximum(ratio, 0.0)
+    offset: Floats = (2 * positive - 1) / (1 + positive)
     return offset
 
 

@@ -80,8 +80,8 @@ def _shaped(spots: Spots, config: RadarConfig) -> Iterator[Group]:
         return
     for model, marks in MARKS.items():
         found = [_beyond(mark * config.reflectors.unit_mm, spots, config) for mark in marks]
-        whole = np.logical_and.reduce([mark.there for mark in found])
-        for first in np.flatnonzero(whole):
+        complete = np.logical_and.reduce([mark.there for mark in found])
+        for first in np.flatnonzero(complete):
             members = tuple(int(mark.strongest[first]) for mark in found)
             yield Group(model, members, marks)
 

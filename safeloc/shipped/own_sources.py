@@ -41,8 +41,8 @@ def vehicle(config: LocalizerConfig) -> Vehicle:
 
 
 def _alone(makers: Sequence[Maker], config: LocalizerConfig) -> Target:
-    whole = localizer.compose_machines(config, name="own_sources", own=makers, only_own=True)
-    return _bare(localized(whole, config), whole.composition.system.name)
+    model = localizer.compose_machines(config, name="own_sources", own=makers, only_own=True)
+    return _bare(localized(model, config), model.composition.system.name)
 
 
 def _beside(makers: Sequence[Maker], config: LocalizerConfig) -> Target:

@@ -69,9 +69,9 @@ def _late(stream: list[Record], reach: int, struck: set[int]) -> list[Record]:
 
 def _swapped(stream: list[Record], hit: Sequence[int]) -> list[Record]:
     stream = list(stream)
-    own = [number for number, record in enumerate(stream) if record.channel == stream[hit[0]].channel]
-    first, struck = own.index(hit[0]), set(hit)
-    for one, other in zip(own[first::2], own[first + 1 :: 2], strict=False):
+    of_channel = [number for number, record in enumerate(stream) if record.channel == stream[hit[0]].channel]
+    first, struck = of_channel.index(hit[0]), set(hit)
+    for one, other in zip(of_channel[first::2], of_channel[first + 1 :: 2], strict=False):
         if one in struck:
             stream[one], stream[other] = stream[other], stream[one]
     return stream

@@ -214,9 +214,9 @@ def read_markers(
         passed = [(m, p) for m, p in markers if low < (p + shifts.get(m, 0.0)) * NM_PER_MM <= high]
         if passed and rng.random() >= missed:
             marker, spot = passed[-1]
-            own = accuracy_mm if isinstance(accuracy_mm, int) else accuracy_mm[marker]
-            error = float(rng.uniform(-0.9, 0.9)) * own if marker not in shifts else -shifts[marker]
-            readings.append(Reading(cycle, end, marker, spot, own, round(place / NM_PER_MM - spot + error)))
+            bound_mm = accuracy_mm if isinstance(accuracy_mm, int) else accuracy_mm[marker]
+            error = float(rng.uniform(-0.9, 0.9)) * bound_mm if marker not in shifts else -shifts[marker]
+            readings.append(Reading(cycle, end, marker, spot, bound_mm, round(place / NM_PER_MM - spot + error)))
         elif rng.random() < foreign:
             readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, 0, 0))
         before = int(place)

@@ -22,7 +22,7 @@ def told(program: Program, machine: str, period_ms: int, cycles: int) -> list[di
     traffic = TRAFFIC[machine]
     fleet, cutter = Fleet(program, FleetSettings(period_ms, inputs="--inputs" in traffic.arguments)), LineCutter()
     sent = islice(traffic.lines("v1", period_ms), cycles)
-    return [one for text in sent for line in cutter.feed(text) for one in fleet.handle("peer", line, whole=True)]
+    return [one for text in sent for line in cutter.feed(text) for one in fleet.handle("peer", line, from_start=True)]
 
 
 def test_odometry_vehicles() -> None:

@@ -209,4 +209,4 @@ def test_a_variable_named_like_an_input_of_a_later_step() -> None:
     )
     theory = Theory(state, lambda _, __: ())
     with pytest.raises(RefusedError, match=r"^a variable has the name of an input of a later step$"):
-        theory.whole.facts_frame(lawful=False).unrolled(theory.write, 2)
+        theory.together.facts_frame(lawful=False).unrolled(theory.write, 2)

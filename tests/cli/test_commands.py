@@ -15,8 +15,9 @@ from safeloc.report.data import schema
 from safeloc.report.file_names import file_names
 from safeloc.runtime.streams.columns import read_runs
 from tests.cli.calling import DOOR, QUICK_VERIFY, Call
+from tests.shipped_recordings import shipped
 
-REVERSAL = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl.gz"
+REVERSAL = shipped("odometry-reversal")
 
 
 def test_list_machines(call: Call) -> None:

@@ -12,7 +12,7 @@ import pytest
 from safeloc.catalogue import load_target
 from safeloc.language.interpret import read_inputs
 from safeloc.language.system import without_ghosts
-from safeloc.models.localizer.simulation.recordings import FOLDER, RUNS
+from safeloc.models.localizer.simulation.recorded_runs import FOLDER, RUNS
 from safeloc.proof.verification.recordings import counted, recorded_steps
 from safeloc.runtime.border import Reason
 from safeloc.runtime.packed import read_packed

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from tests.cli.calling import DOOR, Call
+from tests.shipped_recordings import shipped
 
-STREAM = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl.gz"
+STREAM = shipped("odometry-reversal")
 NOTE = (
     "3 properties (containment; front reader over its marker is inside the window; rear reader over its marker is inside the "
     "window), the stream has no ghosts"

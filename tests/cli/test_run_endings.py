@@ -111,7 +111,7 @@ def test_told_to_stop_within_a_turn() -> None:
         def __init__(self) -> None:
             self._stop_by = time.monotonic() - 1.0
             self._allowance = None
-            self._parts = type("Parts", (), {"fleet": None, "feed": type("Feed", (), {"whole": True})})  # type: ignore[assignment]
+            self._parts = type("Parts", (), {"fleet": None, "feed": type("Feed", (), {"from_start": True})})  # type: ignore[assignment]
 
         def _tell(self, *_: object, **__: object) -> None:
             """Nothing."""

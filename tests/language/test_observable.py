@@ -50,7 +50,7 @@ def machine(name: str, laws: Mapping[str, Bool], *inputs: Var | Optional, world:
 
 def told(system: TransitionSystem) -> dict[str, tuple[str, bool]]:
     """Everything observable by its name: its term, and whether it is all that its clause says."""
-    return {str(one): (repr(one.term), one.is_whole) for one in seen(system).observables}
+    return {str(one): (repr(one.term), one.is_equivalent) for one in seen(system).observables}
 
 
 def test_what_reads_no_ghost_is_observable_as_a_whole() -> None:

@@ -1,9 +1,9 @@
-"""The runs that ship with axle counters, the emitter and the order of trains: what is told of each comes true."""
+"""The named runs of axle counters, the emitter and the order of trains: what is told of each comes true."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from types import ModuleType
 
@@ -24,9 +24,10 @@ from safeloc.models.train_order import simulate as train_order_streams
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of
-from safeloc.runtime.streams.steps import read_steps
-from safeloc.target import STREAMS, Target
+from safeloc.runtime.streams.steps import Cell, read_steps
+from safeloc.target import Target
 from tests.models.fibre_family import labels, mode_labels
+from tests.shipped_recordings import shipped
 
 STREAMS_OF: Mapping[str, ModuleType] = {
     "axle_head": axle_head_streams,
@@ -36,6 +37,12 @@ STREAMS_OF: Mapping[str, ModuleType] = {
     "train_order": train_order_streams,
 }
 RUNS = [(machine, stem) for machine, module in STREAMS_OF.items() for stem in module.RUNS]
+NAMED = {
+    stem: run
+    for module in STREAMS_OF.values()
+    for stem, run in (*module.RUNS.items(), *vars(module).get("ON_DEMAND", {}).items())
+}
+"""All named runs, also those that do not ship."""
 UNLAWFUL = {
     "axle_head-direction-unknown",
     "axle_head-no-overlap",
@@ -51,18 +58,27 @@ def target(machine: str) -> Target:
     return load_target(machine)
 
 
+def machine_of(stem: str) -> Target:
+    """The machine of a named run."""
+    return target(stem.partition("-")[0])
+
+
+def steps_of(stem: str) -> Sequence[Mapping[str, Cell]]:
+    """The steps of a named run; those of a recording are compared with it."""
+    return list(NAMED[stem].steps(machine_of(stem).config))
+
+
 @cache
 def recorded(stem: str) -> Trace:
-    """A shipped recording, as it runs on board."""
-    system = without_ghosts(target(stem.partition("-")[0]).system)
+    """A named run, as it runs on board."""
+    system = without_ghosts(machine_of(stem).system)
     inputs = {var.name for var in system.inputs}
-    steps = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
-    return run(system, [{name: value for name, value in step.items() if name in inputs} for step in steps])
+    return run(system, [{name: value for name, value in step.items() if name in inputs} for step in steps_of(stem)])
 
 
 def courses(stem: str) -> list[str]:
     """The modes, each as often as it was come to."""
-    found = mode_labels(target(stem.partition("-")[0]).machines[0], recorded(stem))
+    found = mode_labels(machine_of(stem).machines[0], recorded(stem))
     return [mode for number, mode in enumerate(found) if number == 0 or found[number - 1] != mode]
 
 
@@ -75,31 +91,30 @@ def told(stem: str, output: str) -> Counter[str]:
 def test_a_recording_is_its_run(machine: str, stem: str) -> None:
     """The file that ships is what the model of it makes, step by step, and ships with its machine."""
     config = target(machine).config
-    assert list(read_steps(STREAMS / f"{stem}.jsonl.gz").steps) == STREAMS_OF[machine].RUNS[stem].steps(config)
+    assert list(read_steps(shipped(stem)).steps) == STREAMS_OF[machine].RUNS[stem].steps(config)
     assert stem in map(name_of, target(machine).streams)
     assert STREAMS_OF[machine].RUNS[stem].outcome.endswith(".")
 
 
 @pytest.mark.thorough(ordinary=10)
-@pytest.mark.parametrize(("machine", "stem"), [one for one in RUNS if one[1] not in UNLAWFUL])
-def test_a_run_is_lawful(machine: str, stem: str) -> None:
+@pytest.mark.parametrize("stem", [one for one in NAMED if one not in UNLAWFUL])
+def test_a_run_is_lawful(stem: str) -> None:
     """With its truth, it keeps what is assumed, and every property holds on it or is not about it."""
-    steps = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
-    trace = admissible_run(target(machine).system, {}, steps)
-    assert {"held", "unknown"} >= {word(one) for one in check_all(trace, target(machine).properties)}
+    trace = admissible_run(machine_of(stem).system, {}, steps_of(stem))
+    assert {"held", "unknown"} >= {word(one) for one in check_all(trace, machine_of(stem).properties)}
 
 
 @pytest.mark.parametrize("stem", sorted(UNLAWFUL))
 def test_a_run_outside_the_assumption_claims_no_truth(stem: str) -> None:
-    """What breaks the assumption ships without the truth that would break it."""
-    ghosts = {var.name for var in target(stem.partition("-")[0]).system.ghosts}
-    assert all(ghosts.isdisjoint(step) for step in read_steps(STREAMS / f"{stem}.jsonl.gz").steps)
+    """What breaks the assumption comes without the truth that would break it."""
+    ghosts = {var.name for var in machine_of(stem).system.ghosts}
+    assert all(ghosts.isdisjoint(step) for step in steps_of(stem))
 
 
 @pytest.mark.parametrize(("machine", "stem"), RUNS, ids=[stem for _, stem in RUNS])
 def test_a_recording_verifies(machine: str, stem: str) -> None:
     """Replayed as `verify` does: whatever can be judged on it holds."""
-    _, findings = replay_stream(target(machine), STREAMS / f"{stem}.jsonl.gz")
+    _, findings = replay_stream(target(machine), shipped(stem))
     assert {"held"} == {word(one.result) for one in findings}
 
 

@@ -17,7 +17,7 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.verdict import Held
 from safeloc.models import balise
-from safeloc.models.balise.recordings import FOLDER, RUNS, recorded
+from safeloc.models.balise.recorded_runs import FOLDER, RUNS, recorded
 from safeloc.models.balise.simulate import RouteSet, line, simulate
 from safeloc.models.balise.variables import BaliseConfig, parts
 from safeloc.proof.verification.replay import replay_stream

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -30,11 +28,10 @@ from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry, entry
-from safeloc.models.fibre_area.recordings import (
+from safeloc.models.fibre_area.recorded_runs import (
     FOLDER,
     LATE_RECORD,
     NAMED,
-    ON_DEMAND,
     SERVICE,
     SPLIT,
     TURNED_BACK,
@@ -46,7 +43,7 @@ from safeloc.models.verification import Verification, VerificationConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
-from safeloc.proof.verification.replay import whole_run
+from safeloc.proof.verification.replay import run_with_truth
 from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.everything_proved import shipped_runs
@@ -117,16 +114,6 @@ def test_the_recordings_come_out_the_same(tmp_path: Path) -> None:
     made = write(tmp_path)
     assert len(NAMED) == len(made)
     assert [path.name for path in made if path.read_bytes() != (FOLDER / path.name).read_bytes()] == []
-
-
-def test_what_does_not_ship_comes_out_the_same(tmp_path: Path) -> None:
-    """Recordings that are made on demand have the digest of the run that was looked at, and none of them ships."""
-    made = write(tmp_path, ON_DEMAND)
-    digests = {path.name: hashlib.sha256(gzip.decompress(path.read_bytes())).hexdigest()[:16] for path in made}
-    assert {
-        "fibre_area-turned-back.jsonl.gz": "7f3adc0a9048a14f",
-    } == digests
-    assert not any((FOLDER / name).exists() for name in digests)
 
 
 @pytest.mark.parametrize(
@@ -252,7 +239,7 @@ def test_properties_hold_along_drawn_streams() -> None:
     Runs begin along recordings too: without them no train is verified within forty steps, and most properties ask nothing.
     """
     target = load_target("fibre_area")
-    recorded = [run_ for run_ in (whole_run(target, path) for path in target.streams) if run_ is not None]
+    recorded = [run_ for run_ in (run_with_truth(target, path) for path in target.streams) if run_ is not None]
     found = run_tests(target.system, target.properties, examples=10, steps=40, seed=1, corpus=recorded)
     assert {one.id: word(one.result) for one in found if word(one.result) != "held"} == NOT_MET
 

@@ -9,8 +9,8 @@ from safeloc.models.fibre import machine
 from safeloc.models.fibre.variables import FibreConfig
 from safeloc.models.fibre.worked import RUNS
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.target import STREAMS
 from tests.models.fibre_family import labels, mode_labels, replayed
+from tests.shipped_recordings import shipped
 
 NAME = "fibre-no-end-of-section"
 
@@ -18,7 +18,7 @@ NAME = "fibre-no-end-of-section"
 def test_an_amplitude_that_stays_changed_is_given_up() -> None:
     """Counted at first, then nothing, with the reason; lawful to the end."""
     made = machine(FibreConfig())
-    trace = replayed(lower(made), list(read_steps(STREAMS / f"{NAME}.jsonl.gz").steps))
+    trace = replayed(lower(made), list(read_steps(shipped(NAME)).steps))
     modes = mode_labels(made, trace)
     assert ["WAITING", "COUNTING"] == list(dict.fromkeys(modes))
     given_up = modes.index("WAITING", modes.index("COUNTING"))
@@ -29,7 +29,7 @@ def test_an_amplitude_that_stays_changed_is_given_up() -> None:
 def test_a_known_section_that_does_not_end_raises_f() -> None:
     """Located until the section is longer than any; then F, with the reason, and no place."""
     made = machine(FibreConfig())
-    trace = replayed(lower(made), list(read_steps(STREAMS / "fibre-section-without-end.jsonl.gz").steps))
+    trace = replayed(lower(made), list(read_steps(shipped("fibre-section-without-end")).steps))
     modes = mode_labels(made, trace)
     assert ["LOCATED", "FAULTED"] == list(dict.fromkeys(modes))
     raised = modes.index("FAULTED")
@@ -40,4 +40,4 @@ def test_a_known_section_that_does_not_end_raises_f() -> None:
 @pytest.mark.parametrize("name", RUNS)
 def test_the_recording_is_its_run(name: str) -> None:
     """The file that ships is what the model of it makes."""
-    assert list(read_steps(STREAMS / f"{name}.jsonl.gz").steps) == list(RUNS[name].steps(FibreConfig()))
+    assert list(read_steps(shipped(name)).steps) == list(RUNS[name].steps(FibreConfig()))

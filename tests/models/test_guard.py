@@ -18,7 +18,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT, NM, UM_S
 from safeloc.language.verdict import Held, Proved
 from safeloc.models import guard
-from safeloc.models.guard import Guard, box, build, judgement
+from safeloc.models.guard import Guard, box, build, judgement, stored
 from safeloc.models.guard.judgement import Judgement
 from safeloc.models.guard.simulate import FIRST_TRUTH, simulate
 from safeloc.models.guard.variables import (
@@ -135,8 +135,8 @@ def spoilt_updates(name: str, change: Callable[[Guard], dict[object, object]]) -
     [
         ("coast while passing", lambda model: {model.own.high: model.own.high}),
         ("coast while probation", lambda model: {model.own.low: model.own.low}),
-        ("implausible fix", lambda model: box.become(model.own, model.judgement.with_fix)),
-        ("fix agrees on probation", lambda model: box.become(model.own, model.judgement.with_fix)),
+        ("implausible fix", lambda model: stored(model.own, model.judgement.with_fix)),
+        ("fix agrees on probation", lambda model: stored(model.own, model.judgement.with_fix)),
         ("fix passed on", lambda model: {model.own.anchor_high: model.own.anchor_low}),
         ("coast while passing", lambda model: {model.own.fast: model.own.fast}),
     ],

@@ -9,8 +9,8 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer.simulation.recordings import FOLDER, RUNS, simulated, write
-from safeloc.proof.verification.replay import whole_run
+from safeloc.models.localizer.simulation.recorded_runs import FOLDER, RUNS, simulated, write
+from safeloc.proof.verification.replay import run_with_truth
 from tests.models.localizer_runs import run
 
 LEADS = {
@@ -45,7 +45,7 @@ MEMBERS = ("NONE", "ODOMETRY", "BALISE", "REFLECTOR", "SATELLITE", "FIBRE")
 @pytest.mark.parametrize("name", RUNS)
 def test_recordings_keep_what_is_assumed(name: str) -> None:
     """With their ghosts they are runs of the whole, so that they serve as witnesses."""
-    assert whole_run(load_target("localizer"), FOLDER / f"localizer-{name}.jsonl.gz") is not None
+    assert run_with_truth(load_target("localizer"), FOLDER / f"localizer-{name}.jsonl.gz") is not None
 
 
 def test_simulation_differs_by_seed() -> None:

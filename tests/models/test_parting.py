@@ -22,7 +22,7 @@ from safeloc.models.area import AreaConfig
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines
 from safeloc.models.fibre_area.entry import EntryInputs, entry
 from safeloc.models.fibre_area.parting import PartingConfig, ReportedRun, parts
-from safeloc.models.fibre_area.recordings import CONFIG, SPLIT
+from safeloc.models.fibre_area.recorded_runs import CONFIG, SPLIT
 from safeloc.models.fibre_area.report import Believed, Report, build
 from safeloc.models.fibre_area.simulate import LOST_AXLES, REMARK, Journey, first_state, simulate_journey
 from safeloc.proof.provers.limits import Limits

@@ -16,7 +16,7 @@ from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, Proved
 from safeloc.models import route
-from safeloc.models.route.recordings import RUNS, recorded
+from safeloc.models.route.recorded_runs import ON_DEMAND, RUNS, Run, recorded
 from safeloc.models.route.simulate import Steps, Way, answers, quiet, simulate, way
 from safeloc.models.route.variables import RouteConfig, parts
 from safeloc.proof.provers.limits import Limits
@@ -27,9 +27,9 @@ from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.simulation.motion import Leg
-from safeloc.target import STREAMS
 from tests.models.everything_proved import shipped_runs
 from tests.models.spoilt import rebuilt
+from tests.shipped_recordings import shipped
 
 CONFIG = RouteConfig()
 MODEL = route.build(parts(CONFIG))
@@ -165,10 +165,15 @@ def test_the_map_answers_with_the_nearest_of_that_model() -> None:
 
 @pytest.mark.parametrize("name", RUNS)
 def test_shipped_recordings_are_fresh_simulations(name: str) -> None:
-    """The recording is what its run gives; the machine states the route taken or none."""
-    steps = recorded(RUNS[name])
-    assert steps == list(read_steps(STREAMS / f"route-{name}.jsonl.gz").steps)
-    assert decisions(followed(steps)) <= {NAMES.index(RUNS[name].models) + 1}
+    """The recording is what its run gives."""
+    assert recorded(RUNS[name]) == list(read_steps(shipped(f"route-{name}")).steps)
+
+
+@pytest.mark.thorough(ordinary=3)
+@pytest.mark.parametrize("run", [*RUNS.values(), *ON_DEMAND.values()])
+def test_the_route_taken_is_stated_or_none(run: Run) -> None:
+    """Along every route of the line, whether or not a reflector is missed."""
+    assert decisions(followed(recorded(run))) <= {NAMES.index(run.models) + 1}
 
 
 def test_wrong_simulations_are_refused() -> None:

@@ -22,8 +22,9 @@ from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps
-from safeloc.target import STREAMS, Target
+from safeloc.target import Target
 from tests.models.unlinked_runs import label
+from tests.shipped_recordings import shipped
 
 CONFIG = UnlinkedGroupConfig()
 
@@ -37,7 +38,7 @@ def target() -> Target:
 @cache
 def lawful(stem: str) -> Trace:
     """A shipped recording with its truth; refused if it breaks what is assumed."""
-    recorded = read_steps(STREAMS / f"{stem}.jsonl.gz")
+    recorded = read_steps(shipped(stem))
     return admissible_run(target().system, dict(recorded.first), recorded.steps)
 
 
@@ -69,7 +70,7 @@ def judged(stem: str) -> list[str]:
 @pytest.mark.parametrize("stem", RUNS)
 def test_a_recording_is_its_run(stem: str) -> None:
     """The file that ships is what the simulation makes, step by step, and ships with its machine."""
-    assert list(read_steps(STREAMS / f"{stem}.jsonl.gz").steps) == RUNS[stem].steps(CONFIG)
+    assert list(read_steps(shipped(stem)).steps) == RUNS[stem].steps(CONFIG)
     assert stem in map(name_of, target().streams)
     assert RUNS[stem].outcome.endswith(".")
 
@@ -78,7 +79,7 @@ def test_a_recording_is_its_run(stem: str) -> None:
 def test_every_claim_holds_on_a_recording(stem: str) -> None:
     """With its truth it keeps what is assumed, and every property holds on it; `verify` finds the same."""
     assert {"held"} == {word(one) for one in check_all(lawful(stem), target().properties)}
-    _, findings = replay_stream(target(), STREAMS / f"{stem}.jsonl.gz")
+    _, findings = replay_stream(target(), shipped(stem))
     assert {"held"} == {word(one.result) for one in findings}
 
 
@@ -148,7 +149,7 @@ def test_the_balise_machine_beside_it_is_not_moved(stem: str) -> None:
     names = {var.name for var in board.inputs}
     first = telegram(replace(mixed_line()[0], identity=1_000), since_mm=0)
     start: list[dict[str, Cell]] = [{"odometer_mm": 0}, {"odometer_mm": 0, **first}]
-    recorded = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
+    recorded = read_steps(shipped(stem)).steps
     steps = [{name: value for name, value in one.items() if name in names} for one in recorded]
     without = [
         {name: value for name, value in one.items() if one.get("telegram_link") != "UNLINKED" or "telegram" not in name}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -17,16 +17,18 @@ from safeloc.language.verdict import Violated, word
 from safeloc.models.fibre.simulate import Stay, simulate_stay
 from safeloc.models.verification import Verification, VerificationConfig, build, judgement, parts
 from safeloc.models.verification.judgement import Judgement
+from safeloc.models.verification.recorded_runs import ON_DEMAND, RUNS
 from safeloc.models.verification.variables import Parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.verification import properties
 from safeloc.properties.verification.mismatch import NAMED
-from safeloc.runtime.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell, read_steps
 from tests.models.everything_proved import shipped_runs, unproved_of
 from tests.models.fibre_family import labels, mode_labels, replayed
 from tests.models.inductive import changed, inductive
 from tests.models.wrong_edits import lost
+from tests.shipped_recordings import shipped
 
 CONFIG = VerificationConfig()
 ENTRY = 2
@@ -49,6 +51,11 @@ def stayed(stay: Stay, *, config: VerificationConfig = CONFIG, **changes: dict[i
     for cycle, cells in changes.get("at", {}).items():
         merged = steps[cycle] | cells  # type: ignore[operator]
         steps[cycle] = {name: value for name, value in merged.items() if value is not None}
+    return checked(steps, config)
+
+
+def checked(steps: Sequence[Mapping[str, Cell]], config: VerificationConfig) -> Trace:
+    """A run on which the machine holds its properties."""
     model = made_for(config)
     trace = replayed(lower(model.machine), steps)
     assert not [one for one in check_all(trace, properties(model)) if isinstance(one, Violated)]
@@ -69,20 +76,26 @@ def test_a_stay() -> None:
     assert [last[f"verified_{name}"] for name in flags] == [True] * 6
 
 
+@pytest.mark.parametrize("name", RUNS)
+def test_recordings_are_fresh_simulations(name: str) -> None:
+    """The file that ships is what its named run gives."""
+    assert list(read_steps(shipped(name)).steps) == list(RUNS[name].steps(CONFIG))
+    assert RUNS[name].outcome.endswith(".")
+
+
 @pytest.mark.parametrize(
-    ("stay", "reason", "revoked"),
+    ("name", "reason", "revoked"),
     [
-        (Stay(counted=41), "COUNT", False),
-        (Stay(lost_from=30), "COUNT", True),
-        (Stay(reference=None), "REFERENCE_LOST", False),
-        (Stay(emitter_fails=25), "CHAIN_FAILED", True),
-        (Stay(error_from=20), "FIBRE_ERROR", True),
+        ("miscount", "COUNT", False),
+        ("split", "COUNT", True),
+        ("lost-handover", "REFERENCE_LOST", False),
+        ("emitter-fails", "CHAIN_FAILED", True),
+        ("fibre-error", "FIBRE_ERROR", True),
     ],
-    ids=["miscount", "split train", "lost hand-over", "emitter fails", "error F"],
 )
-def test_named_faults(stay: Stay, reason: str, *, revoked: bool) -> None:
+def test_named_faults(name: str, reason: str, *, revoked: bool) -> None:
     """Each fault ends in UNTRUSTED with its reason; what had been given out is revoked."""
-    trace = stayed(stay)
+    trace = checked((RUNS | ON_DEMAND)[f"verification-{name}"].steps(CONFIG), CONFIG)
     assert modes(trace)[-2] == "UNTRUSTED"
     assert labels(trace, "reason")[-2] == reason
     assert trace.steps[-2].outputs["revoked"] is revoked
@@ -332,7 +345,7 @@ EDITS: list[tuple[str, Callable[[Judgement], object], str]] = [
     ("reach", lambda j: j.own.reach, "reach grows by the fastest run"),
     ("placed", lambda j: j.own.associated & j.own.place.present, "not located withholds"),
     ("missing", lambda j: ~j.own.associated, "containment"),
-    ("whole", lambda j: j.own.sound & (j.own.record_count > 0), "only sound references"),
+    ("usable", lambda j: j.own.sound & (j.own.record_count > 0), "only sound references"),
     (
         "speed_fits",
         lambda j: j.own.record_speed_low <= j.own.seen_speed.value,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from safeloc.catalogue import Target, load_target
-from safeloc.proof.verification.replay import whole_run
+from safeloc.proof.verification.replay import run_with_truth
 from safeloc.report.recorded_run import RecordedRun
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps, write_steps
@@ -33,7 +33,7 @@ def recording(machine: str, stem: str) -> Path:
 def told(machine: str, stem: str) -> RecordedRun:
     """A shipped recording, run once."""
     path = recording(machine, stem)
-    trace = whole_run(shipped(machine), path)
+    trace = run_with_truth(shipped(machine), path)
     assert trace is not None
     truth = [step["truth_mm"] for step in read_steps(path).steps]
     return RecordedRun(stem, trace, tuple(place for place in truth if isinstance(place, int)))

@@ -93,7 +93,7 @@ def test_the_worked_figures_are_told(machine: str, kind: type) -> None:
 def test_a_recording_of_ones_own_is_told_by_replay(tmp_path: Path) -> None:
     """`replay --out` writes a report of the one recording with its picture; the exit code is that of the replay."""
     path = tmp_path / "mine.jsonl"
-    steps = read_steps(recording("route", "route-dcd-every-reflector")).steps[:150]
+    steps = read_steps(recording("route", "route-acd-every-reflector")).steps[:150]
     write_steps(path, steps, machine="route")
     folder = tmp_path / "told"
     done = CliRunner().invoke(app, ["replay", "route", str(path), "--format", "jsonl", "--out", str(folder)])
@@ -114,7 +114,7 @@ def test_every_route_recording_has_a_plan() -> None:
 def test_a_run_is_drawn_once_whatever_is_found_on_it() -> None:
     """All findings of one replay share its run; what is no replay has none."""
     target = replace(shipped("route"), properties=shipped("route").properties[:3])
-    findings = replay_stream(target, recording("route", "route-dcd-every-reflector"))[1]
+    findings = replay_stream(target, recording("route", "route-acd-every-reflector"))[1]
     assert len(findings) > 1
     assert len([*recorded_runs(target, findings)]) == 1
     assert len(pictures_data(target, findings)) == 1
@@ -125,7 +125,7 @@ def test_a_run_is_drawn_once_whatever_is_found_on_it() -> None:
 def test_the_first_violation_stands_first() -> None:
     """Each violated statement with the step at which its run ends."""
     target = shipped("route")
-    (one, *_) = replay_stream(replace(target, properties=()), recording("route", "route-dcd-every-reflector"))[1]
+    (one, *_) = replay_stream(replace(target, properties=()), recording("route", "route-acd-every-reflector"))[1]
     assert one.replayed is not None
     trace = one.replayed.trace
     late, early = (

@@ -63,7 +63,7 @@ def test_the_stated_route_is_drawn_under_its_tracks(missed: RecordedRun) -> None
     assert stated == {"track-301", "track-302-304", "track-304-305", "track-305-307", "track-310"}
 
 
-@pytest.mark.parametrize("stem", [SECOND_MISSED, "route-dcd-every-reflector", "route-adcd-every-reflector"])
+@pytest.mark.parametrize("stem", [SECOND_MISSED, "route-acd-every-reflector"])
 def test_each_route_ends_where_it_is_refuted(stem: str) -> None:
     """The bar reaches from the start to the step of the refutation, and there is the cross."""
     run = told("route", stem)

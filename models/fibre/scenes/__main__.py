@@ -1,4 +1,7 @@
-"""Make the shipped fibre recordings anew: python -m safeloc.models.fibre.scenes [folder, by default models/streams]."""
+"""Make the shipped fibre recordings anew: python -m safeloc.models.fibre.scenes [folder].
+
+Without a folder each goes to its machine's own.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,13 @@ from pathlib import Path
 
 from safeloc.models.fibre.scenes.recordings import recordings
 
-FOLDER = Path(__file__).parents[2] / "streams"
+MODELS = Path(__file__).parents[2]
 
 
 def main() -> None:
     """Write each recording as soon as it is made."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
     for recording in recordings():
-        recording.write(folder)
+        recording.write(Path(sys.argv[1]) if len(sys.argv) > 1 else MODELS / recording.machine / "recordings")
         print(recording.name, len(recording.steps), "steps")
 
 

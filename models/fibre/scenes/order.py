@@ -41,7 +41,7 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
     code = _on_board()
     passages = [events(ends, places) for places in trains]
     state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
-    inside, whole = [False] * len(trains), list[list[bool]]()
+    inside, inside_each = [False] * len(trains), list[list[bool]]()
     for number, moment in enumerate(moments):
         now = [one[number] for one in passages]
         was = any(inside)
@@ -54,9 +54,9 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
         state, _ = code.step(state, code.read(step))
         owners = [code.named_outputs(state)[f"train_of_pattern_{rank}"] for rank in range(1, ORDER.trains + 1)]
         steps.append(step)
-        whole.append(inside)
+        inside_each.append(inside)
         patterns.append([_owned(seen, owners, train) for train in range(1, len(trains) + 1)])
-    return Ordered(steps, patterns, whole)
+    return Ordered(steps, patterns, inside_each)
 
 
 def _inside(one: TrainSeen, ends: Ends) -> bool:

@@ -65,11 +65,11 @@ def recorded_order(made: OrderScene) -> Recording:
     trains = [places_of(moments[begin:], number) for number in range(len(made.scene.trains))]
     ordered = order_of(made.ends, moments[begin:], trains)
     ghosts = truth_of(trains, ordered)
-    whole = [{**step, **truth} for step, truth in zip(ordered.steps, ghosts, strict=True)]
+    with_truth = [{**step, **truth} for step, truth in zip(ordered.steps, ghosts, strict=True)]
     first = {name.removeprefix("next_"): int(cell) for name, cell in ghosts[0].items() if name.endswith("_place_um")}
     marks = {"axle counter 1": made.ends.low_mm, "axle counter 2": made.ends.high_mm}
     picture = {"title": made.title, "says": made.says, **waterfall(made.scene, moments, begin, marks)}
-    return Recording(f"train_order-{made.name}", "train_order", whole, first, picture)
+    return Recording(f"train_order-{made.name}", "train_order", with_truth, first, picture)
 
 
 def _virtual(cut: tuple[int, int], states: Sequence[str]) -> dict[str, Any]:

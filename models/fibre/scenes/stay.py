@@ -72,7 +72,7 @@ class Stayed:
 
 def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> dict[str, Value]:
     """Return the open values at the start: counters, cuts, and the train's place."""
-    low, high = (round(MM_PER_M * place) for place in _whole(stay, start))
+    low, high = (round(MM_PER_M * place) for place in _extent(stay, start))
     first: dict[str, Value] = {
         "area.low_end_mm": stay.ends.low_mm, "area.high_end_mm": stay.ends.high_mm,
     }  # fmt: skip
@@ -97,8 +97,8 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
     host = _Host(stay, heard[begin - 1])
     for moment in heard[:begin]:
         host.before(moment)
-    whole = [_whole(stay, moment) for moment in moments]
-    patterns = order_of(stay.ends, moments, [whole]).patterns
+    extents = [_extent(stay, moment) for moment in moments]
+    patterns = order_of(stay.ends, moments, [extents]).patterns
     passages = events(stay.ends, [_pattern_m(stay, moment) for moment in moments])
     made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, passages, strict=True)]
     return Stayed(made, host.states)
@@ -300,7 +300,9 @@ def _of(name: str, values: Mapping[str, Value] | Mapping[str, Cell]) -> dict[str
 
 def _pattern(stay: Stay, moment: Moment) -> tuple[int, int]:
     """Return the ends of what the fibre can see of the train: a lost part stands silent."""
-    low, high = _whole(stay, moment) if not _is_split(stay, moment) else (moment.truth[0].low_m, moment.truth[0].high_m)
+    low, high = (
+        _extent(stay, moment) if not _is_split(stay, moment) else (moment.truth[0].low_m, moment.truth[0].high_m)
+    )
     return round(MM_PER_M * low), round(MM_PER_M * high)
 
 
@@ -310,7 +312,7 @@ def _pattern_m(stay: Stay, moment: Moment) -> tuple[float, float]:
     return low / MM_PER_M, high / MM_PER_M
 
 
-def _whole(stay: Stay, moment: Moment) -> tuple[float, float]:
+def _extent(stay: Stay, moment: Moment) -> tuple[float, float]:
     """Return the ends of the whole train, with a part that it loses."""
     own = moment.truth[0]
     return (own.low_m if stay.split is None else moment.truth[1].low_m), own.high_m
@@ -331,7 +333,7 @@ def _is_split(stay: Stay, moment: Moment) -> bool:
 
 def _world(stay: Stay, moment: Moment) -> dict[str, Cell]:
     """Return the ghost inputs of the machines behind the fibre's."""
-    low, high = (round(MM_PER_M * UM_PER_MM * place) for place in _whole(stay, moment))
+    low, high = (round(MM_PER_M * UM_PER_MM * place) for place in _extent(stay, moment))
     seen_low, seen_high = _pattern(stay, moment)
     split = _is_split(stay, moment)
     axles = len((stay.scene.trains[0] if split else stay.train).axles_m())

@@ -83,11 +83,11 @@ def needed_by_none(target: Target, cores: Iterable[Core]) -> list[Element]:
     return [one for one in every if (one.kind, one.machine, one.name) not in used]
 
 
-def as_data(target: Target, cores: Sequence[Core], *, whole: bool) -> dict[str, Any]:
+def as_data(target: Target, cores: Sequence[Core], *, complete: bool) -> dict[str, Any]:
     """Return the cores as data for JSON. `whole`: these are the cores of all claims, so add the elements in no core."""
     data: dict[str, Any] = {"schema": SCHEMA, "target": target.name, "cores": [asdict(one) for one in cores]}
     for one in data["cores"]:
         one["undecided"] = one.pop("open_")
-    if whole:
+    if complete:
         data["needed_by_none"] = [asdict(one) for one in needed_by_none(target, cores)]
     return data

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from safeloc.assurance.mutation.choosing import by_id, chosen, judge
 from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
-from safeloc.assurance.mutation.declared import whole_of
+from safeloc.assurance.mutation.declared import declared_of
 from safeloc.assurance.mutation.members import composed
 from safeloc.assurance.mutation.places import Places
 from safeloc.assurance.mutation.reasons import Reasons
@@ -57,26 +57,26 @@ class Analysis:
         return self._of_composition(asked) if self.target.system.parts else self._of_machine(asked)
 
     def _of_machine(self, asked: Sequence[Of]) -> Analysed:
-        whole, seed = whole_of(self.target), self.plan.seed
+        declared, seed = declared_of(self.target), self.plan.seed
         some = (
-            by_id(whole, self.places, self.only, most=self.most, seed=seed)
+            by_id(declared, self.places, self.only, most=self.most, seed=seed)
             if self.only
-            else chosen(whole, self.places, asked, most=self.most, seed=seed)
+            else chosen(declared, self.places, asked, most=self.most, seed=seed)
         )
         why = self.reasons.of(some.existing)
         self.on_begin(some.number)
-        judging = Judging(self.target, whole, self.plan, self.on_judged, self.look_in, self.keep_in)
+        judging = Judging(self.target, declared, self.plan, self.on_judged, self.look_in, self.keep_in)
         return Analysed(judge(judging, some), some.of, why)
 
     def _of_composition(self, asked: Sequence[Of]) -> Analysed:
-        whole = composed(self.target, self.places)
+        made = composed(self.target, self.places)
         if [*asked] != ["machine"]:
             raise InputError(
                 f"{self.target.name} is a composition: only its machines and wires are made wrong. For worlds and claims "
-                f"give one of its machines: {', '.join(whole.members)}."
+                f"give one of its machines: {', '.join(made.members)}."
             )
-        some = parts(whole, self.places, most=self.most, seed=self.plan.seed, only=self.only)
+        some = parts(made, self.places, most=self.most, seed=self.plan.seed, only=self.only)
         why = self.reasons.of({"machine": some.existing})
         self.on_begin(some.number)
-        judging = JudgingComposed(whole, self.plan, self.on_judged, self.look_in, self.keep_in)
+        judging = JudgingComposed(made, self.plan, self.on_judged, self.look_in, self.keep_in)
         return Analysed(judging.all(some), some.of, why)

@@ -38,14 +38,14 @@ class _Chosen:
     @property
     def number(self) -> int:
         """The number of mutants to judge, including those that are judged only for claims."""
-        return len({one.id for own in (*self.parts.values(), self.against) for one in own})
+        return len({one.id for group in (*self.parts.values(), self.against) for one in group})
 
 
-def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> _Chosen:
+def chosen(declared: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> _Chosen:
     """Return all mutants of these parts, or a sample of at most `most` of each; claims also need those of the machine."""
 
     def some(part: Of) -> list[Mutant]:
-        every = MADE[part](whole, places)
+        every = MADE[part](declared, places)
         existing[part] = _ids(every)
         return sample(every, len(every) if most is None else most, seed)
 
@@ -60,17 +60,19 @@ def _ids(mutants: Sequence[Mutant]) -> frozenset[str]:
     return frozenset(one.id for one in mutants)
 
 
-def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> _Chosen:
+def by_id(declared: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> _Chosen:
     """Return the mutants with these ids; `most` limits only those of the machine that claims need. InputError: unknown id."""
-    every: dict[Of, list[Mutant]] = {part: make(whole, places) for part, make in MADE.items()}
-    made: dict[Of, Sequence[Mutant]] = {part: [one for one in own if one.id in ids] for part, own in every.items()}
-    missing = sorted(set(ids) - {one.id for own in made.values() for one in own})
+    every: dict[Of, list[Mutant]] = {part: make(declared, places) for part, make in MADE.items()}
+    made: dict[Of, Sequence[Mutant]] = {part: [one for one in group if one.id in ids] for part, group in every.items()}
+    missing = sorted(set(ids) - {one.id for group in made.values() for one in group})
     if missing:
-        raise InputError(f"{whole.machine.name} has no mutant {missing[0]!r}; --json lists them, of each --of.")
+        raise InputError(f"{declared.machine.name} has no mutant {missing[0]!r}; --json lists them, of each --of.")
     machine = every["machine"]
     against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
-    existing: dict[Of, frozenset[str]] = {part: _ids(own) for part, own in every.items()}
-    return _Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against, existing)
+    existing: dict[Of, frozenset[str]] = {part: _ids(group) for part, group in every.items()}
+    return _Chosen(
+        {part: group for part, group in made.items() if group}, sum(map(len, every.values())), against, existing
+    )
 
 
 def judge(judging: Judging, some: _Chosen) -> list[Judged]:

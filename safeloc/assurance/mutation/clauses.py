@@ -33,54 +33,56 @@ from safeloc.language.terms import Substitution, children
 _LEFT_OUT = "clause left out"
 
 
-def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
+def clause_mutants(declared: Declared, places: Places) -> list[Mutant]:
     """Return all mutants of the world's clauses: those left out, then those with a changed term, each result of a term once."""
-    roots = [root for root in whole.roots if root.part is Part.CLAUSE]
-    return numbered([*_left_out(whole, roots, places), *_bare(whole, roots, places), *_of_terms(whole, roots, places)])
+    roots = [root for root in declared.roots if root.part is Part.CLAUSE]
+    return numbered(
+        [*_left_out(declared, roots, places), *_bare(declared, roots, places), *_of_terms(declared, roots, places)]
+    )
 
 
-def _of_terms(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
+def _of_terms(declared: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
     forms = Forms(places)
     terms = terms_of(roots, places, forms)
-    for term, change, becomes in wrong_terms(terms, changes, other_variables(whole.machine), forms):
+    for term, change, becomes in wrong_terms(terms, changes, other_variables(declared.machine), forms):
         made = partial(_exchanged, term, change)
-        yield _mutant(whole, term.roots, term.node, (change.kind, change.words, becomes), made, term.place)
+        yield _mutant(declared, term.roots, term.node, (change.kind, change.words, becomes), made, term.place)
 
 
-def _exchanged(term: Term, change: Change, whole: Declared) -> Declared:
-    return _with_clauses(whole, substitution(term, change))
+def _exchanged(term: Term, change: Change, declared: Declared) -> Declared:
+    return _with_clauses(declared, substitution(term, change))
 
 
-def _with_clauses(whole: Declared, change: Substitution) -> Declared:
-    return replace(whole, machine=remade(whole.machine, **world.with_clauses(whole.machine, change)))
+def _with_clauses(declared: Declared, change: Substitution) -> Declared:
+    return replace(declared, machine=remade(declared.machine, **world.with_clauses(declared.machine, change)))
 
 
-def _left_out(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
+def _left_out(declared: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
     for root in roots:
         done = (_LEFT_OUT, f"{root.name} is left out", "true")
-        yield _mutant(whole, (root,), root.term, done, partial(_without, root.name), places.of(root.term))
+        yield _mutant(declared, (root,), root.term, done, partial(_without, root.name), places.of(root.term))
 
 
-def _without(name: str, whole: Declared) -> Declared:
-    return replace(whole, machine=remade(whole.machine, **world.without_clause(whole.machine, name)))
+def _without(name: str, declared: Declared) -> Declared:
+    return replace(declared, machine=remade(declared.machine, **world.without_clause(declared.machine, name)))
 
 
-def _bare(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
+def _bare(declared: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
     """Return the mutants of clauses that are a single variable; `terms_of` lists only terms that have parts."""
-    others = other_variables(whole.machine)
+    others = other_variables(declared.machine)
     for root in roots:
         for change in of_operand(root.term, others) if not children(root.term) else ():
             now = change.make((root.term,))
             done = (change.kind, change.words, infix(now, LONGEST))
-            yield _mutant(whole, (root,), root.term, done, partial(_instead, root.term, now), places.of(root.term))
+            yield _mutant(declared, (root,), root.term, done, partial(_instead, root.term, now), places.of(root.term))
 
 
-def _instead(was: Expr, now: Expr, whole: Declared) -> Declared:
-    return _with_clauses(whole, Substitution({}, [(was, now)]))
+def _instead(was: Expr, now: Expr, declared: Declared) -> Declared:
+    return _with_clauses(declared, Substitution({}, [(was, now)]))
 
 
 def _mutant(
-    whole: Declared,
+    declared: Declared,
     roots: tuple[Root, ...],
     term: Expr,
     done: tuple[str, str, str],
@@ -90,7 +92,7 @@ def _mutant(
     """Return a mutant of the world. `done` is the kind of change, its description, and the new text."""
     kind, words, becomes = done
     return Mutant(
-        machine=whole.machine.name,
+        machine=declared.machine.name,
         kind=kind,
         words=words,
         place=place_text(place),

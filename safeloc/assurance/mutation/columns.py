@@ -78,8 +78,8 @@ class Columns:
         for before, _ in paths:
             self._ends.append((begin, begin + len(before)))
             begin += len(before)
-        for own, rows in ((state, states), (inputs, told)):
-            for number, var in enumerate(own):
+        for variables, rows in ((state, states), (inputs, told)):
+            for number, var in enumerate(variables):
                 self._kept[var] = _column(var, [row[number] for row in rows])
 
     def keep(self, terms: Iterable[Expr]) -> None:

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
-from safeloc.assurance.mutation.judge_composition_mutant import WholeBench, of_member, of_wire, whole_bench
+from safeloc.assurance.mutation.judge_composition_mutant import CompositionBench, composition_bench, of_member, of_wire
 from safeloc.assurance.mutation.judge_machine_mutant import with_outcome
 from safeloc.assurance.mutation.members import Composed, member_mutants
 from safeloc.assurance.mutation.mutants import Mutant, sample
@@ -48,14 +48,14 @@ class Parts:
         return len(self.members) + len(self.wires)
 
 
-def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only: Sequence[str] = ()) -> Parts:
+def parts(composed: Composed, places: Places, *, most: int | None, seed: int, only: Sequence[str] = ()) -> Parts:
     """Return all mutants, a sample of at most `most`, or those with the ids in `only`; InputError for an unknown id."""
-    wires = {edit.mutant.id: edit for edit in wire_edits(whole)}
-    every = [*member_mutants(whole, places), *(edit.mutant for edit in wires.values())]
+    wires = {edit.mutant.id: edit for edit in wire_edits(composed)}
+    every = [*member_mutants(composed, places), *(edit.mutant for edit in wires.values())]
     chosen = [one for one in every if one.id in only] if only else sample(every, most or len(every), seed)
     missing = sorted(set(only) - {one.id for one in chosen})
     if missing:
-        raise InputError(f"{whole.target.name} has no mutant {missing[0]!r}; --json lists them.")
+        raise InputError(f"{composed.target.name} has no mutant {missing[0]!r}; --json lists them.")
     members = [one for one in chosen if one.id not in wires]
     existing = frozenset(one.id for one in every)
     return Parts(members, {one.id: wires[one.id] for one in chosen if one.id in wires}, existing)
@@ -65,7 +65,7 @@ def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only:
 class JudgingComposed:
     """A job that judges mutants of one composition; its fields are those of `Judging`."""
 
-    whole: Composed
+    composed: Composed
     plan: Plan
     on_judged: OnJudged
     look_in: Store | None = None
@@ -73,29 +73,29 @@ class JudgingComposed:
 
     def all(self, some: Parts) -> list[Judged]:
         """Judge the chosen mutants; return the results machine by machine, then those of wires."""
-        alone = {one.id: one for name in self.whole.members for one in self._by_itself(name, some.members)}
+        alone = {one.id: one for name in self.composed.members for one in self._by_itself(name, some.members)}
         left = [one for one in some.members if _is_left(alone[one.id])]
-        together = self._in_the_whole([*left, *(edit.mutant for edit in some.wires.values())], alone, some.wires)
+        together = self._in_the_composition([*left, *(edit.mutant for edit in some.wires.values())], alone, some.wires)
         return [together.get(one, alone.get(one)) or together[one] for one in (*alone, *some.wires)]
 
     def _by_itself(self, name: str, every: Sequence[Mutant]) -> list[Judged]:
-        own = [one for one in every if one.machine == name]
-        if not own:
+        of_name = [one for one in every if one.machine == name]
+        if not of_name:
             return []
-        target, declared = self.whole.alone(name), self.whole.members[name]
+        target, declared = self.composed.alone(name), self.composed.members[name]
         judging = Judging(target, declared, self.plan, self._closed, self.look_in, self.keep_in, searched=False)
-        return judging.of_machine(own)
+        return judging.of_machine(of_name)
 
     def _closed(self, one: Judged) -> None:
         """Report the result if the machine's own claims have decided it; otherwise it is reported after the composition."""
         if not _is_left(one):
             self.on_judged(one)
 
-    def _in_the_whole(
+    def _in_the_composition(
         self, mutants: Sequence[Mutant], alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
     ) -> dict[str, Judged]:
         by_id, found = {one.id: one for one in mutants}, dict[str, Judged]()
-        key = asked(self.whole.target, _KIND, self.plan.limits, self.plan.seed).key
+        key = asked(self.composed.target, _KIND, self.plan.limits, self.plan.seed).key
 
         def work(left: Sequence[str]) -> list[Batch]:
             on = self._bench
@@ -109,13 +109,13 @@ class JudgingComposed:
 
     def _batch(self, pieces: Sequence[Callable[[], dict[str, Any]]], names: Sequence[str]) -> Batch:
         seconds = CLOCK * _QUESTIONS * _AT_ONCE * self.plan.limits.seconds
-        task = Task(f"{self.whole.target.name}: mutants", lambda: [piece() for piece in pieces], seconds)
+        task = Task(f"{self.composed.target.name}: mutants", lambda: [piece() for piece in pieces], seconds)
         return Batch(tuple(names), task)
 
     @cached_property
-    def _bench(self) -> WholeBench:
+    def _bench(self) -> CompositionBench:
         """The bench, made only if a result is not stored."""
-        return whole_bench(self.whole, self.plan.limits)
+        return composition_bench(self.composed, self.plan.limits)
 
 
 def _is_left(one: Judged) -> bool:
@@ -129,20 +129,20 @@ def _is_open(outcome: Outcome) -> bool:
 
 
 def _piece(
-    on: WholeBench, mutant: Mutant, alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
+    on: CompositionBench, mutant: Mutant, alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
 ) -> Callable[[], dict[str, Any]]:
     if mutant.id in wires:
         return lambda: asdict(_wired(on, wires[mutant.id]))
     return lambda: asdict(_together(on, mutant, alone[mutant.id]))
 
 
-def _wired(on: WholeBench, edit: WireEdit) -> Judged:
+def _wired(on: CompositionBench, edit: WireEdit) -> Judged:
     started = time.monotonic()
     outcome = of_wire(on, edit)
     return with_outcome(edit.mutant, outcome, outcome, time.monotonic() - started)
 
 
-def _together(on: WholeBench, mutant: Mutant, alone: Judged) -> Judged:
+def _together(on: CompositionBench, mutant: Mutant, alone: Judged) -> Judged:
     """Judge in the composition each way of making the mutant that the machine's own claims left undecided."""
     started = time.monotonic()
     only = of_member(on, mutant, everywhere=False) if _is_open(alone.alone) else alone.alone

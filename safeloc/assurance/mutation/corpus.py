@@ -22,7 +22,7 @@ from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.proof.runs.driver import Driver
 from safeloc.proof.runs.lawful import NoFirstStateError
 from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE
-from safeloc.proof.verification.replay import whole_run
+from safeloc.proof.verification.replay import run_with_truth
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
@@ -40,14 +40,14 @@ class Run:
 
     first     values by name; only those that the declaration leaves open are used
     recorded  the run ships with the machine: other outputs along it are evidence against a mutant
-    whole     the run has the ghosts, so that claims can be judged on it
+    has_ghosts  the run has the ghosts, so that claims can be judged on it
     """
 
     name: str
     first: Mapping[str, Value]
     rows: tuple[_Row, ...]
     recorded: bool = False
-    whole: bool = True
+    has_ghosts: bool = True
 
 
 def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, *, searched: bool = True) -> list[Run]:
@@ -56,7 +56,7 @@ def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, 
     searched  search for runs in which rows fire; without recordings this takes minutes
     """
     properties = [prop for prop in target.properties if prop.kind != "reachable"]
-    shipped = [run for path in target.streams if (run := whole_run(target, path)) is not None]
+    shipped = [run for path in target.streams if (run := run_with_truth(target, path)) is not None]
     witnesses = _witnesses(target, system, limits) if searched else []
     known = [*witnesses, *shipped]
     runs = [run_of(system, f"witness {number}", trace) for number, trace in enumerate(witnesses, 1)]
@@ -74,9 +74,9 @@ def run_of(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool 
 def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
     """Return the recordings that ship with a target, as runs."""
     for path in target.streams:
-        whole = whole_run(target, path)
-        if whole is not None:
-            yield run_of(system, name_of(path), whole, recorded=True)
+        trace = run_with_truth(target, path)
+        if trace is not None:
+            yield run_of(system, name_of(path), trace, recorded=True)
         else:
             yield _on_board(system, path)
 
@@ -90,7 +90,7 @@ def _on_board(system: TransitionSystem, path: Path) -> Run:
     first = {var.name: _rest(var) for var in system.state if var in system.ghosts}
     known = {var.name for var in system.state}
     first |= {name: value for name, value in stream.first.items() if name in known}
-    return Run(name_of(path), first, rows, recorded=True, whole=False)
+    return Run(name_of(path), first, rows, recorded=True, has_ghosts=False)
 
 
 def _rest(var: Var) -> Value:

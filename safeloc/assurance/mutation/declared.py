@@ -102,34 +102,36 @@ def declared(spec: str, config: Any = None) -> tuple[Target, Declared]:
         raise InputError(
             f"{target.name} is a composition of {', '.join(one.name for one in target.machines)}; give one of them."
         )
-    return target, whole_of(target)
+    return target, declared_of(target)
 
 
-def whole_of(target: Target) -> Declared:
+def declared_of(target: Target) -> Declared:
     """Return the declaration of a target of one machine."""
     [machine] = target.machines
     return Declared(machine, target.properties)
 
 
-def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | None) -> Declared:
+def exchanged(declared: Declared, on_board: Substitution, beyond: Substitution | None) -> Declared:
     """Return the declaration with rewritten terms: the machine by `on_board`; world, lemmas and claims by `beyond`, if given.
 
     ModelError or PropertyError if the result is not a valid declaration.
     """
-    rows = [_row(row, on_board) for row in whole.machine.transitions]
-    outputs = {name: on_board(term) for name, term in whole.machine.outputs.items()}
+    rows = [_row(row, on_board) for row in declared.machine.transitions]
+    outputs = {name: on_board(term) for name, term in declared.machine.outputs.items()}
     if beyond is None:
-        return replace(whole, machine=remade(whole.machine, transitions=rows, outputs=outputs))
+        return replace(declared, machine=remade(declared.machine, transitions=rows, outputs=outputs))
     changed = remade(
-        whole.machine,
+        declared.machine,
         transitions=rows,
         outputs=outputs,
-        initially=beyond.bool(whole.machine.initially),
-        lemmas={name: beyond.bool(term) for name, term in whole.machine.lemmas.items()},
-        **world.rewritten(whole.machine, beyond),
+        initially=beyond.bool(declared.machine.initially),
+        lemmas={name: beyond.bool(term) for name, term in declared.machine.lemmas.items()},
+        **world.rewritten(declared.machine, beyond),
     )
-    own, further = (tuple(claimed(prop, beyond) for prop in some) for some in (whole.properties, whole.further))
-    return Declared(changed, own, further)
+    claims, further = (
+        tuple(claimed(prop, beyond) for prop in some) for some in (declared.properties, declared.further)
+    )
+    return Declared(changed, claims, further)
 
 
 def remade(machine: Machine, **fields: Any) -> Machine:

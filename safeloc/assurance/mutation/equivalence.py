@@ -31,9 +31,9 @@ def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still
     return ""
 
 
-def _facts(whole: Held, layers: int) -> list[Bool]:
+def _facts(unchanged: Held, layers: int) -> list[Bool]:
     """Return the proved facts about single states: claims of the first layers, without helpers and claims with observers."""
-    claims = [claim for layer in whole.layers[:layers] for claim in layer.claims if claim.kind != "helper"]
+    claims = [claim for layer in unchanged.layers[:layers] for claim in layer.claims if claim.kind != "helper"]
     return [one.good for one in claims if one.goal is None or not one.goal.observers]
 
 

@@ -56,22 +56,22 @@ def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Pr
     """Return the claims of the unchanged machine with their proofs. A lemma that needs the assumption is moved under it."""
     bound = frozenset[str]()
     while True:
-        whole = held(declared, canon, bound)
-        known = _proofs(whole, canon, limits)
+        unchanged = held(declared, canon, bound)
+        known = _proofs(unchanged, canon, limits)
         wrong = {
             name.removeprefix("lemma ") for number, name in known.hard if number == 0 and name.startswith("lemma ")
         }
         if wrong <= bound:
-            return whole, replace(known, under_assumption=bound)
+            return unchanged, replace(known, under_assumption=bound)
         bound |= wrong
 
 
-def _proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
+def _proofs(unchanged: Held, canon: Canon, limits: Limits) -> Proofs:
     """Prove the claims of the unchanged machine; those that fail are removed from the hypotheses until the rest is proved."""
     hard = frozenset[_Asked]()
     while True:
-        steps = tuple(_step(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
-        starts = tuple(_start(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
+        steps = tuple(_step(layer, number, canon, hard) for number, layer in enumerate(unchanged.layers))
+        starts = tuple(_start(layer, number, canon, hard) for number, layer in enumerate(unchanged.layers))
         failed = {
             (number, key)
             for questions in (steps, starts)
@@ -81,7 +81,9 @@ def _proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
         if not failed:
             break
         hard |= failed
-    left = [(one, claim) for one, claim in _hard_claims(whole, hard) if not _by_steps(whole, claim, canon, limits)]
+    left = [
+        (one, claim) for one, claim in _hard_claims(unchanged, hard) if not _by_steps(unchanged, claim, canon, limits)
+    ]
     return Proofs(steps, starts, hard, frozenset(one for one, _ in left))
 
 
@@ -163,17 +165,17 @@ def _unreachable(mutant: Held, canon: Canon, limits: Limits) -> Iterator[str]:
                 yield f"property {prop.name}"
 
 
-def _hard_claims(whole: Held, hard: frozenset[_Asked]) -> Iterator[tuple[_Asked, Claim]]:
-    for number, layer in enumerate(whole.layers):
+def _hard_claims(unchanged: Held, hard: frozenset[_Asked]) -> Iterator[tuple[_Asked, Claim]]:
+    for number, layer in enumerate(unchanged.layers):
         for claim in layer.claims:
             if (number, str(claim)) in hard and claim.kind == "property":
                 yield (number, str(claim)), claim
 
 
-def _by_steps(whole: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
+def _by_steps(unchanged: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
     """Return whether k-induction proves a property, with ranges and lemmas as facts."""
     assert claim.goal is not None
-    known = _base(whole, limits)
+    known = _base(unchanged, limits)
     for k in range(1, limits.induction + 1):
         start, step = queries(claim.goal, known, k)
         if canon.asked.failures(start.hypotheses, start.goals, limits.seconds):
@@ -183,10 +185,10 @@ def _by_steps(whole: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
     return False
 
 
-def _base(whole: Held, limits: Limits) -> Base:
+def _base(unchanged: Held, limits: Limits) -> Base:
     """Return ranges and lemmas in the form that k-induction takes."""
     board, world, *_ = (
-        {Fact("lemma", str(one)): one.good for one in layer.claims if one.goal is None} for layer in whole.layers
+        {Fact("lemma", str(one)): one.good for one in layer.claims if one.goal is None} for layer in unchanged.layers
     )
     return Base(board, world, {}, {}, limits.seconds)
 

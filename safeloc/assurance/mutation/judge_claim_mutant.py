@@ -25,13 +25,13 @@ Against = Sequence[tuple[Mutant, Judged]]
 
 def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Relation | str]:
     """Return the outcome, and the relation of the new claim to the original one; "" if the declaration is refused."""
-    whole = on.whole.declared
+    declared = on.unchanged.declared
     try:
-        weaker = mutant.alone(whole)
+        weaker = mutant.alone(declared)
         made = held(weaker, on.canon, on.proofs.under_assumption)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -")), ""
-    how = relation(_named(whole, mutant.claim), _named(weaker, mutant.claim), on.canon, on.limits.seconds)
+    how = relation(_named(declared, mutant.claim), _named(weaker, mutant.claim), on.canon, on.limits.seconds)
     if how != "weaker":
         return Outcome(results.EQUIVALENT if how == "same" else results.NOT_WEAKER, (), ""), how
     failed = no_longer(made, on.proofs, on.canon, on.limits)
@@ -41,17 +41,17 @@ def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Rela
     return _weighed(on, weaker, _noticed_alone(mutant.claim, against), len(against)), how
 
 
-def _named(whole: Declared, name: str) -> Property:
-    return next(prop for prop in whole.properties if prop.name == name)
+def _named(declared: Declared, name: str) -> Property:
+    return next(prop for prop in declared.properties if prop.name == name)
 
 
 def _noticed_alone(claim: str, against: Against) -> Against:
     """Return the mutants that this claim and no other one was seen to detect, with the term wrong everywhere."""
-    own = {f"property {claim}", f"helper {claim}"}
+    names = {f"property {claim}", f"helper {claim}"}
     return [
         (mutant, one)
         for mutant, one in against
-        if one.everywhere.fate in BY_PROOF and one.everywhere.by and own.issuperset(one.everywhere.by)
+        if one.everywhere.fate in BY_PROOF and one.everywhere.by and names.issuperset(one.everywhere.by)
     ]
 
 

@@ -38,14 +38,14 @@ class _Question:
 
 
 @dataclass(frozen=True, eq=False)
-class WholeBench:
+class CompositionBench:
     """All facts about a composition that are needed to judge its mutants.
 
     asked  the goals that are proved for the unchanged composition, by name
     told   outputs of the unchanged composition along its recordings, by name of the run
     """
 
-    whole: Composed
+    composed: Composed
     canon: Canon
     asked: Mapping[str, Bool]
     runs: Sequence[Run]
@@ -53,37 +53,41 @@ class WholeBench:
     limits: Limits
 
 
-def whole_bench(whole: Composed, limits: Limits) -> WholeBench:
+def composition_bench(composed: Composed, limits: Limits) -> CompositionBench:
     """Return the bench. Contracts and claims that are not proved for the unchanged composition are not asked of mutants."""
     canon = Canon()
-    system = shared(whole.target.system, canon)
-    proved = {one.name: one.goal for one in _questions(system, whole.claims, canon) if not _fails(one, canon, limits)}
-    runs = list(recorded(whole.target, whole.target.system))
-    return WholeBench(whole, canon, proved, runs, {run.name: outputs_along(system, run) for run in runs}, limits)
+    system = shared(composed.target.system, canon)
+    proved = {
+        one.name: one.goal for one in _questions(system, composed.claims, canon) if not _fails(one, canon, limits)
+    }
+    runs = list(recorded(composed.target, composed.target.system))
+    return CompositionBench(
+        composed, canon, proved, runs, {run.name: outputs_along(system, run) for run in runs}, limits
+    )
 
 
-def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
+def of_member(on: CompositionBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
     """Return the outcome for the composition with this wrong machine, which the machine's own claims have not detected."""
     make = mutant.everywhere if everywhere and mutant.everywhere is not None else mutant.alone
     try:
-        wrong = make(on.whole.members[mutant.machine])
-        return _judged(on, joined(on.whole, wrong.machine), wrong.further)
+        wrong = make(on.composed.members[mutant.machine])
+        return _judged(on, joined(on.composed, wrong.machine), wrong.further)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
 
 
-def of_wire(on: WholeBench, edit: WireEdit) -> Outcome:
+def of_wire(on: CompositionBench, edit: WireEdit) -> Outcome:
     """Return the outcome for the composition with this wire wrong."""
-    first = on.whole.plan.machines[0]
+    first = on.composed.plan.machines[0]
     try:
-        return _judged(on, joined(on.whole, first, edit.wires), on.whole.claims)
+        return _judged(on, joined(on.composed, first, edit.wires), on.composed.claims)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
 
 
-def _judged(on: WholeBench, made: TransitionSystem, claims: Sequence[Property]) -> Outcome:
+def _judged(on: CompositionBench, made: TransitionSystem, claims: Sequence[Property]) -> Outcome:
     system = shared(made, on.canon)
-    broken = first_broken(_layer(system, claims, on.canon), [run for run in on.runs if run.whole])
+    broken = first_broken(_layer(system, claims, on.canon), [run for run in on.runs if run.has_ghosts])
     if broken is not None:
         return Outcome(results.REFUTED, (broken.claim,), f"{broken.run}, {broken.steps} steps: {broken.claim}")
     failed = [

@@ -35,7 +35,7 @@ _SEARCH_DEPTH = 6
 class Bench:
     """All facts about a target that are needed to judge its mutants."""
 
-    whole: Held
+    unchanged: Held
     proofs: Proofs
     canon: Canon
     known: Trodden
@@ -46,17 +46,17 @@ class Bench:
 def bench(target: Target, declared: Declared, limits: Limits, seed: int, *, searched: bool = True) -> Bench:
     """Return the bench: proofs and runs of the unchanged machine. `searched` is that of `corpus`."""
     canon = Canon()
-    whole, known = as_it_is(declared, canon, limits)
+    unchanged, known = as_it_is(declared, canon, limits)
     canon.asked.learnt()
-    runs = corpus(target, whole.system, limits, seed, searched=searched)
-    return Bench(whole, known, canon, trodden(whole, runs), limits, target.reported)
+    runs = corpus(target, unchanged.system, limits, seed, searched=searched)
+    return Bench(unchanged, known, canon, trodden(unchanged, runs), limits, target.reported)
 
 
 def judged(on: Bench, mutant: Mutant) -> Judged:
     """Judge a mutant of the machine, made in both ways: the machine alone wrong, and the term wrong everywhere."""
     started = time.monotonic()
-    alone = outcome_of(on, mutant.alone, on.whole.declared)
-    everywhere = alone if mutant.everywhere is None else outcome_of(on, mutant.everywhere, on.whole.declared)
+    alone = outcome_of(on, mutant.alone, on.unchanged.declared)
+    everywhere = alone if mutant.everywhere is None else outcome_of(on, mutant.everywhere, on.unchanged.declared)
     return with_outcome(mutant, alone, everywhere, time.monotonic() - started)
 
 
@@ -91,14 +91,14 @@ def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declar
     seen = played(mutant, on.known)
     if seen.broken:
         return by_a_run(seen)
-    overlapping = excluded(mutant, on.whole, on.canon, on.limits)
+    overlapping = excluded(mutant, on.unchanged, on.canon, on.limits)
     if overlapping:
         return Outcome(results.OVERLAP, tuple(f"rows {pair} exclude each other" for pair in overlapping), "one query")
     failed = no_longer(mutant, on.proofs, on.canon, on.limits)
     noticed, run = unproved(mutant, failed, on.limits) if failed.claims else (None, None)
-    is_other = bool(seen.other) or (run is not None and tells_otherwise(on.whole, mutant, run))
+    is_other = bool(seen.other) or (run is not None and tells_otherwise(on.unchanged, mutant, run))
     if not is_other and not failed.undecided:
-        same = equivalent(on.whole, mutant, on.canon, on.limits, still_proved=not failed.claims)
+        same = equivalent(on.unchanged, mutant, on.canon, on.limits, still_proved=not failed.claims)
         if same:
             return Outcome(results.EQUIVALENT, (), same)
     if noticed is not None:
@@ -106,7 +106,7 @@ def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declar
     never = impossible(mutant, seen.seen, on.canon, on.limits)
     if never:
         return Outcome(results.NEVER, tuple(never), "excluded in one step, for all inputs in range")
-    careful = conservative(on.whole, on.known, mutant, on.reported, on.canon, on.limits)
+    careful = conservative(on.unchanged, on.known, mutant, on.reported, on.canon, on.limits)
     if careful:
         return Outcome(results.CONSERVATIVE, (), careful)
     return Outcome(results.RECORDED, (), seen.differs) if seen.differs else Outcome(results.SURVIVED, (), seen.other)

@@ -23,7 +23,7 @@ from safeloc.language.system import environment, in_range
 def of_world(on: Bench, mutant: Mutant) -> tuple[Outcome, Relation | str]:
     """Return the outcome, and the relation of the mutant's world to the original one; "" if the declaration is refused."""
     try:
-        made = held(mutant.alone(on.whole.declared), on.canon, on.proofs.under_assumption)
+        made = held(mutant.alone(on.unchanged.declared), on.canon, on.proofs.under_assumption)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -")), ""
     how = _relation(on, made)
@@ -45,7 +45,7 @@ def _left(how: Relation) -> Outcome:
 
 def _relation(on: Bench, made: Held) -> Relation:
     """Return the relation of the mutant's world to the original; what is not decided within the limit counts as not following."""
-    old, new = on.whole.system, made.system
+    old, new = on.unchanged.system, made.system
     given = [in_range(old.state), environment(old, assume=False)]
     follows, returns = (
         not on.canon.asked.failures([*given, one.assume], {"": other.assume}, on.limits.seconds)
@@ -75,13 +75,13 @@ def _shut_out(on: Bench, made: Held) -> Outcome | None:
         if steps < len(path.rows) and path.run.recorded:
             return Outcome(results.EXCLUDED, (), f"{path.run.name}, step {steps + 1}")
         seen |= trails[path.run.name].seen(steps)
-    facts = [claim.good for claim in on.whole.layers[0].claims if claim.goal is None]
+    facts = [claim.good for claim in on.unchanged.layers[0].claims if claim.goal is None]
     given = [in_range(made.system.state), environment(made.system), *facts]
     if not on.canon.asked.failures(given, {"": FALSE}, on.limits.seconds):
         return Outcome(results.NEVER, ("no step is lawful",), "the clauses contradict each other")
     never = impossible(made, seen, on.canon, on.limits, lawful=True)
     if never:
-        before = impossible(on.whole, seen, on.canon, on.limits, lawful=True)
+        before = impossible(on.unchanged, seen, on.canon, on.limits, lawful=True)
         never = [one for one in never if one not in before]
     return Outcome(results.NEVER, tuple(never), "excluded in one step, in this world") if never else None
 

@@ -54,31 +54,31 @@ def composed(target: Target, places: Places) -> Composed:
 def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:
     """Return the properties of the machine by itself: those that the composition inherits, and those that the target gives."""
     kept = [prop.kept_by[1] for prop in target.properties if prop.kept_by is not None and prop.kept_by[0] is machine]
-    own = {prop.name: prop for prop in (*kept, *target.members.get(machine.name, ()))}
-    return tuple(own.values())
+    by_name = {prop.name: prop for prop in (*kept, *target.members.get(machine.name, ()))}
+    return tuple(by_name.values())
 
 
-def member_mutants(whole: Composed, places: Places) -> list[Mutant]:
+def member_mutants(composed: Composed, places: Places) -> list[Mutant]:
     """Return all mutants of its machines, machine by machine."""
-    return [one for declared in whole.members.values() for one in mutants(declared, places)]
+    return [one for declared in composed.members.values() for one in mutants(declared, places)]
 
 
-def joined(whole: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
+def joined(composed: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
     """Return the composition with this machine in place of the one of its name, and these wires, in the original variables.
 
     ModelError if the result is not a valid composition.
     """
-    was = whole.members[machine.name].machine
-    rewired = _rewired(whole.plan.wires if wires is None else wires, was, machine)
-    machines = [machine if one is was else one for one in whole.plan.machines]
+    was = composed.members[machine.name].machine
+    rewired = _rewired(composed.plan.wires if wires is None else wires, was, machine)
+    machines = [machine if one is was else one for one in composed.plan.machines]
     made = compose(
-        whole.plan.name,
+        composed.plan.name,
         machines,
         rewired,
-        shared=whole.plan.shared,
-        discharge=_discharged(whole.plan.discharge, was, machine),
+        shared=composed.plan.shared,
+        discharge=_discharged(composed.plan.discharge, was, machine),
     )
-    return _renamed(made.system, whole.target.system)
+    return _renamed(made.system, composed.target.system)
 
 
 def _discharged(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> list[Machine | Clause]:
@@ -117,7 +117,7 @@ def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSyst
         ghosts=frozenset(twin[var] for var in system.ghosts),
         initial={twin[var]: value for var, value in system.initial.items()},
         optionals=tuple(Optional(_number(twin[one.value]), _flag(twin[one.present])) for one in system.optionals),
-        parts=tuple(_part(part, own, change) for part, own in zip(system.parts, like.parts, strict=True)),
+        parts=tuple(_part(part, by_name, change) for part, by_name in zip(system.parts, like.parts, strict=True)),
         stages=(),
     )
 

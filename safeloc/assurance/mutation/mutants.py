@@ -66,9 +66,9 @@ class Mutant:
     claim: str = ""
 
 
-def mutants(whole: Declared, places: Places) -> list[Mutant]:
+def mutants(declared: Declared, places: Places) -> list[Mutant]:
     """Return all mutants of the machine: wrong terms, then wrong rows, each in the order of the declaration."""
-    return numbered([*_of_terms(whole, places), *_of_rows(whole)])
+    return numbered([*_of_terms(declared, places), *_of_rows(declared)])
 
 
 def numbered(made: Iterable[Mutant]) -> list[Mutant]:
@@ -94,7 +94,7 @@ def sample(made: Sequence[Mutant], most: int, seed: int) -> list[Mutant]:
     for number, one in enumerate(made):
         strata[one.machine, one.kind].append(number)
     draw, chosen = random.Random(seed), list[int]()
-    ranked = [(rank / len(own), number) for own in strata.values() for rank, number in _shuffled(own, draw)]
+    ranked = [(rank / len(stratum), number) for stratum in strata.values() for rank, number in _shuffled(stratum, draw)]
     chosen = [number for _, number in sorted(ranked)[:most]]
     return [made[number] for number in sorted(chosen)]
 
@@ -106,11 +106,11 @@ def _shuffled(numbers: list[int], draw: random.Random) -> Iterator[tuple[int, in
 # ------------------------------------------------------------------ wrong terms
 
 
-def _of_terms(whole: Declared, places: Places) -> Iterator[Mutant]:
+def _of_terms(declared: Declared, places: Places) -> Iterator[Mutant]:
     forms = Forms(places)
-    terms = (term for term in terms_of(whole.roots, places, forms) if term.on_board)
-    for term, change, becomes in wrong_terms(terms, changes, other_variables(whole.machine), forms):
-        yield _of_term(whole, term, change, becomes)
+    terms = (term for term in terms_of(declared.roots, places, forms) if term.on_board)
+    for term, change, becomes in wrong_terms(terms, changes, other_variables(declared.machine), forms):
+        yield _of_term(declared, term, change, becomes)
 
 
 def wrong_terms(
@@ -127,12 +127,12 @@ def wrong_terms(
                 yield term, change, infix(wrong, LONGEST)
 
 
-def _of_term(whole: Declared, term: Term, change: Change, becomes: str) -> Mutant:
+def _of_term(declared: Declared, term: Term, change: Change, becomes: str) -> Mutant:
     def made(of: Declared, *, everywhere: bool) -> Declared:
         return exchanged(of, substitution(term, change), substitution(term, change) if everywhere else None)
 
     return Mutant(
-        machine=whole.machine.name,
+        machine=declared.machine.name,
         kind=change.kind,
         words=change.words,
         place=place_text(term.place),
@@ -170,9 +170,9 @@ def _requirements(roots: Sequence[Root]) -> tuple[str, ...]:
 def other_variables(machine: Machine) -> Others:
     """Return a function that gives the next variable of the same unit, among inputs or among state; None if there is none."""
     following: dict[Var, Var] = {}
-    for own in (_inputs(machine), list(machine.state)):
+    for stratum in (_inputs(machine), list(machine.state)):
         alike: dict[object, list[Var]] = defaultdict(list)
-        for var in own:
+        for var in stratum:
             alike[var.unit if isinstance(var, NumVar) else BoolVar].append(var)
         for group in alike.values():
             following |= dict(zip(group, [*group[1:], group[0]], strict=True))
@@ -187,10 +187,10 @@ def _inputs(machine: Machine) -> list[Var]:
 # ------------------------------------------------------------------ wrong rows
 
 
-def _of_rows(whole: Declared) -> Iterator[Mutant]:
-    for edit in row_edits(whole.machine, other_variables(whole.machine)):
+def _of_rows(declared: Declared) -> Iterator[Mutant]:
+    for edit in row_edits(declared.machine, other_variables(declared.machine)):
         yield Mutant(
-            machine=whole.machine.name,
+            machine=declared.machine.name,
             kind=edit.kind,
             words=edit.words,
             place=edit.place,
@@ -202,5 +202,5 @@ def _of_rows(whole: Declared) -> Iterator[Mutant]:
         )
 
 
-def _with_row(edit: RowEdit, whole: Declared) -> Declared:
-    return replace(whole, machine=edit.make())
+def _with_row(edit: RowEdit, declared: Declared) -> Declared:
+    return replace(declared, machine=edit.make())

@@ -89,27 +89,27 @@ class Trodden:
     on_board, columns  values of the machine's terms along the paths of `board` and of each layer
     """
 
-    whole: Held
+    unchanged: Held
     board: tuple[_Trail, ...]
     layers: tuple[tuple[Path, ...], ...]
     on_board: Columns
     columns: tuple[Columns, ...]
 
 
-def trodden(whole: Held, runs: Sequence[Run]) -> Trodden:
+def trodden(unchanged: Held, runs: Sequence[Run]) -> Trodden:
     """Run the unchanged machine along these runs. Those that break one of its claims are left out."""
-    judging = [_Judging(layer) for layer in whole.layers]
-    kept = [run for run in runs if not (run.whole and any(one.breaks(run) for one in judging))]
-    lawful = [run for run in kept if run.whole]
-    board = _Board(whole.system)
+    judging = [_Judging(layer) for layer in unchanged.layers]
+    kept = [run for run in runs if not (run.has_ghosts and any(one.breaks(run) for one in judging))]
+    lawful = [run for run in kept if run.has_ghosts]
+    board = _Board(unchanged.system)
     layers = tuple(tuple(_paths(one, lawful)) for one in judging)
     trails = tuple(board.trail(run) for run in kept)
     columns = [
         _columns(one.system, paths, [claim.good for claim in _judged(one)])
-        for one, paths in zip(whole.layers, layers, strict=True)
+        for one, paths in zip(unchanged.layers, layers, strict=True)
     ]
-    on_board = _columns(without_ghosts(whole.system), [trail.path for trail in trails], ())
-    return Trodden(whole, trails, layers, on_board, tuple(columns))
+    on_board = _columns(without_ghosts(unchanged.system), [trail.path for trail in trails], ())
+    return Trodden(unchanged, trails, layers, on_board, tuple(columns))
 
 
 def _columns(system: TransitionSystem, paths: Sequence[Path], goods: Sequence[Bool]) -> Columns:
@@ -128,7 +128,7 @@ def _paths(judging: _Judging, runs: Sequence[Run]) -> Iterator[Path]:
 def played(mutant: Held, known: Trodden) -> Played:
     """Run a mutant along all known runs on which it differs from the machine."""
     broken: dict[str, _Broken] = {}
-    by_layer = zip(mutant.layers, known.whole.layers, known.layers, known.columns, strict=True)
+    by_layer = zip(mutant.layers, known.unchanged.layers, known.layers, known.columns, strict=True)
     for layer, was, paths, columns in by_layer:
         for claim, run, steps in _broken(layer, was, paths, columns):
             name = str(claim)
@@ -308,21 +308,21 @@ def outputs_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[st
                 yield dict(zip(names, was, strict=True)), dict(zip(names, now, strict=True))
 
 
-def tells_otherwise(whole: Held, mutant: Held, run: Run) -> bool:
+def tells_otherwise(unchanged: Held, mutant: Held, run: Run) -> bool:
     """Return whether the world allows the whole run, and the mutant's outputs along it differ from the machine's."""
-    judging = _Judging(whole.layers[WORLD])
+    judging = _Judging(unchanged.layers[WORLD])
     path = judging.path(run)
     if path is None or len(path.rows) < len(run.rows):
         return False
-    return outputs_along(whole.system, run) != outputs_along(mutant.system, run)
+    return outputs_along(unchanged.system, run) != outputs_along(mutant.system, run)
 
 
 class _Board:
     """The machine without its world, compiled to be run along runs."""
 
-    def __init__(self, whole: TransitionSystem) -> None:
-        self._system = system = without_ghosts(whole)
-        self._columns = [number for number, var in enumerate(whole.inputs) if var not in whole.ghosts]
+    def __init__(self, unchanged: TransitionSystem) -> None:
+        self._system = system = without_ghosts(unchanged)
+        self._columns = [number for number, var in enumerate(unchanged.inputs) if var not in unchanged.ghosts]
         self._step = stepped((system.state, system.inputs), _next(system))
         self._look = stepped((system.state, ()), list(system.outputs.values()))
         self._fired = stepped((system.state, system.inputs), list(system.fired.values()))

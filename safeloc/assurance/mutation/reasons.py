@@ -1,4 +1,4 @@
-"""Written reasons why no proof needs to detect a mutant: one file for each target, `models/mutants/<name>.toml`.
+"""Written reasons why no proof needs to detect a mutant: one file for each target, `<name>.mutants.toml` in its folder of `models/`.
 
     [[machine]]                              # or world, claims: the part of the declaration that is wrong
     mutants = ["stop_point-b88ce033c1"]      # ids, as `safeloc mutate` prints them
@@ -21,8 +21,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from safeloc.assurance.mutation.results import Of
 from safeloc.errors import InputError
+from safeloc.target import beside
 
-SHIPPED = Path(__file__).resolve().parents[2] / "models" / "mutants"
 _SHORTEST = 30
 """Least number of characters of a reason, so that a single word is refused."""
 
@@ -54,21 +54,21 @@ class Reasons:
         """
         found: dict[str, str] = {}
         for part, ids in existing.items():
-            own = self.by_part.get(part, {})
-            gone = sorted(set(own) - set(ids))
+            written = self.by_part.get(part, {})
+            gone = sorted(set(written) - set(ids))
             if gone:
                 raise InputError(
                     f"{self.file}: there is no mutant {gone[0]!r} of the {part} any more. Judge the one that took its place "
                     "(--json lists all ids), or take the reason away."
                 )
-            found |= own
+            found |= written
         return found
 
 
 def shipped_reasons(name: str) -> Reasons:
     """Return the reasons that ship for a machine; none if it has no file."""
-    path = SHIPPED / f"{name}.toml"
-    return read_reasons(path) if path.is_file() else Reasons()
+    path = beside(name, "mutants.toml")
+    return Reasons() if path is None else read_reasons(path)
 
 
 def read_reasons(path: Path) -> Reasons:

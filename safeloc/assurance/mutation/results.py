@@ -187,7 +187,7 @@ def as_data(
         "seconds": round(seconds, 1),
         "everywhere": _score_data(score([one.everywhere for one in machine])),
         "machine_only": _score_data(score([one.alone for one in machine])),
-        **{part: _score_data(score([one.alone for one in own])) for part, own in others.items() if own},
+        **{part: _score_data(score([one.alone for one in results])) for part, results in others.items() if results},
         "requirements": {name: _score_data(one) for name, one in by_requirement(judged).items()},
         "kills_alone": kills_alone(judged),
         "without_reason": [one.id for one in questions(judged) if one.id not in reasons],

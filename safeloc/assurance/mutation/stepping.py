@@ -38,8 +38,8 @@ def _named(rows: _Rows, terms: Sequence[Expr]) -> tuple[PythonTerms, list[str]]:
     """Return a translator in which every node of the terms has a name, and the statements that assign these names."""
     known = {
         var: f"{row}[{number}]"
-        for row, own in zip(("first", "second"), rows, strict=True)
-        for number, var in enumerate(own)
+        for row, row_after in zip(("first", "second"), rows, strict=True)
+        for number, var in enumerate(row_after)
     }
     python, lines = PythonTerms({}), list[str]()
     for number, node in enumerate(python.unnamed(terms)):

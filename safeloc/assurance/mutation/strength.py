@@ -61,7 +61,7 @@ def strengths(target: Target, judged: Sequence[Judged], of: int) -> dict[str, St
     """Return the strength of each requirement that rows of the target implement."""
     machine = of_part(judged, "machine")
     by_label: dict[str, set[str]] = {}
-    for prop in (*target.properties, *(prop for own in target.members.values() for prop in own)):
+    for prop in (*target.properties, *(prop for names in target.members.values() for prop in names)):
         for name in prop.requirements:
             by_label.setdefault(name, set()).add(f"property {prop.name}")
     alone = {claim: len(noticed) for claim, noticed in kills_alone(machine).items()}
@@ -76,15 +76,15 @@ def _strength(
     target: str,
     requirement: str,
     machine: Sequence[Judged],
-    own: set[str],
+    names: set[str],
     alone: Mapping[str, int],
     judged: int,
     of: int,
 ) -> Strength:
     rows = [one.everywhere for one in machine if requirement in one.requirements]
     text = score(rows)
-    noticed = sum(one.fate in BY_PROOF and not own.isdisjoint(one.by) for one in rows)
-    counted = Counter({name.removeprefix("property "): alone[name] for name in own if name in alone})
+    noticed = sum(one.fate in BY_PROOF and not names.isdisjoint(one.by) for one in rows)
+    counted = Counter({name.removeprefix("property "): alone[name] for name in names if name in alone})
     return Strength(target, judged, of, text.asked, text.killed_by_proof, noticed, dict(counted.most_common()))
 
 

@@ -37,9 +37,9 @@ def lines(
     if machine:
         yield from _of_machine(machine, machine_only=machine_only)
     for part in OTHERS:
-        own = of_part(judged, part)
-        if own:
-            yield f"  {_WORDS[part]}: {_score_text(score([one.alone for one in own]))}"
+        of_this_part = of_part(judged, part)
+        if of_this_part:
+            yield f"  {_WORDS[part]}: {_score_text(score([one.alone for one in of_this_part]))}"
     yield from _counted(judged, reasons, machine_only=machine_only)
     for with_reason in (False, True):
         some = [one for one in judged if (one.id in reasons) == with_reason]

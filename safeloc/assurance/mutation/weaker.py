@@ -42,25 +42,25 @@ _NOT_ASKED = "not asked in a mode"
 Relation = Literal["same", "weaker", "stronger", "other"]
 
 
-def claim_mutants(whole: Declared, places: Places) -> list[Mutant]:
+def claim_mutants(declared: Declared, places: Places) -> list[Mutant]:
     """Return all mutants of the claims, claim by claim; changes of a term with equal results only once."""
     made: list[Mutant] = []
-    for prop in whole.properties:
-        made += _of_claim(whole, prop, places)
+    for prop in declared.properties:
+        made += _of_claim(declared, prop, places)
     return numbered(made)
 
 
-def _of_claim(whole: Declared, prop: Property, places: Places) -> Iterator[Mutant]:
+def _of_claim(declared: Declared, prop: Property, places: Places) -> Iterator[Mutant]:
     forms = Forms(places)
     terms = terms_of(_roots(prop), places, forms)
-    for term, change, becomes in wrong_terms(terms, changes, other_variables(whole.machine), forms):
-        yield _of_term(whole, prop, term, change, becomes)
-    yield from _of_whole(whole, prop)
+    for term, change, becomes in wrong_terms(terms, changes, other_variables(declared.machine), forms):
+        yield _of_term(declared, prop, term, change, becomes)
+    yield from _weakened(declared, prop)
 
 
-def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
+def _weakened(declared: Declared, prop: Property) -> Iterator[Mutant]:
     """Return the mutants that weaken a claim as a whole: left out, one step later, not asked in a mode."""
-    one, term_text = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
+    one, term_text = replace(_mutant(declared, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
     left_out = partial(_with, prop.name, _nothing)
     yield replace(one, kind=_LEFT_OUT, words=f"{prop.name} is left out", term=term_text, becomes="", alone=left_out)
     if prop.kind == "within":
@@ -68,7 +68,7 @@ def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
         steps_text, now = f"within {prop.steps} steps", f"within {steps} steps"
         slower = partial(_with, prop.name, partial(_slower, steps))
         yield replace(one, kind=_LATER, words=now, term=steps_text, becomes=now, alone=slower)
-    machine = whole.machine
+    machine = declared.machine
     for label in machine.modes if prop.kind != "reachable" and len(machine.modes) > 1 else ():
         words = f"not asked in {label.label}"
         elsewhere = partial(_with, prop.name, partial(_elsewhere, machine.mode.eq(label)))
@@ -92,8 +92,8 @@ def _roots(prop: Property) -> list[Root]:
     return [Root(Part.CLAIM, prop.name, term) for term in (prop.term, prop.response, prop.further_assumption)]
 
 
-def _of_term(whole: Declared, prop: Property, term: Term, change: Change, becomes: str) -> Mutant:
-    one = _mutant(whole, prop)
+def _of_term(declared: Declared, prop: Property, term: Term, change: Change, becomes: str) -> Mutant:
+    one = _mutant(declared, prop)
     return replace(
         one,
         kind=change.kind,
@@ -106,10 +106,10 @@ def _of_term(whole: Declared, prop: Property, term: Term, change: Change, become
     )
 
 
-def _mutant(whole: Declared, prop: Property) -> Mutant:
+def _mutant(declared: Declared, prop: Property) -> Mutant:
     """Return a mutant of the claim without the fields that describe the change."""
     return Mutant(
-        machine=whole.machine.name,
+        machine=declared.machine.name,
         kind="",
         words="",
         term="",
@@ -126,8 +126,10 @@ def _exchanged(term: Term, change: Change, prop: Property) -> Property:
     return claimed(prop, substitution(term, change))
 
 
-def _with(name: str, change: Callable[[Property], Property], whole: Declared) -> Declared:
-    return replace(whole, properties=tuple(change(prop) if prop.name == name else prop for prop in whole.properties))
+def _with(name: str, change: Callable[[Property], Property], declared: Declared) -> Declared:
+    return replace(
+        declared, properties=tuple(change(prop) if prop.name == name else prop for prop in declared.properties)
+    )
 
 
 # ------------------------------------------------------------------ which of two claims is weaker

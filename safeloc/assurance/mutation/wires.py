@@ -26,23 +26,23 @@ class WireEdit:
     wires: Mapping[Var, Expr]
 
 
-def wire_edits(whole: Composed) -> list[WireEdit]:
+def wire_edits(composed: Composed) -> list[WireEdit]:
     """Return all wrong wires, machine by machine; wires to ghosts of the world are not changed."""
-    made = [pair for machine in whole.plan.machines for pair in _of_machine(whole, machine)]
+    made = [pair for machine in composed.plan.machines for pair in _of_machine(composed, machine)]
     named = numbered(mutant for mutant, _ in made)
     return [WireEdit(mutant, wires) for mutant, (_, wires) in zip(named, made, strict=True)]
 
 
-def _of_machine(whole: Composed, machine: Machine) -> Iterator[tuple[Mutant, Mapping[Var, Expr]]]:
-    wires = whole.plan.wires
+def _of_machine(composed: Composed, machine: Machine) -> Iterator[tuple[Mutant, Mapping[Var, Expr]]]:
+    wires = composed.plan.wires
     wired = [var for var in _inputs(machine) if var in wires]
     for var, other in _next_of_unit(wired).items():
         if wires[var] is not wires[other]:
             words = f"{var.name} gets the value of {other.name}"
-            yield _mutant(whole, machine, var, _CROSSED, words, wires[other]), {**wires, var: wires[other]}
+            yield _mutant(composed, machine, var, _CROSSED, words, wires[other]), {**wires, var: wires[other]}
     for var, changed in _cut(machine, wires):
         words = f"the wire to {var.name} is cut"
-        yield _mutant(whole, machine, var, _CUT, words, changed[var]), {**wires, **changed}
+        yield _mutant(composed, machine, var, _CUT, words, changed[var]), {**wires, **changed}
 
 
 def _inputs(machine: Machine) -> list[Var]:
@@ -79,12 +79,12 @@ def _rest(var: Var) -> Expr:
     return Lit(var.low if isinstance(var.unit, Enumeration) else canonical(var), var.unit)
 
 
-def _mutant(whole: Composed, machine: Machine, var: Var, kind: str, words: str, becomes: Expr) -> Mutant:
+def _mutant(composed: Composed, machine: Machine, var: Var, kind: str, words: str, becomes: Expr) -> Mutant:
     return Mutant(
-        machine=whole.target.name,
+        machine=composed.target.name,
         kind=kind,
         words=words,
-        term=infix(whole.plan.wires[var], LONGEST),
+        term=infix(composed.plan.wires[var], LONGEST),
         becomes=infix(becomes, LONGEST),
         where=(f"wire to {var.name} of {machine.name}",),
         alone=lambda of: of,

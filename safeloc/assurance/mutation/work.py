@@ -99,7 +99,7 @@ def _timed(judge: Callable[[Bench, Mutant], tuple[Outcome, str]], on: Bench, mut
 def _batches(on: Bench, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged]) -> list[Batch]:
     chunks = [mutants[number : number + _AT_ONCE] for number in range(0, len(mutants), _AT_ONCE)]
     seconds = CLOCK * _QUESTIONS * _AT_ONCE * on.limits.seconds
-    name = f"{on.whole.system.name}: mutants"
+    name = f"{on.unchanged.system.name}: mutants"
     return [Batch(tuple(one.id for one in chunk), Task(name, _work(on, chunk, judge), seconds)) for chunk in chunks]
 
 

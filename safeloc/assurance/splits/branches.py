@@ -82,8 +82,8 @@ def _returns(code: CodeType, offset: int) -> bool:
 
 def _decides(place: Place, decision: _Deciding) -> bool:
     """Return whether an instruction belongs to the test; the jump of `a if test else b` has the place of the whole."""
-    whole = (decision.lineno, decision.end_lineno, decision.col_offset, decision.end_col_offset)
-    return _within(place, decision.test) or (place.line, place.end_line, place.column, place.end_column) == whole
+    extent = (decision.lineno, decision.end_lineno, decision.col_offset, decision.end_col_offset)
+    return _within(place, decision.test) or (place.line, place.end_line, place.column, place.end_column) == extent
 
 
 def _within(place: Place, node: ast.AST) -> bool:

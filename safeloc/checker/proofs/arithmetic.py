@@ -70,15 +70,15 @@ def _mult_neg(step: Inference) -> Term:
 
 
 def _tight_ub(step: Inference) -> Term:
-    whole, bound = of(only(step.premises), "<")
-    require(whole.sort == "Int", "only a whole number's bound is tightened")
-    return make("<=", whole, number(ceil(exact(bound)) - 1))
+    integer, bound = of(only(step.premises), "<")
+    require(integer.sort == "Int", "only a whole number's bound is tightened")
+    return make("<=", integer, number(ceil(exact(bound)) - 1))
 
 
 def _tight_lb(step: Inference) -> Term:
-    whole, bound = of(only(step.premises), ">")
-    require(whole.sort == "Int", "only a whole number's bound is tightened")
-    return make(">=", whole, number(floor(exact(bound)) + 1))
+    integer, bound = of(only(step.premises), ">")
+    require(integer.sort == "Int", "only a whole number's bound is tightened")
+    return make(">=", integer, number(floor(exact(bound)) + 1))
 
 
 def _trichotomy(step: Inference) -> Term:

@@ -174,7 +174,7 @@ def _compared(part: Polynomial, op: str, world: _World) -> bool:
     bound, turn = -rest / factor, 1 if factor > 0 else -1
     places = [
         (place, turn * sign in _SIGNS[op])
-        for place, sign in _places(bound, line.whole, world.places.get(line, _EVERYTHING))
+        for place, sign in _places(bound, line.integer, world.places.get(line, _EVERYTHING))
     ]
     truths = {truth for _, truth in places}
     if len(truths) == 1:
@@ -182,12 +182,12 @@ def _compared(part: Polynomial, op: str, world: _World) -> bool:
     raise _Open(_World(world.truths, {**world.places, line: place}) for place, _ in places)
 
 
-def _places(bound: Fraction, whole: bool, within: Interval) -> list[tuple[Interval, int]]:
+def _places(bound: Fraction, integer: bool, within: Interval) -> list[tuple[Interval, int]]:
     """Return the non-empty parts of the interval below, at and above the bound, each with its sign relative to the bound."""
     low, high = within
-    below: Bound = (Fraction(ceil(bound) - 1), 0) if whole else (bound, -1)
-    above: Bound = (Fraction(floor(bound) + 1), 0) if whole else (bound, 1)
+    below: Bound = (Fraction(ceil(bound) - 1), 0) if integer else (bound, -1)
+    above: Bound = (Fraction(floor(bound) + 1), 0) if integer else (bound, 1)
     cut: list[tuple[Interval, int]] = [((low, min(high, below)), -1), ((max(low, above), high), 1)]
-    if not whole or bound.denominator == 1:
+    if not integer or bound.denominator == 1:
         cut.append(((max(low, (bound, 0)), min(high, (bound, 0))), 0))
     return [(place, sign) for place, sign in cut if place[0] <= place[1]]

@@ -134,29 +134,29 @@ def _split(step: Inference) -> Term:
 
 
 def _cnf_and_pos(step: Inference) -> Term:
-    whole, at = two(step.args)
-    return make("or", no(whole), _index(at, of(whole, "and")))
+    compound, at = two(step.args)
+    return make("or", no(compound), _index(at, of(compound, "and")))
 
 
 def _cnf_and_neg(step: Inference) -> Term:
-    whole = only(step.args)
-    return make("or", whole, *map(no, of(whole, "and")))
+    compound = only(step.args)
+    return make("or", compound, *map(no, of(compound, "and")))
 
 
 def _cnf_or_pos(step: Inference) -> Term:
-    whole = only(step.args)
-    return make("or", no(whole), *of(whole, "or"))
+    compound = only(step.args)
+    return make("or", no(compound), *of(compound, "or"))
 
 
 def _cnf_or_neg(step: Inference) -> Term:
-    whole, at = two(step.args)
-    return make("or", whole, no(_index(at, of(whole, "or"))))
+    compound, at = two(step.args)
+    return make("or", compound, no(_index(at, of(compound, "or"))))
 
 
 def _ite_eq(step: Inference) -> Term:
-    whole = only(step.args)
-    condition, yes, other = of(whole, "ite")
-    return make("ite", condition, same(whole, yes), same(whole, other))
+    compound = only(step.args)
+    condition, yes, other = of(compound, "ite")
+    return make("ite", condition, same(compound, yes), same(compound, other))
 
 
 def _eliminated(op: str, shape: Callable[..., Parts]) -> Rule:

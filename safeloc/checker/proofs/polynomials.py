@@ -99,11 +99,11 @@ def as_constant(part: Polynomial) -> Fraction | None:
 class Direction:
     """A linear form without constant and factor: comparisons of one direction differ in the bound only.
 
-    whole  all its variables are whole numbers
+    integer  all its variables are whole numbers
     """
 
     parts: frozenset[tuple[Monomial, Fraction]]
-    whole: bool
+    integer: bool
 
 
 def direction(part: Polynomial) -> tuple[Direction, Fraction, Fraction]:
@@ -114,5 +114,5 @@ def direction(part: Polynomial) -> tuple[Direction, Fraction, Fraction]:
     first = min(open_part, key=lambda monomial: (len(monomial), [id(leaf) for leaf in monomial]))
     factor = size if open_part[first] > 0 else -size
     parts = frozenset((monomial, coefficient / factor) for monomial, coefficient in open_part.items())
-    whole = all(leaf.sort == "Int" for monomial in open_part for leaf in monomial)
-    return Direction(parts, whole), factor, rest
+    integer = all(leaf.sort == "Int" for monomial in open_part for leaf in monomial)
+    return Direction(parts, integer), factor, rest

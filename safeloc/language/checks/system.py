@@ -119,7 +119,7 @@ def _ghosts_are_variables(system: TransitionSystem) -> Iterator[str]:
         yield f"the ghost {_where(var)} is neither state nor input; list it as one of them."
 
 
-def _optionals_are_whole(system: TransitionSystem) -> Iterator[str]:
+def _optionals_are_complete(system: TransitionSystem) -> Iterator[str]:
     """Value and presence of an optional input belong together; otherwise an input could be present and absent at once."""
     inputs, used = set(system.inputs), set[Var]()
     for option in system.optionals:
@@ -146,5 +146,5 @@ SYSTEM: tuple[Rule[TransitionSystem], ...] = (
     Rule("every state variable moves", "a crash", _everything_moves),
     Rule("reads of the system are known", "a crash", _reads_are_known),
     Rule("no ghost is read on board", "a wrong verdict", _no_ghost_is_read_on_board),
-    Rule("optional inputs are whole", "a crash", _optionals_are_whole),
+    Rule("optional inputs are whole", "a crash", _optionals_are_complete),
 )

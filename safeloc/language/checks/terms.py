@@ -86,7 +86,7 @@ def _wrong(node: Node) -> str:
         case Truth(value):
             return "" if isinstance(value, bool) else f"{value!r} is no truth value"
         case FloorDiv(a, divisor):
-            wrong = "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
+            wrong = "" if _is_integer(divisor) and divisor > 0 else f"divisor {divisor!r}"
             return _no_number(a) or _enumerated(a) or wrong
         case Past(op, parts):
             right = _PARTS.get(op) == len(parts)
@@ -99,7 +99,7 @@ def _first(complaints: Iterable[str]) -> str:
     return next((one for one in complaints if one), "")
 
 
-def _whole(value: object) -> bool:
+def _is_integer(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
@@ -112,7 +112,7 @@ def _wrong_constant(value: object, unit: object) -> str:
 
 
 def _wrong_variable(var: NumVar) -> str:
-    if not (_whole(var.low) and _whole(var.high) and INT64_MIN <= var.low <= var.high <= INT64_MAX):
+    if not (_is_integer(var.low) and _is_integer(var.high) and INT64_MIN <= var.low <= var.high <= INT64_MAX):
         return f"range {var.low!r}..{var.high!r} of {var.name!r}; it must be non-empty and fit 64 bits"
     if isinstance(var.unit, Enumeration) and not 0 <= var.low <= var.high < len(var.unit.members):
         return f"range {var.low}..{var.high} of {var.name!r} is not of {var.unit.name}"

@@ -80,8 +80,8 @@ def overflow(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
 
 def computed(system: TransitionSystem) -> list[Expr]:
     """Return the on-board terms: next states, fired transitions and outputs, without ghosts."""
-    own = [term for var, term in system.next.items() if var not in system.ghosts]
-    return [*own, *system.fired.values(), *system.outputs.values()]
+    next_terms = [term for var, term in system.next.items() if var not in system.ghosts]
+    return [*next_terms, *system.fired.values(), *system.outputs.values()]
 
 
 def _not_proved(system: TransitionSystem, known: Base, *, ghosts: bool) -> list[NumVar]:

@@ -112,11 +112,11 @@ def _together(
     solver: z3.Solver, wanted: Mapping[Var, z3.BoolRef | z3.Probe], ends: Deadline
 ) -> tuple[z3.ModelRef, list[str]] | None:
     """Return a run in which all change but those that contradict the others, and their names; None if that takes too long."""
-    own = plain_solver()
-    own.add(*solver.assertions(), *wanted.values())
-    answer = ask(own, ends.left)
+    fresh = plain_solver()
+    fresh.add(*solver.assertions(), *wanted.values())
+    answer = ask(fresh, ends.left)
     if answer == z3.sat:
-        return own.model(), []
+        return fresh.model(), []
     return _all_but_contradicting(solver, wanted, ends) if answer == z3.unsat else None
 
 
@@ -127,19 +127,19 @@ def _all_but_contradicting(
 
     At the end each one left out is asked for again, since a core may name more than are needed.
     """
-    own, moves = plain_solver(), {var.name: z3.Bool(f"{var.name} moves") for var in wanted}
-    own.add(*solver.assertions(), *(z3.Implies(moves[var.name], changes) for var, changes in wanted.items()))
+    fresh, moves = plain_solver(), {var.name: z3.Bool(f"{var.name} moves") for var in wanted}
+    fresh.add(*solver.assertions(), *(z3.Implies(moves[var.name], changes) for var, changes in wanted.items()))
     kept, left = dict(moves), dict[str, z3.BoolRef]()
-    while (answer := ask(own, ends.left, *kept.values())) == z3.unsat:
-        core = {str(named) for named in own.unsat_core()}
+    while (answer := ask(fresh, ends.left, *kept.values())) == z3.unsat:
+        core = {str(named) for named in fresh.unsat_core()}
         name = [name for name, moving in kept.items() if str(moving) in core][-1]
         left[name] = kept.pop(name)
     if answer != z3.sat:
         return None
-    model, still = own.model(), list[str]()
+    model, still = fresh.model(), list[str]()
     for name, moving in reversed(left.items()):
-        if ask(own, ends.left, *kept.values(), moving) == z3.sat:
-            kept[name], model = moving, own.model()
+        if ask(fresh, ends.left, *kept.values(), moving) == z3.sat:
+            kept[name], model = moving, fresh.model()
         else:
             still.append(name)
     return model, [name for name in moves if name in still]

@@ -57,7 +57,7 @@ def about(system: TransitionSystem, rule: str, **more: object) -> dict[str, str]
     """Return the header of a certificate: its system, the proof rule that it belongs to, and the data that this rule
     needs.
     """
-    where = {"system": system.whole or system.name}
-    if system.whole:
+    where = {"system": system.composition or system.name}
+    if system.composition:
         where["part"] = system.machines[0].name
     return {**where, "rule": rule, **{key: str(value) for key, value in more.items()}}

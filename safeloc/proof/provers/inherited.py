@@ -73,16 +73,16 @@ def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
 def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) -> Inherited:
     """Collect the facts of the machines in order; `seconds` limits each proof, and a multiple of it each contract."""
     found, proof = Inherited(), _Proof(system)
-    for part, own in zip(system.parts, alone, strict=True):
+    for part, proved in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
-        found.certificates |= own.certificates
+        found.certificates |= proved.certificates
         in_range = proof.confirm(inputs_of(part), part.inputs_in_range, found, always=True)
         if in_range:
             found.in_range.append(part.name)
-            found.always |= _renamed(part, own.always)
+            found.always |= _renamed(part, proved.always)
         contract = in_range and proof.confirm(contract_of(part), part.contract, found, always=False)
         if contract:
-            found.facts |= _renamed(part, own.facts)
+            found.facts |= _renamed(part, proved.facts)
             found.kept |= {} if part.contract is TRUE else {contract_of(part): part.contract}
     return found
 

@@ -19,7 +19,7 @@ def lasting(system: TransitionSystem, *, seconds: float = SECONDS) -> Mapping[st
     None of them reads a ghost. Return None if some range is not proved, since no lemma helps then.
     """
     known = base(system, seconds=seconds).always
-    own = [var for var in system.state if isinstance(var, NumVar) and var not in system.ghosts]
-    if any(range_of(var) not in known for var in own):
+    numbers = [var for var in system.state if isinstance(var, NumVar) and var not in system.ghosts]
+    if any(range_of(var) not in known for var in numbers):
         return None
     return {fact.of: term for fact, term in known.items() if fact.kind == "lemma"}

@@ -74,8 +74,8 @@ def onward(
 
 def _starts(replay: Replay, recordings: Sequence[Recording], ends: Deadline) -> list[_Start]:
     """Return the states of the recordings that have a new combination of modes and flags, the latest first."""
-    own = len(replay.system.state)
-    labels = [place for place, var in enumerate(replay.watched.state[:own]) if is_label(var)]
+    width = len(replay.system.state)
+    labels = [place for place, var in enumerate(replay.watched.state[:width]) if is_label(var)]
     seen: dict[tuple[Value, ...], _Start] = {}
     for recording in recordings:
         for steps, (state, kept) in enumerate(replay.states(recording)):

@@ -55,7 +55,7 @@ def _overlapping(system: TransitionSystem, rows: Rows, both: Bool, why: Failure,
     goal = without_assumption(happens(system, f"overlap of rows {rows[0]} and {rows[1]}", both))
     seen = f"both are enabled when {why.values}" if isinstance(why, Refuted) else str(why)
     verdict = never(goal, f"{seen}; give them different ranks, or correct a guard", limits)
-    if not (system.whole and isinstance(verdict, (Violated, Proved))):
+    if not (system.composition and isinstance(verdict, (Violated, Proved))):
         return verdict
     return _of_a_part(verdict, system)
 

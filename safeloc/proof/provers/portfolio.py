@@ -266,40 +266,45 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     of_machine = inherited(goal)
     if of_machine is None:
         return prove_one(goal, limits)
-    part, own = of_machine
+    part, of_part = of_machine
     known = base(goal.original, seconds=limits.seconds)
-    free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
+    free = of_part.unconditional and part.alone.ghosts.isdisjoint(variables([of_part.term]))
     discharged = free or part.contract is TRUE or contract_of(part) in known.kept
     if not discharged or part.name not in known.in_range:
         return prove_one(goal, limits)
     first, half = _at_first(goal, known, limits), replace(limits, seconds=limits.seconds / 2)
-    verdict = prove_one(observe(part.alone, own), half) if not first.failed else None
+    verdict = prove_one(observe(part.alone, of_part), half) if not first.failed else None
     if isinstance(verdict, Proved):
         texts = {**known.certificates, **verdict.certificates, **first.texts}
         return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself", certificates=texts)
     if isinstance(verdict, Violated):
-        return _of_the_whole(goal, part, own, half)
+        return _of_the_composition(goal, part, of_part, half)
     return prove_one(goal, half)
 
 
-def _of_the_whole(goal: Goal, part: Part, own: Property, limits: Limits) -> Verdict:
+def _of_the_composition(goal: Goal, part: Part, of_part: Property, limits: Limits) -> Verdict:
     """Decide a claim that a machine breaks by itself on the composition, whose wires may exclude the run."""
     verdict = _in_turn(_QUICK, goal, limits)
     if not isinstance(verdict, Unknown):
         return verdict
-    return replace(verdict, reason=f"{part.name} by itself breaks {own.name!r}; in the composition {verdict.reason}")
+    return replace(
+        verdict, reason=f"{part.name} by itself breaks {of_part.name!r}; in the composition {verdict.reason}"
+    )
 
 
 def inherited(goal: Goal) -> tuple[Part, Property] | None:
     """Return the machine and its own property if the claim about the composition is exactly that property."""
     if goal.prop.kept_by is None:
         return None
-    machine, own = goal.prop.kept_by
+    machine, of_part = goal.prop.kept_by
     part = next((part for part in goal.original.parts if part.machine is machine), None)
-    plain = own.kind == goal.prop.kind == "always" and own.further_assumption is goal.prop.further_assumption is TRUE
-    if part is None or not plain or own.unconditional != goal.prop.unconditional:
+    plain = (
+        of_part.kind == goal.prop.kind == "always"
+        and of_part.further_assumption is goal.prop.further_assumption is TRUE
+    )
+    if part is None or not plain or of_part.unconditional != goal.prop.unconditional:
         return None
-    return (part, own) if alike(inherited_term(part.into, own), goal.prop.term) else None
+    return (part, of_part) if alike(inherited_term(part.into, of_part), goal.prop.term) else None
 
 
 def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:

@@ -108,18 +108,18 @@ def remember(system: TransitionSystem, known: Base) -> None:
 
 
 def _prove(system: TransitionSystem, seconds: float) -> Base:
-    own, hidden = _ranges(system, ghosts=False), _ranges(system, ghosts=True)
+    visible, hidden = _ranges(system, ghosts=False), _ranges(system, ghosts=True)
     had = inherit(system, [_alone(part, seconds) for part in system.parts], seconds)
     ends = deadline(seconds)
     lemmas = {Fact("lemma", name): term for name, term in system.lemmas.items()}
     free = {key: term for key, term in lemmas.items() if not set(variables([term])) & system.ghosts}
-    wanted = _without({**own, **free}, had.always)
+    wanted = _without({**visible, **free}, had.always)
     always, texts, failed = _inductive(_board(system, had.always, list(had.certificates)), wanted, ends)
     always |= had.always
     rest = _without({**hidden, **lemmas}, {**always, **had.facts})
     world = _world(system, {**always, **had.facts}, [*had.certificates, *texts])
     facts, more_texts, refuted = _inductive(world, rest, ends)
-    refuted |= {key: why for key, why in failed.items() if key in own} | had.refuted
+    refuted |= {key: why for key, why in failed.items() if key in visible} | had.refuted
     certificates = {**had.certificates, **texts, **more_texts}
     return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept, had.in_range)
 

@@ -110,7 +110,7 @@ def beyond_known_runs(
     if system.parts:
         kept = _searched(kept, limits, without={one.goal for one in alone})
     open_ = [one for one in targets if one.goal not in kept.runs]
-    dead = _dead_in_the_whole(list(alone), known, limits)
+    dead = _dead_in_the_composition(list(alone), known, limits)
     free = [one.free for one in open_ if one not in alone]
     broken = _without_assumption(
         free, list(known.always.values()), limits, kept, [one.free for one in targets if one.mode], witnesses
@@ -226,7 +226,9 @@ def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) ->
     goals = [goal for goal in looked.left if goal not in looked.excluded and goal not in without]
     if not goals:
         return looked
-    search = sparing_runs if goals[0].original.whole else first_runs  # of one machine of a composition, or of a target
+    search = (
+        sparing_runs if goals[0].original.composition else first_runs
+    )  # of one machine of a composition, or of a target
     searched = search(goals, limits)
     return replace(looked.also(searched.found, "bmc", "witness"), depth=max(looked.depth, searched.depth))
 
@@ -275,7 +277,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[
     if not goals:
         return set()
     watched, relevance = watch(goals[0].plain, goals), Relevance(goals[0].original)
-    one = not goals[0].original.parts and not goals[0].original.whole
+    one = not goals[0].original.parts and not goals[0].original.composition
     seconds = limits.seconds * (EXCLUSION_OF_ONE if one else EXCLUSION)
     given = [environment(watched.system), *facts]
     after = Substitution(dict(watched.system.next))
@@ -305,13 +307,15 @@ class _Alone:
 
 def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
     """Report a target that only the machine alone reaches, with the result for the composition."""
-    whole = "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_whole(depth)
+    in_composition = (
+        "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_composition(depth)
+    )
     verdict = Proved(None, "bmc", len(alone.run.steps), ("interpreter",), witness=alone.run)
-    method = f"of the machine by itself, {alone.words}; {whole}"
+    method = f"of the machine by itself, {alone.words}; {in_composition}"
     return Obligation(target.name, f"{target.statement}, by itself", verdict, method)
 
 
-def _none_of_the_whole(depth: int) -> str:
+def _none_of_the_composition(depth: int) -> str:
     return "the whole was not searched in time" if depth < 0 else f"none of the whole in {depth} steps"
 
 
@@ -321,10 +325,10 @@ def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses
     for number, part in enumerate(system.parts):
         if part.alone.name not in witnesses:
             continue
-        own = [target.goal for target in targets if target.part == number]
+        wanted = [target.goal for target in targets if target.part == number]
         pairs = {
             one: theirs
-            for mine, theirs in zip(_targets(part.alone), own, strict=True)
+            for mine, theirs in zip(_targets(part.alone), wanted, strict=True)
             for one in (mine.goal, mine.free)
         }
         for free in (False, True):
@@ -343,8 +347,8 @@ def _by_itself(
     """Find targets that no known run of the composition reaches, but a run of one machine alone; return these runs."""
     found: dict[_Target, _Alone] = {}
     for number, part in enumerate(system.parts):
-        own = [target for target in targets if target.part == number]
-        pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
+        wanted = [target for target in targets if target.part == number]
+        pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), wanted, strict=True) if theirs in open_]
         if pairs:
             found |= {theirs: _Alone(*shown_) for theirs, shown_ in _runs_alone(part.alone, pairs, limits, witnesses)}
     return found
@@ -403,7 +407,7 @@ def _targets_of(
         yield _Target(name, text, goal, without_assumption(goal), part, mode=False)
 
 
-def _dead_in_the_whole(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
+def _dead_in_the_composition(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
     """Return the targets that no run of the composition reaches for any inputs in range, proved without the assumption."""
     dead = _never([target.free for target in targets], list(known.always.values()), limits)
     return {target for target in targets if target.free in dead}

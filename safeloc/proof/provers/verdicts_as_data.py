@@ -84,7 +84,7 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
     """Pack the data that are needed to run the trace again."""
     if trace is None:
         return None
-    part = trace.system.machines[0].name if trace.system.whole else ""
+    part = trace.system.machines[0].name if trace.system.composition else ""
     return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), part)
 
 

@@ -175,12 +175,12 @@ class _Followed:
             case _:
                 return Linear({}, Lit(int(self._values[node]), ONE))
 
-    def _divided(self, whole: Linear, divisor: int) -> Linear:
+    def _divided(self, dividend: Linear, divisor: int) -> Linear:
         """Introduce a number q for the quotient: divisor * q <= whole < divisor * (q + 1)."""
         part = NumVar(f"part {len(self.parts)}", ONE, 0, 0)
         self.parts.append(part)
         quotient = Linear({part: divisor}, Lit(0, ONE))
-        self.bounds += [quotient.minus(whole), whole.minus(quotient).plus(1 - divisor)]
+        self.bounds += [quotient.minus(dividend), dividend.minus(quotient).plus(1 - divisor)]
         return Linear({part: 1}, Lit(0, ONE))
 
     def _outer(self, node: Min | Max, a: Num, b: Num) -> Linear:

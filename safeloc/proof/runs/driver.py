@@ -113,7 +113,7 @@ class Driver:
             BoolVar(f"observer.further {n}"): goal.prop.further_assumption for n, goal in enumerate(self.goals)
         }
         outputs: dict[str, Expr] = {f"good {n}": goal.good for n, goal in enumerate(self.goals)}
-        self._whole = replace(
+        self._compiled_system = replace(
             watched,
             state=(*watched.state, *flags, *further, allowed),
             next={**watched.next, **flags, **further, allowed: environment(system)},
@@ -121,7 +121,7 @@ class Driver:
             init=first_without_the_world(system),  # `begins` checks the environment for each known run
             outputs=outputs,
         )
-        self.system, self.code = system, compile_system(self._whole)
+        self.system, self.code = system, compile_system(self._compiled_system)
         self._kept = [True]
         self._rows: list[Row] = []
         self.broken: Property | None = None
@@ -205,7 +205,7 @@ class Driver:
 
     def state(self) -> dict[Var, Value]:
         """Return the present state, observers of the properties included."""
-        return dict(zip(self._whole.state, self._state, strict=True))
+        return dict(zip(self._compiled_system.state, self._state, strict=True))
 
     def edges(self) -> dict[str, float]:
         """Return, for each property with a distance, how near the present state is to violating it; greater is nearer."""

@@ -63,7 +63,11 @@ class _Judge:
     ) -> None:
         self._keys = tuple(terms)
         read = variables(terms.values())
-        now = {var: (row, column) for row, own in enumerate((kept, inputs, fired), 1) for column, var in enumerate(own)}
+        now = {
+            var: (row, column)
+            for row, columns in enumerate((kept, inputs, fired), 1)
+            for column, var in enumerate(columns)
+        }
         self._from = [now[var] if var.before is None else (0, now[var.before][1]) for var in read]
         self._compute: Callable[[Sequence[Value]], Sequence[Value]] = compiled_terms(tuple(read), list(terms.values()))
 

@@ -23,7 +23,7 @@ from safeloc.language.terms import variables
 from safeloc.language.trace import Trace
 from safeloc.proof.runs.quick import Quick
 from safeloc.proof.verification.recordings import recorded_times
-from safeloc.proof.verification.replay import is_whole, read_recording, run_of
+from safeloc.proof.verification.replay import has_truth, read_recording, run_of
 from safeloc.runtime.breaches import Breach, BrokenLaw
 from safeloc.runtime.embedding.laws import broken, read_values
 from safeloc.runtime.source_clocks import CLOCK_LAW, SourceClocks
@@ -102,16 +102,16 @@ class Judged:
 def judge_recording(target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None) -> Judged:
     """Judge the laws of a target on a recording; arguments and errors are those of `replay_stream`."""
     stream, _ = read_recording(target, path, period_ms=period_ms, run=run)
-    whole = is_whole(target, stream)
-    trace = run_of(target.system if whole else without_ghosts(target.system), path, stream)
+    truth_known = has_truth(target, stream)
+    trace = run_of(target.system if truth_known else without_ghosts(target.system), path, stream)
     around = seen(target.system)
-    asked = _asked(around, with_truth=whole)
+    asked = _asked(around, with_truth=truth_known)
     found = _Judging(asked, around).on(trace)
     checked = {law for one in found for law in one.laws}
     unjudged = tuple(law for one in around.stated if (law := broken(one)) not in checked)
     if period_ms is None:  # steps do not hold the times of their records
-        return Judged(target.name, len(trace.steps), whole, found, (*unjudged, CLOCK_LAW))
-    return Judged(target.name, len(trace.steps), whole, found, unjudged, *_clocks(target, path, period_ms))
+        return Judged(target.name, len(trace.steps), truth_known, found, (*unjudged, CLOCK_LAW))
+    return Judged(target.name, len(trace.steps), truth_known, found, unjudged, *_clocks(target, path, period_ms))
 
 
 # ------------------------------------------------------------------ the conditions, cycle by cycle
@@ -146,7 +146,7 @@ def _clause(around: Seen, one: Stated) -> _Asked:
 
 
 def _observable(one: Observable) -> _Asked:
-    is_part = len(one.clauses) == 1 and not one.is_whole
+    is_part = len(one.clauses) == 1 and not one.is_equivalent
     return _Asked(one.clauses, "part" if is_part else "inputs", one.term, distance(one.term))
 
 

@@ -18,7 +18,7 @@ from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
 from safeloc.proof.provers.workers import Queue
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
-from safeloc.proof.verification.replay import replay_stream, whole_run
+from safeloc.proof.verification.replay import replay_stream, run_with_truth
 from safeloc.proof.verification.unasked import as_left_open, left_open, nothing_asked
 from safeloc.proof.verification.witness_files import read_witnesses
 from safeloc.runtime.streams.steps import read_steps
@@ -133,9 +133,9 @@ class Work:
         system, properties = self.target.system, self.target.properties
         shown = [one.result.witness for one in obliged if isinstance(one.result, Proved)]
         witnesses = [
-            run for run in shown if run is not None and not run.system.whole
+            run for run in shown if run is not None and not run.system.composition
         ]  # of the composition, not of one machine alone
-        streams = [whole_run(self.target, path) for path in self.target.streams]
+        streams = [run_with_truth(self.target, path) for path in self.target.streams]
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
         return self._announced(list(map(as_left_open, tests)) if plan.quick else tests)

@@ -84,13 +84,13 @@ class _Packing:
 
     def _trace(self, trace: Trace) -> Plain:
         kind = self._names.get(frozenset(var.name for var in trace.system.inputs))
-        if trace.system.whole:
+        if trace.system.composition:
             kind = f"part {trace.system.machines[0].name}"
         if kind is None:
             raise ValueError(f"a run of {trace.system.name} with other inputs cannot be packed")
         names = [list(getattr(trace.steps[0], each)) for each in _MAPPINGS] if trace.steps else []
         rows = [
-            [[getattr(step, each)[name] for name in own] for each, own in zip(_MAPPINGS, names, strict=True)]
+            [[getattr(step, each)[name] for name in columns] for each, columns in zip(_MAPPINGS, names, strict=True)]
             for step in trace.steps
         ]
         return {"system": kind, "initial": dict(trace.initial), "names": names, "rows": rows}
@@ -105,7 +105,7 @@ def _plain(value: Any) -> Any:
 def _unpacked_trace(packed: Plain, system: TransitionSystem) -> Trace:
     names = packed["names"]
     steps = (
-        Step(*(dict(zip(own, values, strict=True)) for own, values in zip(names, row, strict=True)))
+        Step(*(dict(zip(columns, values, strict=True)) for columns, values in zip(names, row, strict=True)))
         for row in packed["rows"]
     )
     return Trace(system, packed["initial"], tuple(steps))

@@ -74,8 +74,8 @@ def _step_of(known_inputs: TargetInputs, ghosts: Ghosts, cycle: Cycle) -> tuple[
 
     A machine that may be silent, and got no value or too few, has the neutral values of a silent device.
     """
-    own = {name: value for name, value in cycle.inputs.items() if name not in ghosts}
-    taken, untaken = known_inputs.complete(known_inputs.placed(own))
+    on_board = {name: value for name, value in cycle.inputs.items() if name not in ghosts}
+    taken, untaken = known_inputs.complete(known_inputs.placed(on_board))
     row, inputs = known_inputs.row(taken), known_inputs.system.inputs
     silent = [at for _, needed in known_inputs.silent.values() for at in needed if at not in taken]
     step = {inputs[at].name: row[at] for at in (*silent, *taken)}

@@ -90,7 +90,7 @@ def replay_stream(
     """
     started = time.monotonic()
     stream, faults = read_recording(target, path, period_ms=period_ms, run=run)
-    asked = _asked(target, whole=is_whole(target, stream))
+    asked = _asked(target, with_truth=has_truth(target, stream))
     system, properties = asked.system, asked.properties
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = run_of(system, path, stream)
@@ -141,16 +141,16 @@ class _Asked:
 _ASKED: weakref.WeakKeyDictionary[Target, dict[bool, _Asked]] = weakref.WeakKeyDictionary()
 
 
-def _asked(target: Target, *, whole: bool) -> _Asked:
+def _asked(target: Target, *, with_truth: bool) -> _Asked:
     """Return the checks on the whole system, or on the system on board; made once for all recordings of a target."""
     known = _ASKED.setdefault(target, {})
-    if whole not in known:
-        system = target.system if whole else without_ghosts(target.system)
+    if with_truth not in known:
+        system = target.system if with_truth else without_ghosts(target.system)
         every = [prop for prop in target.properties if prop.kind != "reachable"]
         properties = [prop for prop in every if _is_applicable(prop, system)]
         unchecked = [prop for prop in every if prop not in properties]
-        known[whole] = _Asked(system, properties, unchecked, Checks(system, properties, Quick))
-    return known[whole]
+        known[with_truth] = _Asked(system, properties, unchecked, Checks(system, properties, Quick))
+    return known[with_truth]
 
 
 def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[Finding]:
@@ -186,14 +186,14 @@ def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
         )
 
 
-def whole_run(target: Target, path: Path) -> Trace | None:
+def run_with_truth(target: Target, path: Path) -> Trace | None:
     """Return a stream with the ghosts of the machine, as a run of the machine; None for a stream without them."""
     stream = read_steps(path)
     _refuse_other(target, path, stream)
-    return run_of(target.system, path, stream) if is_whole(target, stream) else None
+    return run_of(target.system, path, stream) if has_truth(target, stream) else None
 
 
-def is_whole(target: Target, stream: StepStream) -> bool:
+def has_truth(target: Target, stream: StepStream) -> bool:
     """Return whether a recording has the ghosts of the machine, and with them the truth."""
     ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}
     return bool(stream.steps) and ghosts <= set(stream.steps[0])

@@ -47,8 +47,8 @@ class TimeLeft:
         return max([sum(left) / self._jobs, *left], default=0.0)
 
     def _of(self, target: str) -> float:
-        whole = self._known.get(target, self._findings[target] * self._each)
-        return max(0.0, whole - (self._clock() - self._begun[target] if target in self._begun else 0.0))
+        expected = self._known.get(target, self._findings[target] * self._each)
+        return max(0.0, expected - (self._clock() - self._begun[target] if target in self._begun else 0.0))
 
     @property
     def _each(self) -> float:

@@ -4,6 +4,6 @@ The rules are the terms of `safeloc.models.layout_rules`, evaluated by the refer
 map, for every stretch, every pair of neighbours and every branch, on all routes at once.
 """
 
-from safeloc.railway.audit.whole import audit
+from safeloc.railway.audit.all_rules import audit
 
 __all__ = ["audit"]

@@ -169,8 +169,8 @@ class AuditReport:
 
     def as_data(self) -> dict[str, Any]:
         """Return data for JSON (schema safeloc-audit/1)."""
-        own = asdict(self) | {"layout": self.layout.model_dump()}
-        return {"schema": "safeloc-audit/1", "holds": not self.violated, **own}
+        fields = asdict(self) | {"layout": self.layout.model_dump()}
+        return {"schema": "safeloc-audit/1", "holds": not self.violated, **fields}
 
 
 @dataclass

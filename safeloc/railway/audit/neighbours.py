@@ -88,5 +88,5 @@ def _linked_pairs(walk: Walk, reach_mm: int) -> Iterator[_Linked]:
 
 
 def _accuracy_mm(rules: Rules, group: BaliseGroup) -> int:
-    own = group.location_accuracy_mm
-    return rules.layout.balise_accuracy_mm if own is None else own
+    accuracy_mm = group.location_accuracy_mm
+    return rules.layout.balise_accuracy_mm if accuracy_mm is None else accuracy_mm

@@ -170,12 +170,12 @@ def cut(line: Line, names: Mapping[str, str], seams: Iterable[str]) -> tuple[Lin
     Raises InputError for a seam that is not a plain node between two edges, for a part without a name or with two, and
     for a fibre that a seam would cut.
     """
-    whole = line.model_copy(update={"checksum": None})
+    uncut = line.model_copy(update={"checksum": None})
     at = frozenset(seams)
-    _cuttable(whole, at)
-    pieces = _pieces(whole, at)
-    _refuse_cut_fibres(whole, pieces)
-    return tuple(_piece(whole, edges, at, _name(edges, names)) for edges in pieces)
+    _cuttable(uncut, at)
+    pieces = _pieces(uncut, at)
+    _refuse_cut_fibres(uncut, pieces)
+    return tuple(_piece(uncut, edges, at, _name(edges, names)) for edges in pieces)
 
 
 def _cuttable(line: Line, seams: frozenset[str]) -> None:

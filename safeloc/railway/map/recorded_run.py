@@ -192,13 +192,13 @@ def balise_records(
         for end, behind in zip(_ENDS, (0, how.length_mm), strict=True):
             for place, group in groups:
                 if before.position_mm < place + behind <= after.position_mm:
-                    own = group.location_accuracy_mm
+                    stated_mm = group.location_accuracy_mm
                     yield MarkerRecord(
                         time_ms=after.time_ms,
                         end=end,
                         marker=group.identity,
                         position_mm=place,
-                        accuracy_mm=how.accuracy_mm if own is None else own,
+                        accuracy_mm=how.accuracy_mm if stated_mm is None else stated_mm,
                         since_mm=after.position_mm - place - behind,
                     )
 

@@ -19,8 +19,8 @@ def periods(config: BaseModel | None) -> list[int]:
     """Return the different cycle lengths: that of the configuration itself, else those of its machines."""
     if config is None:
         return []
-    own: int | None = getattr(config, "period_ms", None)
-    if own is not None:
-        return [own]
+    period_ms: int | None = getattr(config, "period_ms", None)
+    if period_ms is not None:
+        return [period_ms]
     parts = (getattr(config, name) for name in type(config).model_fields)
     return sorted({one for part in parts if isinstance(part, BaseModel) for one in periods(part)})

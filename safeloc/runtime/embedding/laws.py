@@ -33,12 +33,12 @@ _PRESENT = ".present"
 class ObservableLaws:
     """The laws of a system that can be checked on board.
 
-    whole   the system with its ghosts
+    with_ghosts  the system with its ghosts
     board   the same system without ghosts: rows are in the order of its state and inputs
     """
 
-    def __init__(self, whole: TransitionSystem, board: TransitionSystem) -> None:
-        self.seen: Seen = seen(whole)
+    def __init__(self, with_ghosts: TransitionSystem, board: TransitionSystem) -> None:
+        self.seen: Seen = seen(with_ghosts)
         self._rows: Mapping[str, Sequence[Var]] = {
             "before": board.state,
             "inputs": board.inputs,

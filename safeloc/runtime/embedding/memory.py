@@ -17,7 +17,7 @@ from safeloc.language.nodes import Value
 from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.embedding.snapshot import opened, require_same, sealed
 
-_Whole = Annotated[int, Field(ge=0)]
+_Count = Annotated[int, Field(ge=0)]
 _Delivered = Mapping[str, tuple[int, int | None]]
 
 
@@ -71,9 +71,9 @@ class _Body(BaseModel):
     config: dict[str, Any]
     program: str
     setting: dict[str, Any]
-    start_ms: _Whole
-    done: _Whole
-    deliveries: dict[str, tuple[_Whole, int | None]]
+    start_ms: _Count
+    done: _Count
+    deliveries: dict[str, tuple[_Count, int | None]]
     state: dict[str, bool | int]
     halted: str
     observed: dict[str, bool | int] | None = None

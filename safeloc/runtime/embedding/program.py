@@ -119,7 +119,7 @@ class Program(TargetInputs):
 
 def _part(system: TransitionSystem, machine: Machine) -> _Part:
     names = [var.name for var in system.state]
-    own = f"{machine.name}.mode"
+    prefixed = f"{machine.name}.mode"
     assert isinstance(machine.mode.unit, Enumeration)
     labels = machine.mode.unit.members
     moves = {
@@ -129,4 +129,4 @@ def _part(system: TransitionSystem, machine: Machine) -> _Part:
         for number, one in enumerate(machine.transitions, 1)
         for source in one.sources
     }
-    return _Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)
+    return _Part(machine, machine.name, names.index(prefixed if prefixed in names else "mode"), labels, moves)

@@ -37,8 +37,8 @@ class Interval:
 
 def _metres(length_mm: int) -> str:
     """Return a length in metres with three decimals: -500 gives `-0.500 m`."""
-    whole, rest = divmod(abs(length_mm), MM_PER_M)
-    return f"{'-' if length_mm < 0 else ''}{whole}.{rest:03} m"
+    metres, rest = divmod(abs(length_mm), MM_PER_M)
+    return f"{'-' if length_mm < 0 else ''}{metres}.{rest:03} m"
 
 
 @dataclass(frozen=True)

@@ -19,49 +19,49 @@ _NOT_FIT = "it cannot be used here"
 
 def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) -> bytes:
     """Return the content with its kind, version and checksum, as one line of JSON."""
-    whole = {"kind": kind, "version": version, **body}
-    return _text({**whole, "checksum": _checksum(whole)})
+    content = {"kind": kind, "version": version, **body}
+    return _text({**content, "checksum": _checksum(content)})
 
 
 def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, Any]:
     """Return the content; SnapshotError if it is damaged, of another kind, or of a newer version."""
     try:
-        whole = json.loads(data)
+        content = json.loads(data)
     except TypeError as error:
         raise SnapshotError(f"expected a snapshot as bytes, got {type(data).__name__}.") from error
     except (ValueError, RecursionError) as error:
         raise SnapshotError(f"the snapshot is damaged (no JSON: {error}); start without the snapshot.") from error
-    if not isinstance(whole, dict) or whole.get("kind") != kind:
+    if not isinstance(content, dict) or content.get("kind") != kind:
         raise SnapshotError(f"this is no snapshot of kind {kind!r}; give one that safeloc wrote for this purpose.")
-    found = whole.get("version")
+    found = content.get("version")
     if type(found) is not int or found > version:
         raise SnapshotError(
             f"the snapshot has version {found!r}, but this safeloc reads versions up to {version}; use the safeloc that wrote "
             "it, or start without the snapshot."
         )
-    checksum = whole.pop("checksum", None)
-    if checksum != _checksum(whole):
+    checksum = content.pop("checksum", None)
+    if checksum != _checksum(content):
         raise SnapshotError("the snapshot is damaged (wrong checksum); start without the snapshot.")
-    return whole
+    return content
 
 
-def require_same(what: str, own: object, found: object) -> None:
+def require_same(what: str, expected: object, found: object) -> None:
     """Raise SnapshotError if the snapshot's `what` differs from that of this program."""
-    if own != found:
-        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {_NOT_FIT}.")
+    if expected != found:
+        raise SnapshotError(f"the snapshot is of another {what} ({_differing(expected, found)}); {_NOT_FIT}.")
 
 
-def _differing(own: object, found: object) -> str:
-    if not (isinstance(own, Mapping) and isinstance(found, Mapping)):
-        return f"{found!r}, here {own!r}"
-    names = [name for name in {**own, **found} if own.get(name) != found.get(name)]
-    shown = [f"{name} {found.get(name)!r}, here {own.get(name)!r}" for name in names[:3]]
+def _differing(expected: object, found: object) -> str:
+    if not (isinstance(expected, Mapping) and isinstance(found, Mapping)):
+        return f"{found!r}, here {expected!r}"
+    names = [name for name in {**expected, **found} if expected.get(name) != found.get(name)]
+    shown = [f"{name} {found.get(name)!r}, here {expected.get(name)!r}" for name in names[:3]]
     return "; ".join(shown) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
-def _text(whole: Mapping[str, Any]) -> bytes:
-    return json.dumps(whole, sort_keys=True, separators=(",", ":")).encode()
+def _text(content: Mapping[str, Any]) -> bytes:
+    return json.dumps(content, sort_keys=True, separators=(",", ":")).encode()
 
 
-def _checksum(whole: Mapping[str, Any]) -> str:
-    return hashlib.sha256(_text(whole)).hexdigest()
+def _checksum(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(_text(content)).hexdigest()

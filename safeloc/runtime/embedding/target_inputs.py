@@ -57,13 +57,13 @@ class TargetInputs:
         """For each machine that tolerates a step without inputs: places of all its inputs, and of the mandatory ones."""
         needed = {self.entries[name].at for name in self.needed}
         several = len(self.system.machines) > 1
-        own = {
+        by_device = {
             name: frozenset(
                 entry.at for full, entry in self.entries.items() if not several or full.startswith(f"{name}.")
             )
             for name in self.target.silent
         }
-        return {name: (inputs, inputs & needed) for name, inputs in own.items() if inputs & needed}
+        return {name: (inputs, inputs & needed) for name, inputs in by_device.items() if inputs & needed}
 
     def complete(self, inputs: Placed) -> tuple[Placed, tuple[Fault, ...]]:
         """Remove all inputs of a machine that lacks a mandatory one, if it tolerates a step without inputs.

@@ -31,16 +31,16 @@ def require_current(path: Path, content: Mapping[str, Any], fingerprint: Fingerp
         machine, program, config = body.get("machine"), body.get("program"), body.get("config")
         if not isinstance(machine, str) or not isinstance(config, dict):
             raise SnapshotError(f"{path}: {of}holds no machine and configuration; start without the snapshot.")
-        own = _current_digest(path, machine, config, fingerprint)
-        if own is None:
+        current = _current_digest(path, machine, config, fingerprint)
+        if current is None:
             raise SnapshotError(
                 f"{path}: {of}the state of {quoted(machine)}, which is no shipped machine, so it cannot be checked here. Try to "
                 "start the machine with it; if it is refused, start without it."
             )
-        if own != program:
+        if current != program:
             raise SnapshotError(
                 f"{path}: {of}the state of another build of {quoted(machine)} (digest {quoted(program)}, now "
-                f"{quoted(own)}). Its numbers may mean something else here, so it cannot be converted: start without it, or "
+                f"{quoted(current)}). Its numbers may mean something else here, so it cannot be converted: start without it, or "
                 "end the run with the version that wrote it."
             )
 
@@ -58,11 +58,11 @@ def _controllers(path: Path, content: Mapping[str, Any]) -> Iterator[tuple[str, 
     """Yield the snapshot of every controller in it, each with its name for messages."""
     kind = content["kind"]
     version = controllers.VERSION if kind == controllers.KIND else processes.VERSION
-    whole = _opened(path, json.dumps(content).encode(), str(kind), version)
+    saved = _opened(path, json.dumps(content).encode(), str(kind), version)
     if kind == controllers.KIND:
-        yield "", whole
+        yield "", saved
         return
-    for name, vehicle in whole.get("vehicles", {}).items():
+    for name, vehicle in saved.get("vehicles", {}).items():
         if vehicle.get("controller") is not None:
             data = vehicle["controller"].encode()
             yield f"vehicle {quoted(name)}: ", _opened(path, data, controllers.KIND, controllers.VERSION)

@@ -18,8 +18,8 @@ from safeloc.runtime.streams.records import RECORD, Record, Unusable
 class RecordsVehicle(Vehicle):
     """A vehicle whose cycle ends with a record of a later cycle, or with a line of kind `cycle`."""
 
-    def __init__(self, name: str, make: MakeController, pace: Pace, *, whole: bool) -> None:
-        super().__init__(name, make, pace, whole=whole)
+    def __init__(self, name: str, make: MakeController, pace: Pace, *, from_start: bool) -> None:
+        super().__init__(name, make, pace, from_start=from_start)
         self._pending: list[tuple[int, Record | Unusable]] = []
 
     def _take(self, line: int, message: RecordLine | CycleEnd | Step) -> None:

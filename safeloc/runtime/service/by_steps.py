@@ -51,10 +51,10 @@ class StepsVehicle(Vehicle):
         elif not self._reached(line, cycle * period_ms):
             return
         self._numbered = cycle is not None
-        whole = None if self.stopped else self._filled(line, message)
-        if whole is not None:
+        filled = None if self.stopped else self._filled(line, message)
+        if filled is not None:
             self._lost = self._lost_before_next = ""
-            step = self._guarded(lambda one: one.step_inputs(whole.inputs, truth_mm=whole.truth_mm))
+            step = self._guarded(lambda one: one.step_inputs(filled.inputs, truth_mm=filled.truth_mm))
             self._tell(step, {})
 
     def _counted_as_before(self, line: int, cycle: int | None) -> bool:

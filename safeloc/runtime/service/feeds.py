@@ -57,11 +57,11 @@ _Ready = Callable[[int], Iterator[Event]]
 class Feed(ABC):
     """A source of lines.
 
-    whole     the first line read is the first line sent
+    from_start  the first line read is the first line sent
     replays   the same lines can be read again after a restart
     """
 
-    whole = False
+    from_start = False
     replays = False
 
     @abstractmethod
@@ -103,7 +103,7 @@ class Feed(ABC):
 class Stdin(Feed):
     """A file descriptor that is read to its end."""
 
-    whole = True
+    from_start = True
     ORIGIN = "stdin"
 
     def __init__(self, fd: int = 0) -> None:
@@ -161,7 +161,7 @@ class GrowingFile(Feed):
     to_its_end   stop at the end of the file
     """
 
-    whole = True
+    from_start = True
     replays = True
 
     def __init__(self, path: Path, *, to_its_end: bool) -> None:
@@ -275,12 +275,12 @@ class GrowingFile(Feed):
         """Return whether the path is another file now, or this file was truncated."""
         assert self._file is not None
         with self._in_words():
-            own = os.fstat(self._file.fileno())
+            opened = os.fstat(self._file.fileno())
             try:
                 named = self._path.stat()
             except FileNotFoundError:
                 return False
-        return (named.st_dev, named.st_ino) != (own.st_dev, own.st_ino) or own.st_size < self._file.tell()
+        return (named.st_dev, named.st_ino) != (opened.st_dev, opened.st_ino) or opened.st_size < self._file.tell()
 
     def _begin_other(self) -> Iterator[Event]:
         tail = self._cutter.tail()

@@ -104,10 +104,10 @@ class Fleet:
         for one in (program, *self._own.values()):
             _controller(one, settings, 0)  # so that wrong settings are refused now, and not with the first line
 
-    def handle(self, origin: str, line: Line, *, whole: bool, only: str | None = None) -> list[Output]:
+    def handle(self, origin: str, line: Line, *, from_start: bool, only: str | None = None) -> list[Output]:
         """Handle one line; return reports and events.
 
-        whole   the first line read from this origin is the first line that was sent
+        from_start  the first line read from this origin is the first line that was sent
         only    the only vehicle for which the sender may send; a line of another one is refused, and counts as a line that
                 this vehicle may have lost
         """
@@ -116,18 +116,18 @@ class Fleet:
         if only is not None:
             message = _of_it(only, message)
         if isinstance(message, Header):
-            return self._begun(message, whole and origin not in self._flawed)
+            return self._begun(message, from_start and origin not in self._flawed)
         name = message.vehicle if isinstance(message, Refused) else message.envelope.vehicle
         if name is None:
             assert isinstance(message, Refused)
-            if whole:
+            if from_start:
                 self._flawed.add(origin)
             return self._unassigned(origin, line, message)
         outputs: list[Output] = []
         if name not in self.vehicles:
-            outputs = self._admitted(name, origin, line, message, whole and origin not in self._flawed)
+            outputs = self._admitted(name, origin, line, message, from_start and origin not in self._flawed)
             if name not in self.vehicles:
-                if whole:
+                if from_start:
                     self._flawed.add(origin)
                 return self._counted(outputs)
         vehicle = self.vehicles[name]
@@ -137,16 +137,16 @@ class Fleet:
             vehicle.be_unsure("another peer sends for it")
         return [*outputs, *self._of_one(vehicle, partial(vehicle.handle, line.number, message), line.number)]
 
-    def _begun(self, header: Header, whole: bool) -> list[Output]:
+    def _begun(self, header: Header, from_start: bool) -> list[Output]:
         """Begin a step stream of the vehicle without a name."""
         if header.kept and ALONE not in self.vehicles:
-            self.vehicles[ALONE] = self._made(ALONE, whole)
+            self.vehicles[ALONE] = self._made(ALONE, from_start)
         vehicle = self.vehicles.get(ALONE)
         if isinstance(vehicle, StepsVehicle):
             vehicle.begin_stream(header.kept)
         return []
 
-    def _admitted(self, name: str, origin: str, line: Line, message: Message, whole: bool) -> list[Output]:
+    def _admitted(self, name: str, origin: str, line: Line, message: Message, from_start: bool) -> list[Output]:
         """Add a new vehicle, removing another one if needed; refuse it if its first line is unreadable or there is no
         room."""
         outputs: list[Output] = []
@@ -154,7 +154,7 @@ class Fleet:
         if reason:
             outputs.append({"vehicle": name, "event": "refused", "line": line.number, "reason": shortened(reason)})
         else:
-            self.vehicles[name] = self._made(name, whole)
+            self.vehicles[name] = self._made(name, from_start)
         return outputs
 
     def _no_room(self, origin: str, outputs: list[Output]) -> str:
@@ -234,7 +234,7 @@ class Fleet:
         SnapshotError if the data of a vehicle are invalid or of another machine.
         """
         for name, one in saved.items():
-            vehicle = self.vehicles[name] = self._made(name, whole=True)
+            vehicle = self.vehicles[name] = self._made(name, from_start=True)
             self._last_line_at[name] = self._clock()
             try:
                 vehicle.restore(one)
@@ -243,11 +243,11 @@ class Fleet:
             if unsure:
                 vehicle.be_unsure(unsure)
 
-    def _made(self, name: str, whole: bool) -> Vehicle:
+    def _made(self, name: str, from_start: bool) -> Vehicle:
         settings = self.settings
         make = partial(_controller, self._own.get(name, self._program), settings)
         kind = StepsVehicle if settings.inputs else RecordsVehicle
-        return kind(name, make, self._pace, whole=whole)
+        return kind(name, make, self._pace, from_start=from_start)
 
     def _unassigned(self, origin: str, line: Line, refused: Refused) -> list[Output]:
         """Handle a line without a readable vehicle: every vehicle of this origin may have lost it.

@@ -48,18 +48,18 @@ class LineCutter:
         """Return the text after the last line end, at the end of the input; None if there is none."""
         if not self._rest and not self._skipped:
             return None
-        whole = bytes(self._rest)
+        raw = bytes(self._rest)
         self._rest.clear()
-        return self._line(whole, 0)
+        return self._line(raw, 0)
 
-    def _line(self, whole: bytes, end: int) -> Line:
+    def _line(self, raw: bytes, end: int) -> Line:
         self.number += 1
-        self.consumed += self._skipped + len(whole) + end
-        long = self._skipped + len(whole) > LONGEST_LINE
+        self.consumed += self._skipped + len(raw) + end
+        long = self._skipped + len(raw) > LONGEST_LINE
         self._skipped = 0
         if long:
             return Line(self.number, b"", f"longer than {LONGEST_LINE} bytes")
-        return Line(self.number, whole)
+        return Line(self.number, raw)
 
     def _keep(self, rest: bytes) -> None:
         self._rest += rest

@@ -157,14 +157,14 @@ class Loop:
         return min((limit for limit in limits if limit is not None), default=None)
 
     def _handle(self, events: Iterator[Event]) -> None:
-        fleet, whole = self._parts.fleet, self._parts.feed.whole
+        fleet, from_start = self._parts.fleet, self._parts.feed.from_start
         for event in events:
             match event:
                 case Arrived(origin, line, vehicle):
                     self._changed = True
                     if self._allowance is not None:
                         self._allowance.line_came(origin, len(line.text))
-                    self._tell(fleet.handle(origin, line, whole=whole, only=vehicle), origin)
+                    self._tell(fleet.handle(origin, line, from_start=from_start, only=vehicle), origin)
                 case Left(origin, why):
                     fleet.gone(origin, why)
                     if self._allowance is not None:

@@ -106,14 +106,14 @@ class Reader:
     def __init__(
         self,
         program: Program,
-        own: Mapping[str, Program],
+        by_vehicle: Mapping[str, Program],
         *,
         inputs: bool,
         numbered: bool,
         first: Mapping[str, object],
     ) -> None:
         self._program, self._inputs, self._numbered, self._first = program, inputs, numbered, first
-        self._own = own
+        self._by_vehicle = by_vehicle
         self._ghosts = {var.name for var in program.target.system.ghosts}
 
     def read(self, line: Line) -> Message:
@@ -144,7 +144,7 @@ class Reader:
             raise InputError(f"truth_mm is {quoted(truth_mm)}; give whole mm, or leave it out")
         envelope_names = ("vehicle", "number", "cycle")
         inputs = {k: v for k, v in fields.items() if k not in self._ghosts and k not in envelope_names}
-        _require_known(self._own.get(envelope.vehicle, self._program), inputs)
+        _require_known(self._by_vehicle.get(envelope.vehicle, self._program), inputs)
         return Step(envelope, cycle, inputs, truth_mm)
 
     def _header(self, fields: Mapping[str, Any]) -> Header:

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from safeloc.errors import SnapshotError
 
-Whole = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=0)]
 _Text = Annotated[str, Field(max_length=10_000)]
 
 
@@ -21,17 +21,17 @@ class SavedVehicle(BaseModel):
 
     controller: str | None
     lost: tuple[_Text, _Text]
-    count: tuple[Whole | None, _Text]
-    recount: tuple[Whole | None, Whole] = (None, 0)
-    streak: tuple[Whole | None, Whole]
-    rhythm: tuple[Whole | None, Whole] = (None, 0)
+    count: tuple[Count | None, _Text]
+    recount: tuple[Count | None, Count] = (None, 0)
+    streak: tuple[Count | None, Count]
+    rhythm: tuple[Count | None, Count] = (None, 0)
     stopped: _Text
 
 
 class SavedRecords(SavedVehicle):
     """The fields of a vehicle that sends records: also the records of the open cycle, with their lines."""
 
-    pending: list[tuple[Whole, dict[str, Any]]]
+    pending: list[tuple[Count, dict[str, Any]]]
 
 
 class SavedSteps(SavedVehicle):
@@ -43,7 +43,7 @@ class SavedSteps(SavedVehicle):
     """
 
     numbered: bool
-    bare: Whole = 0
+    bare: Count = 0
     kept: tuple[str, ...] = ()
     before: dict[str, Any] = Field(default_factory=dict)
 
@@ -64,8 +64,8 @@ class SavedPlace(BaseModel):
 
     model_config = ConfigDict(strict=True, frozen=True)
 
-    consumed: Whole
-    line: Whole
+    consumed: Count
+    line: Count
     mark: str | None
 
 

@@ -24,7 +24,7 @@ LONGEST = 268_435_456
 _Content = Callable[[], Mapping[str, Any]]
 
 
-def write_whole(path: Path, data: bytes) -> None:
+def write_atomically(path: Path, data: bytes) -> None:
     """Write a file so that content and name are on disk when this returns. OSError if that is impossible."""
     if len(data) > LONGEST:
         raise OSError(errno.EFBIG, f"{len(data)} bytes, but only {LONGEST} could be read back")
@@ -142,7 +142,7 @@ class Saver:
 
     def _written(self, content: _Content) -> Exception | None:
         try:
-            write_whole(self.path, sealed(content(), KIND, VERSION))
+            write_atomically(self.path, sealed(content(), KIND, VERSION))
         except Exception as error:  # passed to the caller of `save`: this thread must not end
             return error
         return None

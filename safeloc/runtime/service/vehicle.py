@@ -27,17 +27,17 @@ MakeController = Callable[[int], Controller]
 class Vehicle(ABC):
     """A vehicle that turns lines into reports and events. Two subclasses define the meaning of a line.
 
-    whole      its first line is the first one that was sent; otherwise the cycle of that line may be incomplete
+    from_start its first line is the first one that was sent; otherwise the cycle of that line may be incomplete
     withdrew   a reported position was withdrawn: set here, cleared by the fleet
     stopped    the reason why the vehicle has stopped; "" while it runs
     """
 
-    def __init__(self, name: str, make: MakeController, pace: Pace, *, whole: bool) -> None:
+    def __init__(self, name: str, make: MakeController, pace: Pace, *, from_start: bool) -> None:
         self.name, self.withdrew, self.stopped = name, False, ""
         self.wrong = 0
         self.controller: Controller | None = None
         self._make, self._pace = make, pace
-        self._count = LineCount(None, "" if whole else "its first lines may be missing")
+        self._count = LineCount(None, "" if from_start else "its first lines may be missing")
         self._streak = Streak(pace)
         self._rhythm = Rhythm()
         self._lost = self._lost_before_next = ""

@@ -31,9 +31,9 @@ class Watchdog:
 
     def pass_over(self, now_s: float) -> None:
         """Ignore the time since the last call, in which no line could be read."""
-        own = 0.0 if self._looked is None else now_s - self._looked
+        elapsed_s = 0.0 if self._looked is None else now_s - self._looked
         self._looked = now_s
-        self._due = {vehicle: due + own for vehicle, due in self._due.items()}
+        self._due = {vehicle: due + elapsed_s for vehicle, due in self._due.items()}
 
     def overdue(self, now_s: float) -> Iterable[str]:
         """Return the vehicles whose cycle is overdue; from then on, each of them once per period until a line ends a cycle."""

@@ -54,7 +54,7 @@ def runs_file(runs: Sequence[Shown]) -> bytes:
     data = {
         "schema": _SCHEMA,
         "names": names,
-        "runs": [_packed_run(one, own, names) for one, own in zip(runs, rows, strict=True)],
+        "runs": [_packed_run(one, rows_of_run, names) for one, rows_of_run in zip(runs, rows, strict=True)],
     }
     return packed(json.dumps(data, separators=(",", ":")).encode(), SMALL)
 

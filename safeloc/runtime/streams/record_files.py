@@ -156,10 +156,10 @@ def _narrow(row: _Row) -> _Row:
 def _of_its_kind(row: _Row) -> _Row:
     """Return the row without the empty fields of other kinds. InputError if such a field has a value."""
     kind = row.get("kind")
-    own = OWN.get(kind) if isinstance(kind, str) else None
-    if own is None:
+    fields = OWN.get(kind) if isinstance(kind, str) else None
+    if fields is None:
         return row
-    foreign = [name for name in row if name not in own and name in FIELDS]
+    foreign = [name for name in row if name not in fields and name in FIELDS]
     for name in foreign:
         if row[name] is not None:
             others = " and ".join(other for other, names in OWN.items() if name in names)
@@ -231,8 +231,8 @@ def _value(name: str, text: str) -> int | bool | str:
     truth = truth_value(text)
     if truth is not None:
         return truth
-    whole = whole_number(text)
-    return text if whole is None else whole
+    integer = whole_number(text)
+    return text if integer is None else integer
 
 
 def _write_csv(path: Path, rows: Sequence[_Row]) -> None:

@@ -90,8 +90,8 @@ class MarkerRecord(Config):
 
     def inputs(self) -> Mapping[str, int]:
         """Return the machine inputs that it sets; unknown ones are left out."""
-        own = {"_position_mm": self.position_mm, "_accuracy_mm": self.accuracy_mm, "_since_mm": self.since_mm}
-        known = {f"{self.channel}{name}": value for name, value in own.items() if value is not None}
+        values = {"_position_mm": self.position_mm, "_accuracy_mm": self.accuracy_mm, "_since_mm": self.since_mm}
+        known = {f"{self.channel}{name}": value for name, value in values.items() if value is not None}
         return {self.channel: self.marker, **known}
 
 

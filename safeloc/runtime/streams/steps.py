@@ -223,9 +223,9 @@ def _from_text(path: Path, number: int, key: str, text: str) -> Cell:
     truth = truth_value(text)
     if truth is not None:
         return truth
-    whole = whole_number(text)
-    if whole is not None:
-        return whole
+    integer = whole_number(text)
+    if integer is not None:
+        return integer
     try:
         float(text)
     except ValueError:

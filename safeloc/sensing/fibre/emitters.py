@@ -88,6 +88,6 @@ class Listener:
         inter = self._config.interrogator
         place = channel * inter.channel_mm + inter.span_mm // 2
         known = [one for one in self._rules.emitters if one.bits == bits]
-        own = [one.id for one in known if abs(one.fibre_mm - place) <= self._rules.place_mm]
+        near = [one.id for one in known if abs(one.fibre_mm - place) <= self._rules.place_mm]
         duration = (self._bits + SILENT_BITS) * self._rules.bit_windows * self._config.window_ms
-        return Heard(own[0] if own else None, bits, place, round(time_ms - duration))
+        return Heard(near[0] if near else None, bits, place, round(time_ms - duration))

@@ -187,14 +187,14 @@ class FrontEnd:
         fit, stretch, watch = at_last_frame(fitted, self._config), track.last, self._watches[track.number]
         low = None if stretch.cut_low else self._end(fit.low_mm, fit.off_low_mm, -1, watch, light)
         high = None if stretch.cut_high else self._end(fit.high_mm, fit.off_high_mm, 1, watch, light)
-        whole = low is not None and high is not None
+        both_ends = low is not None and high is not None
         return TrainSeen(
             track.number,
             track.origin,
             low,
             high,
             speed(fit, self._config),
-            length(fit, self._config, self._where) if whole else None,
+            length(fit, self._config, self._where) if both_ends else None,
             watch.counter.count,
             watch.signaller.taken(),
         )

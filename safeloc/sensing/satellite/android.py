@@ -15,7 +15,7 @@ from safeloc.errors import InputError, StreamError
 from safeloc.runtime.outside import reading_file
 from safeloc.sensing.satellite.epochs import Epoch, Measured, in_order
 from safeloc.sensing.satellite.figures import L1_HZ, LIGHT_M_PER_S, WEEK_S
-from safeloc.sensing.satellite.log_lines import decimal, log_lines, whole
+from safeloc.sensing.satellite.log_lines import decimal, integer, log_lines
 
 _NANOS = 1_000_000_000
 _TIME_OF_WEEK, _CODE_LOCK, _GALILEO_CODE_LOCK = 8, 1, 1024
@@ -68,10 +68,10 @@ def _epoch(rows: list[_Row], path: Path) -> Epoch:
 def _tracked(row: _Row) -> str | None:
     """Return the satellite of a usable row; None for others."""
     letter, before, lock = _SYSTEMS.get(row["ConstellationType"], ("", 0, 0))
-    state = whole(row["State"])
+    state = integer(row["State"])
     if not (letter and state & lock and state & _TIME_OF_WEEK and _is_l1(row.get("CarrierFrequencyHz", ""))):
         return None
-    return f"{letter}{whole(row['Svid']) - before:02d}"
+    return f"{letter}{integer(row['Svid']) - before:02d}"
 
 
 def _is_l1(frequency_hz: str) -> bool:
@@ -80,10 +80,10 @@ def _is_l1(frequency_hz: str) -> bool:
 
 
 def _receiver_nanos(row: _Row) -> int:
-    return whole(row["TimeNanos"]) - whole(row["FullBiasNanos"])
+    return integer(row["TimeNanos"]) - integer(row["FullBiasNanos"])
 
 
 def _pseudorange_m(row: _Row) -> float:
     week = WEEK_S * _NANOS
-    travelled = (_receiver_nanos(row) - whole(row["ReceivedSvTimeNanos"]) + week // 2) % week - week // 2
+    travelled = (_receiver_nanos(row) - integer(row["ReceivedSvTimeNanos"]) + week // 2) % week - week // 2
     return (travelled + decimal(row["TimeOffsetNanos"]) - decimal(row["BiasNanos"])) / _NANOS * LIGHT_M_PER_S

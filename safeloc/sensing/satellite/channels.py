@@ -38,10 +38,10 @@ def identity(satellite: str) -> int:
 
 def satellite_name(number: int) -> str:
     """Return the name of an identity: 205 is E05. InputError for a number that is no identity."""
-    constellation, own = divmod(number, 100)
-    if number < 1 or own == 0 or constellation >= len(_CONSTELLATIONS):
+    constellation, within = divmod(number, 100)
+    if number < 1 or within == 0 or constellation >= len(_CONSTELLATIONS):
         raise InputError(f"{number} is no identity of a satellite.")
-    return f"{_CONSTELLATIONS[constellation]}{own:02d}"
+    return f"{_CONSTELLATIONS[constellation]}{within:02d}"
 
 
 @dataclass(frozen=True)
@@ -77,8 +77,8 @@ class Channels:
         """
         without_channel = self._assign(visible)
         faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in without_channel]
-        codes = [_whole(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
-        rates = [_whole(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
+        codes = [_as_integers(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
+        rates = [_as_integers(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
         inputs: ChannelValues = {}
         channels: dict[str, int] = {}
         for number, name in enumerate(self._held, 1):
@@ -111,7 +111,7 @@ class Channels:
         return {f"{channel}_{key}": value for key, value in values.items() if value is not None}
 
 
-def _whole(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[str, int]:
+def _as_integers(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[str, int]:
     """Return differences in whole mm or mm/s, rounded away from zero. One that is not finite or too great is a fault."""
     found: dict[str, int] = {}
     for name, value in values.items():

@@ -22,7 +22,7 @@ class Measured:
             if value is not None and not math.isfinite(value):
                 raise InputError(f"a measured value is {value}; give None if nothing was measured.")
 
-    def whole(self) -> bool:
+    def complete(self) -> bool:
         """Return whether both values were measured."""
         return self.pseudorange_m is not None and self.rate_m_per_s is not None
 

@@ -23,7 +23,7 @@ def decimal(text: str) -> float:
     return float(_plain(text))
 
 
-def whole(text: str) -> int:
+def integer(text: str) -> int:
     """Read a cell as a whole number; ValueError as `decimal`."""
     return int(_plain(text))
 

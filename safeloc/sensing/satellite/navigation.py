@@ -15,7 +15,7 @@ from safeloc.errors import InputError, StreamError
 from safeloc.runtime.outside import reading_file
 from safeloc.sensing.satellite.atmosphere import Four, Klobuchar
 from safeloc.sensing.satellite.ephemeris import FIT_HOURS, Ephemeris, usable
-from safeloc.sensing.satellite.log_lines import decimal, log_lines, whole
+from safeloc.sensing.satellite.log_lines import decimal, integer, log_lines
 from safeloc.sensing.satellite.times import gps_seconds, of_week
 
 _LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
@@ -99,7 +99,9 @@ def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
     fit = seven[1] if len(seven) > 1 and seven[1] > 0 and not european else FIT_HOURS
     return Ephemeris(
         satellite=satellite,
-        clock_time_s=gps_seconds(whole(year), whole(month), whole(day), whole(hour), whole(minute), decimal(second)),
+        clock_time_s=gps_seconds(
+            integer(year), integer(month), integer(day), integer(hour), integer(minute), decimal(second)
+        ),
         af0_s=clock[0],
         af1=clock[1],
         af2_per_s=clock[2],

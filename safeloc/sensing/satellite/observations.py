@@ -11,7 +11,7 @@ from pathlib import Path
 from safeloc.errors import StreamError
 from safeloc.runtime.outside import reading_file
 from safeloc.sensing.satellite.epochs import Epoch, Measured, in_order
-from safeloc.sensing.satellite.log_lines import decimal, log_lines, whole
+from safeloc.sensing.satellite.log_lines import decimal, integer, log_lines
 from safeloc.sensing.satellite.predicted import rate_of_doppler
 from safeloc.sensing.satellite.times import gps_seconds
 
@@ -81,7 +81,7 @@ def _head(lines: list[str], at: int, path: Path) -> tuple[str, int]:
 def _time(head: str, where: str) -> float:
     try:
         year, month, day, hour, minute, second = head[1:29].split()
-        return gps_seconds(whole(year), whole(month), whole(day), whole(hour), whole(minute), decimal(second))
+        return gps_seconds(integer(year), integer(month), integer(day), integer(hour), integer(minute), decimal(second))
     except (ValueError, OverflowError) as error:
         raise StreamError(f"{where}: {head[1:29]!r} is no time ({error}); mend or drop the epoch.") from error
 

@@ -132,8 +132,8 @@ class Solution:
 
 
 def _hull(found: Sequence[ExactBounds | None]) -> ExactBounds | None:
-    whole = [one for one in found if one is not None]
-    return hull(whole) if whole and len(whole) == len(found) else None
+    known = [one for one in found if one is not None]
+    return hull(known) if known and len(known) == len(found) else None
 
 
 def solve(

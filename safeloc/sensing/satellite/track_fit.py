@@ -93,7 +93,7 @@ def fit(sights: Mapping[str, Sight]) -> TrackFit:
     size = len(next(iter(rows.values())))
     if any(len(row) != size for row in rows.values()) or len(sights) < size:
         raise NoSolution("FEW_LEFT", f"{len(sights)} usable satellites for {size} unknowns: no fix.")
-    weights = _whole([one.weight for one in sights.values()])
+    weights = _as_integers([one.weight for one in sights.values()])
     normal, sums = _normal(list(rows.values()), weights, [one.difference for one in sights.values()])
     (first, over), (found, under) = _solved(normal, [1, *[0] * (size - 1)]), _solved(normal, sums)
     weighed = zip(rows.items(), weights, strict=True)
@@ -114,7 +114,7 @@ def _row(one: Sight, clocks: Sequence[str]) -> list[int]:
     return [one.slope_ppm, *one.across_ppm, *(PPM_PER_ONE if clock == one.clock else 0 for clock in clocks)]
 
 
-def _whole(weights: Sequence[Fraction]) -> list[int]:
+def _as_integers(weights: Sequence[Fraction]) -> list[int]:
     """Return the weights times a common factor, as whole numbers."""
     factor = math.lcm(*(weight.denominator for weight in weights))
     return [weight.numerator * (factor // weight.denominator) for weight in weights]

@@ -105,7 +105,7 @@ def test_what_no_claim_needs_is_told(tmp_path: Path) -> None:
     heard = list[Core]()
     again = cores_of(whole, claims(), LIMITS, jobs=2, on_core=heard.append, look_in=store, keep_in=store)
     assert first == again == heard
-    told = json.loads(json.dumps(as_data(whole, first, whole=True)))
+    told = json.loads(json.dumps(as_data(whole, first, complete=True)))
     assert "safeloc-cores/1" == told["schema"]
     assert unused == {one["name"] for one in told["needed_by_none"]}
 

@@ -9,14 +9,15 @@ import pytest
 
 from safeloc.assurance.mutation.choosing import MADE, chosen
 from safeloc.assurance.mutation.composed_work import parts
-from safeloc.assurance.mutation.declared import whole_of
+from safeloc.assurance.mutation.declared import declared_of
 from safeloc.assurance.mutation.members import composed
 from safeloc.assurance.mutation.places import noted
-from safeloc.assurance.mutation.reasons import SHIPPED, Reasons, read_reasons, shipped_reasons
+from safeloc.assurance.mutation.reasons import Reasons, read_reasons, shipped_reasons
 from safeloc.assurance.mutation.results import Of, Outcome, as_data, from_data
 from safeloc.assurance.mutation.table import lines
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
+from safeloc.target import MODELS
 from tests.assurance.mutation.shop import outcome
 
 WHY = "The number of brakings is for people; nothing safe rests on it."
@@ -100,11 +101,15 @@ def test_data() -> None:
     assert survived.id == from_data(data["results"][0]).id
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in SHIPPED.glob("*.toml")))
+SHIPPED = {path.name.removesuffix(".mutants.toml"): path for path in sorted(MODELS.rglob("*.mutants.toml"))}
+
+
+@pytest.mark.parametrize("name", SHIPPED)
 def test_what_ships_speaks_of_what_there_is(name: str) -> None:
-    """Each file that ships is of a machine that ships, and each of its reasons of a mutant of it."""
-    assert name in ENTRIES
+    """Each file that ships stands in the folder of its machine, and each of its reasons is of a mutant of it."""
+    assert MODELS / ENTRIES[name].folder == SHIPPED[name].parent
     reasons = shipped_reasons(name)
+    assert str(SHIPPED[name]) == reasons.file
     with noted() as places:
         target = load_target(name)
     if target.system.parts:
@@ -113,5 +118,5 @@ def test_what_ships_speaks_of_what_there_is(name: str) -> None:
         }
         assert reasons.of(existing)
     else:
-        some = chosen(whole_of(target), places, [part for part in MADE if part in reasons.by_part], most=1, seed=0)
+        some = chosen(declared_of(target), places, [part for part in MADE if part in reasons.by_part], most=1, seed=0)
         assert reasons.of(some.existing)

@@ -162,6 +162,6 @@ def test_multiples_have_one_direction() -> None:
     """Forms that are multiples of each other share a direction; whole values are whole in it."""
     one, factor, rest = direction(polynomial(figure("(+ (* 4 x) (+ (* (- 6) y) 1))")))
     other, turned, _ = direction(polynomial(figure("(- (* 3 y) (* 2 x))")))
-    assert (Fraction(1), True) == (rest, one.whole)
+    assert (Fraction(1), True) == (rest, one.integer)
     assert one == other
     assert {Fraction(-2)} == {factor / turned}

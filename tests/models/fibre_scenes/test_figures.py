@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import groupby
-from pathlib import Path
 
 import pytest
 
@@ -15,8 +14,8 @@ from safeloc.models.fibre.scenes.figures import END_SCENES, EndScene
 from safeloc.models.fibre.scenes.recordings import recorded_end
 from safeloc.runtime.streams.steps import Cell, read_steps
 from tests.models.fibre_family import labels, mode_labels, replayed
+from tests.shipped_recordings import shipped
 
-STREAMS = Path(fibre.__file__).parents[1] / "streams"
 MACHINE = fibre.machine()
 SYSTEM = without_ghosts(lower(MACHINE))
 GHOSTS = {var.name for var in MACHINE.world.choices}
@@ -28,7 +27,7 @@ FLIPPED = 0.005
 
 def run_of(name: str) -> tuple[Trace, list[dict[str, Cell]]]:
     """A shipped recording through the machine, and its steps."""
-    steps = [dict(step) for step in read_steps(STREAMS / f"fibre-{name}.jsonl.gz").steps]
+    steps = [dict(step) for step in read_steps(shipped(f"fibre-{name}")).steps]
     return replayed(SYSTEM, [{key: cell for key, cell in step.items() if key not in GHOSTS} for step in steps]), steps
 
 
@@ -131,10 +130,10 @@ def test_every_reported_interval_holds_the_truth(name: str) -> None:
 def fresh_is_shipped(made: EndScene) -> None:
     """Steps and picture of a simulation made now are those that ship."""
     recording = recorded_end(made)
-    shipped = read_steps(STREAMS / f"{recording.name}.jsonl.gz")
-    assert recording.first == shipped.first
-    assert len(recording.steps) == len(shipped.steps)
-    for now, then in zip(recording.steps, shipped.steps, strict=True):
+    stored = read_steps(shipped(recording.name))
+    assert recording.first == stored.first
+    assert len(recording.steps) == len(stored.steps)
+    for now, then in zip(recording.steps, stored.steps, strict=True):
         assert now.keys() == then.keys()
         assert {name: cell for name, cell in now.items() if not near(cell, then[name])} == {}
     picture = loud(recording.name)

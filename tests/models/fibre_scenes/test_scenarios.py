@@ -20,8 +20,8 @@ from safeloc.models.fibre.scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENE
 from safeloc.models.train_order import machine as order_machine
 from safeloc.railway.pictures import LoudFibre
 from safeloc.runtime.streams.steps import Cell, read_steps
+from tests.shipped_recordings import shipped
 
-STREAMS = Path(fibre_area.__file__).parents[1] / "streams"
 NAMES = [one.name for one in SCENARIOS]
 LOST_FROM_S, LOST_TO_S = 95.5, 108.0
 
@@ -30,7 +30,7 @@ LOST_FROM_S, LOST_TO_S = 95.5, 108.0
 def run_of(name: str) -> tuple[Trace, list[dict[str, Cell]], LoudFibre]:
     """A shipped recording through the whole, its steps, and what is kept of its picture."""
     system = without_ghosts(fibre_area.compose_machines().composition.system)
-    stream = read_steps(STREAMS / f"fibre_area-{name}.jsonl.gz")
+    stream = read_steps(shipped(f"fibre_area-{name}"))
     known = {var.name for var in system.inputs} | {option.value.name for option in system.optionals}
     steps = [dict(step) for step in stream.steps]
     rows = [{key: cell for key, cell in step.items() if key in known} for step in steps]
@@ -206,7 +206,7 @@ def test_two_trains_close_together_are_nobodys() -> None:
     """Told apart by order, then one pattern for both, then two again with the same owners."""
     system = without_ghosts(lower(order_machine()))
     known = {var.name for var in system.inputs}
-    steps = read_steps(STREAMS / "train_order-two-trains-close.jsonl.gz").steps
+    steps = read_steps(shipped("train_order-two-trains-close")).steps
     trace = run(system, [{key: cell for key, cell in step.items() if key in known} for step in steps])
     owners = [tuple(step.outputs[f"train_of_pattern_{n}"] for n in (1, 2)) for step in trace.steps]
     assert [(0, 0), (1, 0), (2, 1), (0, 0), (2, 1)] == [pair for pair, _ in groupby(owners)]
@@ -216,10 +216,10 @@ def test_two_trains_close_together_are_nobodys() -> None:
 
 def fresh_is_shipped(made: Recording) -> None:
     """Steps of a simulation made now are those that ship, but for rounding."""
-    shipped = read_steps(STREAMS / f"{made.name}.jsonl.gz")
-    assert made.first.keys() == shipped.first.keys()
-    assert len(made.steps) == len(shipped.steps)
-    for now, then in zip(made.steps, shipped.steps, strict=True):
+    stored = read_steps(shipped(made.name))
+    assert made.first.keys() == stored.first.keys()
+    assert len(made.steps) == len(stored.steps)
+    for now, then in zip(made.steps, stored.steps, strict=True):
         assert now.keys() == then.keys()
         far = {name: cell for name, cell in now.items() if isinstance(cell, int) and abs(cell - int(then[name])) > 2}
         assert far == {}

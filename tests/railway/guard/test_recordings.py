@@ -166,7 +166,7 @@ def test_without_the_way_no_track_is_wrong(log: str) -> None:
 
 
 def test_shipped_files_are_what_the_model_makes() -> None:
-    """Map and streams of `models/positions` can be made again."""
+    """Map and streams that ship can be made again."""
     assert (FOLDER / "junction.toml").read_text(encoding="utf-8") == to_toml(junction())
     assert (FOLDER / "junction.csv").read_text(encoding="utf-8") == csv_text()
     assert (FOLDER / "junction.nmea").read_bytes().decode() == nmea_text()

@@ -30,16 +30,18 @@ HERE = "here"
 class Told:
     """A fleet that is told lines, with its answers."""
 
-    def __init__(self, fleet: Fleet | None = None, *, whole: bool = True) -> None:
+    def __init__(self, fleet: Fleet | None = None, *, from_start: bool = True) -> None:
         self.fleet = fleet or Fleet(ODOMETRY, FleetSettings(100))
-        self.whole, self.number = whole, 0
+        self.from_start, self.number = from_start, 0
 
     def say(self, *texts: str, origin: str = HERE, only: str | None = None) -> list[Data]:
         """Answers to these lines."""
         answers: list[Data] = []
         for text in texts:
             self.number += 1
-            answers += self.fleet.handle(origin, Line(self.number, text.strip().encode()), whole=self.whole, only=only)
+            answers += self.fleet.handle(
+                origin, Line(self.number, text.strip().encode()), from_start=self.from_start, only=only
+            )
         return answers
 
 
@@ -221,9 +223,9 @@ def test_a_flood_is_refused() -> None:
 
 def test_a_vehicle_met_under_way() -> None:
     """Where its first line need not be the first there was, its first cycle is not used, unless it is numbered 1."""
-    assert doubted(Told(whole=False).say(*lines(2))[0])
-    assert not doubted(Told(whole=False).say(*numbered(2))[0])
-    assert not doubted(Told(whole=False).say(end(0), *lines(2))[0])
+    assert doubted(Told(from_start=False).say(*lines(2))[0])
+    assert not doubted(Told(from_start=False).say(*numbered(2))[0])
+    assert not doubted(Told(from_start=False).say(end(0), *lines(2))[0])
 
 
 def test_a_bad_line_before_the_first_good_one() -> None:
@@ -237,7 +239,7 @@ def test_half_a_line() -> None:
     made = numbered(4)
     told.say(*made[:18])
     half = made[18][:20].encode()
-    assert told.fleet.handle(HERE, Line(19, half, cut=True), whole=True)[0]["event"] == "refused"
+    assert told.fleet.handle(HERE, Line(19, half, cut=True), from_start=True)[0]["event"] == "refused"
     told.fleet.gone(HERE, "it hung up")
     assert not any(doubted(answer) for answer in told.say(*made[18:]))
     told = Told()
@@ -283,13 +285,13 @@ def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
     """It is told once, and later lines are refused; other vehicles go on."""
     target = Target("door", (door,), lower(door), ())
     told = Told(Fleet(Program(target), FleetSettings(500, inputs=True)))
-    whole = {"speed": 0, "released": False, "blocked": False}
+    from_start = {"speed": 0, "released": False, "blocked": False}
     said = [
-        {"vehicle": "a", "cycle": 1, **whole},
-        {"vehicle": "a", "cycle": 3, **whole},
-        {"vehicle": "a", "cycle": 4, **whole},
+        {"vehicle": "a", "cycle": 1, **from_start},
+        {"vehicle": "a", "cycle": 3, **from_start},
+        {"vehicle": "a", "cycle": 4, **from_start},
     ]
-    answers = told.say(*map(json.dumps, said), json.dumps({"vehicle": "b", "cycle": 1, **whole}))
+    answers = told.say(*map(json.dumps, said), json.dumps({"vehicle": "b", "cycle": 1, **from_start}))
     assert [answer.get("event", "report") for answer in answers] == ["report", "halted", "refused", "report"]
     assert "cannot restart by itself (input speed is missing)" in answers[1]["reason"]
 
@@ -338,7 +340,7 @@ def test_what_cannot_be_read_may_have_been_any_number_of_steps(merged: int, how:
     told.say(*said[:5])
     assert told.fleet.vehicles["1"].place is not None
     flaw = "longer than 65536 bytes" if len(joined) > 65_536 else ""
-    (refused,) = told.fleet.handle(HERE, Line(6, b"" if flaw else joined.encode(), flaw), whole=True)
+    (refused,) = told.fleet.handle(HERE, Line(6, b"" if flaw else joined.encode(), flaw), from_start=True)
     anew, report = told.say(said[5 + merged])
     assert refused["event"] == "refused"
     assert anew["anew"] == f"line 6: {refused['reason']}"
@@ -383,22 +385,22 @@ def test_the_truth_beside_a_step_is_compared() -> None:
 
 def short_stream() -> tuple[list[str], list[Data]]:
     """A stream that leaves out distances that are as they were before, and its steps in full."""
-    whole = [inputs(records) for records in drive(12)]
-    for number, step in enumerate(whole):
+    from_start = [inputs(records) for records in drive(12)]
+    for number, step in enumerate(from_start):
         step |= {"front_wheel_mm": 1200 + number // 5, "truth_mm": number * 1200}
     kept = ["front_wheel_mm", "front_radar_mm", "rear_wheel_mm", "rear_radar_mm", "truth_mm"]
     short = [
         {name: value for name, value in step.items() if name not in kept or value != before.get(name)}
-        for before, step in pairwise([{}, *whole])
+        for before, step in pairwise([{}, *from_start])
     ]
     header = {"schema": "safeloc-stream/1", "machine": "odometry", "kept": kept}
-    return [json.dumps(header), *map(json.dumps, short)], whole
+    return [json.dumps(header), *map(json.dumps, short)], from_start
 
 
 def test_a_stream_may_leave_out_what_is_as_before() -> None:
     """As recordings are shipped: reports are those of the steps in full, also behind a restart."""
-    said, whole = short_stream()
-    expected = steps().say(*map(json.dumps, whole))
+    said, from_start = short_stream()
+    expected = steps().say(*map(json.dumps, from_start))
     told, again = steps(), steps()
     first = told.say(*said[:6])
     again.fleet.restore(json.loads(json.dumps(told.fleet.freeze()())))
@@ -408,8 +410,8 @@ def test_a_stream_may_leave_out_what_is_as_before() -> None:
 
 def test_what_is_left_out_behind_a_lost_step_is_not_known() -> None:
     """Nothing of such a step is used, until one says everything again."""
-    said, whole = short_stream()
-    answers = steps().say(*said[:5], '{"nonsense": 1}', *said[6:8], json.dumps(whole[7]), said[9])
+    said, from_start = short_stream()
+    answers = steps().say(*said[:5], '{"nonsense": 1}', *said[6:8], json.dumps(from_start[7]), said[9])
     refused = [answer for answer in answers if answer.get("event") == "refused"]
     assert [answer["line"] for answer in refused] == [6, 7, 8]
     assert "is left out as kept, but the step before has no value of it" in refused[1]["reason"]
@@ -525,7 +527,7 @@ class Clock:
 def crowd(**ways: Any) -> tuple[Told, Clock]:
     """A fleet with little room."""
     clock = Clock()
-    return Told(Fleet(ODOMETRY, FleetSettings(100, **ways), clock=clock), whole=False), clock
+    return Told(Fleet(ODOMETRY, FleetSettings(100, **ways), clock=clock), from_start=False), clock
 
 
 def test_names_that_nobody_uses_any_more_make_room() -> None:
@@ -575,10 +577,10 @@ def test_what_claims_something_is_not_forgotten() -> None:
     clock = Clock()
     target = Target("door", (door,), lower(door), ())
     told = Told(Fleet(Program(target), FleetSettings(500, inputs=True, most_vehicles=1), clock=clock))
-    whole = {"speed": 0, "released": False, "blocked": False}
-    told.say(json.dumps({"vehicle": "a", "cycle": 1, **whole}))
+    from_start = {"speed": 0, "released": False, "blocked": False}
+    told.say(json.dumps({"vehicle": "a", "cycle": 1, **from_start}))
     clock.now = 1e6
-    assert told.say(json.dumps({"vehicle": "b", "cycle": 1, **whole}))[0]["reason"] == "1 vehicles already"
+    assert told.say(json.dumps({"vehicle": "b", "cycle": 1, **from_start}))[0]["reason"] == "1 vehicles already"
 
 
 def test_silence_withdraws_a_place() -> None:
@@ -601,8 +603,8 @@ def test_a_fleet_goes_on_where_it_was(cut: int, counted: bool) -> None:
     """Frozen after any line and restored, open cycles and doubts included, the answers are those of one that went on."""
     said = numbered(25) if counted else lines(30)
     said[20] = "{"
-    whole, first, second = Told(), Told(), Told()
-    expected = whole.say(*said)
+    from_start, first, second = Told(), Told(), Told()
+    expected = from_start.say(*said)
     answers = first.say(*said[:cut])
     kept = json.loads(json.dumps(first.fleet.freeze()()))
     second.fleet.restore(kept)
@@ -654,7 +656,7 @@ def test_no_line_breaks_the_process(said: list[str | bytes], by_steps: bool) -> 
     told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=by_steps)))
     for number, text in enumerate(said, 1):
         data = text if isinstance(text, bytes) else text.encode()
-        answers = told.fleet.handle(HERE, Line(number, data), whole=True)
+        answers = told.fleet.handle(HERE, Line(number, data), from_start=True)
         assert json.loads(json.dumps(answers)) == answers
     json.dumps(told.fleet.freeze()())
     fresh = [json.dumps({"cycle": n, "vehicle": "z"}) for n in range(1, 4)] if by_steps else numbered(4, "z")
@@ -686,7 +688,7 @@ NOT_ITS_OWN = "a line of vehicle {}; the sender's certificate is for vehicle 12 
 
 def two() -> Told:
     """Vehicles 12 and 13, each known by its certificate."""
-    told = Told(whole=False)
+    told = Told(from_start=False)
     for name in ("12", "13"):
         answers = told.say(*numbered(3, name), origin=name, only=name)
         assert [answer["cycle"] for answer in reports(answers)] == [1, 2, 3]
@@ -722,7 +724,7 @@ def test_a_certificate_speaks_for_its_own_vehicle_only(text: str, name: str) -> 
 def test_a_stream_without_a_name_is_of_vehicle_1() -> None:
     """Its header says so as its lines do, so only that vehicle's certificate may say it."""
     header = '{"schema": "' + SCHEMA + '", "kept": ["front_wheel_mm"]}'
-    told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=True)), whole=False)
+    told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=True)), from_start=False)
     (refused,) = told.say(header, origin="12", only="12")
     assert refused["reason"] == NOT_ITS_OWN.format("1")
     assert told.fleet.vehicles == {}

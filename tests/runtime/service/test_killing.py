@@ -17,10 +17,10 @@ import pytest
 from safeloc.runtime.embedding import Controller
 from safeloc.runtime.service.clock_lag import AT_ONCE_CYCLES
 from tests.runtime.embedding.driving import distances, drive, trusting
-from tests.runtime.service.processes import ROOT, Data, lines, numbered, ran, read, reports, running, wait_for
+from tests.runtime.service.processes import Data, lines, numbered, ran, read, reports, running, wait_for
+from tests.shipped_recordings import shipped
 
 CYCLES = 400
-STREAMS = ROOT / "models" / "streams"
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_the_whole_localizer_goes_on_as_if_nothing_had_been(tmp_path: Path, name
     """All sources, arbitration and both links, killed once before and once after what goes wrong: the reports are, to the
     byte, those of a run that nobody killed, and a place is known after the last kill."""
     chance = random.Random(name)
-    text = gzip.decompress((STREAMS / f"localizer-{name}.jsonl.gz").read_bytes()).decode()
+    text = gzip.decompress((shipped(f"localizer-{name}")).read_bytes()).decode()
     whole = ran(tmp_path, "--inputs", said=text, config="", machine="localizer").stdout
     source, sink, snapshot = (tmp_path / one for one in ("lines.jsonl", "reports.jsonl", "snapshot.json"))
     source.write_text("", encoding="utf-8")

@@ -152,7 +152,7 @@ class Run:
         if line.text.startswith(KILLED):
             self._go_on(_number(line.text[len(KILLED) :]))
             return []
-        told = self.fleet.handle(str(self.origin), line, whole=False)
+        told = self.fleet.handle(str(self.origin), line, from_start=False)
         self.snapshots.append(json.dumps(self.fleet.freeze()()))
         return told
 

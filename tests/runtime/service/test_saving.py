@@ -16,7 +16,7 @@ from safeloc.runtime.embedding.snapshot import sealed
 from safeloc.runtime.service import saving
 from safeloc.runtime.service.address import Address, address
 from safeloc.runtime.service.journal import MOST_A_SECOND, Journal
-from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, read_saved, write_whole
+from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, read_saved, write_atomically
 from safeloc.runtime.service.watchdog import Watchdog
 
 
@@ -60,7 +60,7 @@ def test_what_cannot_be_read(tmp_path: Path) -> None:
 def test_a_write_that_fails_leaves_the_old_one(tmp_path: Path, moment: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whenever it stops: the file is the old one, whole."""
     path = tmp_path / "snapshot.json"
-    write_whole(path, b"old")
+    write_atomically(path, b"old")
 
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
@@ -72,7 +72,7 @@ def test_a_write_that_fails_leaves_the_old_one(tmp_path: Path, moment: str, monk
     else:
         monkeypatch.setattr(Path, "open", full)
     with pytest.raises(OSError, match="No space"):
-        write_whole(path, b"new")
+        write_atomically(path, b"new")
     monkeypatch.undo()
     assert path.read_bytes() == b"old"
 
@@ -84,7 +84,7 @@ def test_a_disk_that_is_full_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyP
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(saving, "write_whole", full)
+    monkeypatch.setattr(saving, "write_atomically", full)
     with pytest.raises(InputError, match=r"snapshot\.json: the snapshot cannot be written: No space left on device\.$"):
         saver.save(lambda: content(1))
     monkeypatch.undo()
@@ -239,7 +239,7 @@ def test_a_huge_snapshot_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyP
     with pytest.raises(SnapshotError, match=r"snapshot\.json: over 1000 bytes"):
         read_saved(path)
     with pytest.raises(OSError, match="1001 bytes, but only 1000"):
-        write_whole(path, b"y" * 1_001)
+        write_atomically(path, b"y" * 1_001)
     assert path.read_bytes() == b"x" * 1_001
 
 

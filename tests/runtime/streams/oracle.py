@@ -228,7 +228,7 @@ def _answers(lines: Lines) -> Iterator[dict[str, object]]:
     fleet, cutter = Fleet(program(), FleetSettings(PERIOD_MS, inputs=True)), LineCutter()
     for text in lines:
         for line in cutter.feed(text.encode("utf-8", "surrogatepass") + b"\n"):
-            yield from fleet.handle("peer", line, whole=True)
+            yield from fleet.handle("peer", line, from_start=True)
     yield from fleet.finish()
 
 

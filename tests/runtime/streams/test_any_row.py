@@ -97,7 +97,7 @@ def test_any_lines_leave_a_fleet_running(said: list[dict[str, Any]], inputs: boo
     """Nothing raises, nothing is a defect, and a refusal names its line."""
     fleet = Fleet(PROGRAM, FleetSettings(100, inputs=inputs, numbered=numbered))
     for number, row in enumerate(said, 1):
-        for told in fleet.handle("peer", Line(number, text_of(row).encode()), whole=True):
+        for told in fleet.handle("peer", Line(number, text_of(row).encode()), from_start=True):
             assert UNFORESEEN not in str(told.get("reason", ""))
             assert told.get("event") != "refused" or told["line"] == number
     fleet.finish()

@@ -38,7 +38,7 @@ def corrected_of(epoch: Epoch, navigation: Navigation) -> list[dict[str, str]]:
     rows = []
     for name, measured in epoch.satellites.items():
         ephemeris = navigation.valid(name, epoch.time_s)
-        if ephemeris is None or not measured.whole():
+        if ephemeris is None or not measured.complete():
             continue
         whole = predicted(ephemeris, epoch.time_s, SURVEYED, STILL, navigation.ionosphere)
         sent_s = epoch.time_s - measured.code() / LIGHT_M_PER_S

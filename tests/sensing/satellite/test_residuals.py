@@ -61,7 +61,7 @@ def test_a_wrong_receiver_clock_is_taken_off() -> None:
     early = {
         name: Measured(one.code() + 0.02 * LIGHT_M_PER_S, one.rate())
         for name, one in epoch.satellites.items()
-        if one.whole()
+        if one.complete()
     }
     right, wrong = (residuals(one, SURVEYED, STILL, navigation) for one in (epoch, Epoch(epoch.time_s + 0.02, early)))
     assert abs(wrong.clock_s - right.clock_s - 0.02) < 1e-7

@@ -185,8 +185,8 @@ def _spans(rows: Sequence[Row]) -> dict[str, tuple[Row, Row]]:
     for row in rows:
         by_edge.setdefault(row.edge, []).append(row)
     return {
-        edge: (min(own, key=lambda row: row.kilometre_mm), max(own, key=lambda row: row.kilometre_mm))
-        for edge, own in by_edge.items()
+        edge: (min(of_edge, key=lambda row: row.kilometre_mm), max(of_edge, key=lambda row: row.kilometre_mm))
+        for edge, of_edge in by_edge.items()
     }
 
 

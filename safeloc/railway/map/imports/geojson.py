@@ -242,9 +242,9 @@ def _naming(tracks: Mapping[str, Track]) -> Naming:
     )
 
 
-def _node_name(ends: Sequence[End], own: Sequence[Relation]) -> str:
+def _node_name(ends: Sequence[End], meeting: Sequence[Relation]) -> str:
     """Name a node by the common prefix of its relations' identities, up to a bar; otherwise by its first end."""
-    names = {relation.id.partition("|")[0] for relation in own if "|" in relation.id}
+    names = {relation.id.partition("|")[0] for relation in meeting if "|" in relation.id}
     if len(names) == 1:
         return names.pop()
     return f"{ends[0][0]} {'end' if ends[0][1] else 'begin'}"

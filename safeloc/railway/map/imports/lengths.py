@@ -35,5 +35,5 @@ def _ascii(text: str) -> str:
 def millimetres(metres: Decimal) -> tuple[int, bool]:
     """Return metres in whole mm, to the nearest (halves to the even one), and whether this is exact."""
     exact = metres * MM_PER_M
-    whole = exact.to_integral_value(rounding=ROUND_HALF_EVEN)
-    return int(whole), whole == exact
+    rounded = exact.to_integral_value(rounding=ROUND_HALF_EVEN)
+    return int(rounded), rounded == exact

@@ -145,9 +145,9 @@ def _net_element(
     if way is not None and way.contradicts(length_m):
         remark = f"{length_m} m long, but {way.length_m} m by its coordinates; the former is taken"
         notes.append(Note("doubtful", element.place, remark))
-    whole, exact = millimetres(length_m)
+    rounded, exact = millimetres(length_m)
     if not exact:
-        notes.append(Note("rounded", element.place, f"length {length_m} m to {whole} mm"))
+        notes.append(Note("rounded", element.place, f"length {length_m} m to {rounded} mm"))
     return NetElement(element, length_m, measures, way)
 
 

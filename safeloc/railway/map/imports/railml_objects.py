@@ -155,11 +155,11 @@ def switch_naming(functional: Element, network: Network, places: Places) -> Nami
             if tag in ("leftBranch", "rightBranch"):
                 left_of[pair] = tag == "leftBranch"
 
-    def node(ends: Sequence[End], own: Sequence[Relation]) -> str:
-        named = [names[pair] for one in own if (pair := frozenset((one.one, one.other))) in names]
+    def node(ends: Sequence[End], meeting: Sequence[Relation]) -> str:
+        named = [names[pair] for one in meeting if (pair := frozenset((one.one, one.other))) in names]
         if named:
             return named[0]
-        return own[0].id if own else f"{ends[0][0]} {'end' if ends[0][1] else 'begin'}"
+        return meeting[0].id if meeting else f"{ends[0][0]} {'end' if ends[0][1] else 'begin'}"
 
     def sides(stem: End, one: End, other: End) -> tuple[End, End] | None:
         first, second = left_of.get(frozenset((stem, one))), left_of.get(frozenset((stem, other)))

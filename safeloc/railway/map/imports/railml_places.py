@@ -144,12 +144,12 @@ class Places:
         return None
 
     def _in_element(self, place: str, metres: Decimal, net: NetElement) -> int:
-        whole, exact = millimetres(metres)
+        rounded, exact = millimetres(metres)
         if not 0 <= metres <= net.length_m:
             raise InputError(f"{place}: {metres} m lies outside net element {net.id!r} of {net.length_m} m.")
         if not exact:
             self.notes.append(Note("rounded", place, "position to the nearest mm"))
-        return min(whole, net.length_mm)
+        return min(rounded, net.length_mm)
 
 
 def _directions(location: Element) -> tuple[Direction, ...]:

@@ -73,11 +73,11 @@ def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) ->
     node_of: dict[End, str] = {}
     found: list[Switch | Crossing] = []
     nodes: list[Node] = []
-    for ends, own in zip(groups, inside, strict=True):
+    for ends, meeting in zip(groups, inside, strict=True):
         if len(ends) > _MOST_ENDS:
             raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {_MOST_ENDS} can.")
-        place = own[0].place if own else f"edge {min(ends)[0]!r}"
-        node = _node(sorted(ends), own, naming, place)
+        place = meeting[0].place if meeting else f"edge {min(ends)[0]!r}"
+        node = _node(sorted(ends), meeting, naming, place)
         nodes.append(node)
         node_of |= dict.fromkeys(ends, node.id)
         found += _joint(node.id, ends, ways, naming.sides, place, notes)
@@ -136,13 +136,13 @@ def _reached(start: End, beside: Mapping[End, set[End]]) -> frozenset[End]:
     return frozenset(reached)
 
 
-def _node(ends: Sequence[End], own: Sequence[Relation], naming: Naming, place: str) -> Node:
+def _node(ends: Sequence[End], meeting: Sequence[Relation], naming: Naming, place: str) -> Node:
     edges = [edge for edge, _ in ends]
     if len(set(edges)) < len(edges):
         twice = next(edge for edge in edges if edges.count(edge) > 1)
         raise InputError(f"{place}: both ends of edge {twice!r} meet at one node; divide it into two edges.")
     where = next((found for found in map(naming.coordinates, ends) if found is not None), (None, None))
-    return made(Node, place, id=naming.node(ends, own), longitude_deg=where[0], latitude_deg=where[1])
+    return made(Node, place, id=naming.node(ends, meeting), longitude_deg=where[0], latitude_deg=where[1])
 
 
 def _joint(

@@ -50,12 +50,12 @@ class _Profile:
 
     def position_mm(self, value: object, place: str) -> int:
         """Return a position or length in whole mm."""
-        whole, exact = millimetres(decimal(value, f"{place}: position"))
+        rounded, exact = millimetres(decimal(value, f"{place}: position"))
         if not exact:
-            self.notes.append(Note("rounded", place, f"{value} m to {whole} mm"))
-        if not 0 <= whole <= self.length_mm:
+            self.notes.append(Note("rounded", place, f"{value} m to {rounded} mm"))
+        if not 0 <= rounded <= self.length_mm:
             raise InputError(f"{place}: {value} m lies outside the track of {self.length_mm} mm.")
-        return whole
+        return rounded
 
     def pieces(self, name: str, units: Mapping[str, str]) -> Iterator[tuple[str, Stretch, list[Any]]]:
         """Yield the rows of a table of starting points, each with the stretch up to the next one."""
@@ -111,10 +111,10 @@ def _length_mm(data: Mapping[str, Any]) -> int:
     stops = [decimal(value, f"{place} row {number}") for number, value in enumerate(_values(table, place), 1)]
     if len(stops) < 2 or stops[0] != 0 or any(after <= before for before, after in pairwise(stops)):
         raise InputError(f"{place}: stops begin at 0 and grow; the last one ends the track.")
-    whole, exact = millimetres(stops[-1])
+    rounded, exact = millimetres(stops[-1])
     if not exact:
         raise InputError(f"{place}: the length {stops[-1]} m is no whole number of mm.")
-    return whole
+    return rounded
 
 
 def _speed_limits(profile: _Profile) -> Iterator[SpeedLimit]:
@@ -127,10 +127,10 @@ def _speed_limits(profile: _Profile) -> Iterator[SpeedLimit]:
 def _gradients(profile: _Profile) -> Iterator[Gradient]:
     for place, stretch, (slope,) in profile.pieces("gradients", {"position": "m", "slope": "permil"}):
         ppm = decimal(slope, f"{place}: slope") * 1_000
-        whole = ppm.to_integral_value()
-        if whole != ppm:
-            profile.notes.append(Note("rounded", place, f"slope {slope} per mille to {whole} ppm"))
-        yield made(Gradient, place, **stretch.model_dump(), rise_ppm=int(whole))
+        rounded = ppm.to_integral_value()
+        if rounded != ppm:
+            profile.notes.append(Note("rounded", place, f"slope {slope} per mille to {rounded} ppm"))
+        yield made(Gradient, place, **stretch.model_dump(), rise_ppm=int(rounded))
 
 
 def _curves(profile: _Profile) -> Iterator[Curve]:
@@ -144,12 +144,12 @@ def _radius_mm(profile: _Profile, value: object, place: str) -> int | None:
     if value == "infinity":
         return None
     radius: Decimal = decimal(value, f"{place}: radius")
-    whole, exact = millimetres(radius)
-    if whole == 0:
+    rounded, exact = millimetres(radius)
+    if rounded == 0:
         raise InputError(f"{place}: a radius cannot be {value} m.")
     if not exact:
-        profile.notes.append(Note("rounded", place, f"radius {value} m to {whole} mm"))
-    return whole
+        profile.notes.append(Note("rounded", place, f"radius {value} m to {rounded} mm"))
+    return rounded
 
 
 def _tunnels(profile: _Profile) -> Iterator[Tunnel]:

@@ -1,6 +1,6 @@
 """Recordings of stays with a detector within its bounds: one without trouble, and named ones.
 
-`python -m safeloc.models.fibre_area.recordings` writes those that ship, `... recordings FOLDER` those that are made on demand. Tests
+`python -m safeloc.models.fibre_area.recorded_runs` writes those that ship, `... recorded_runs FOLDER` those that are made on demand. Tests
 check that the former come out the same, and the latter with the same digest.
 """
 
@@ -17,7 +17,7 @@ from safeloc.models.verification import VerificationConfig
 from safeloc.runtime.streams.steps import write_steps
 
 CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
-FOLDER = Path(__file__).parents[1] / "streams"
+FOLDER = Path(__file__).with_name("recordings")
 LONG = (0, 3_000_000)
 LATE_RECORD = Journey(
     cycles=385,

@@ -1,6 +1,6 @@
 """Shipped recordings of the balise machine: a service, groups with every kind of fault, and two announced groups missed in a row.
 
-`python -m safeloc.models.balise.recordings` writes them; the tests check that it still writes the same.
+`python -m safeloc.models.balise.recorded_runs` writes them; the tests check that it still writes the same.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
-FOLDER = Path(__file__).parents[1] / "streams"
+FOLDER = Path(__file__).with_name("recordings")
 
 
 @dataclass(frozen=True)

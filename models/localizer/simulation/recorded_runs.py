@@ -1,6 +1,6 @@
 """Shipped recordings of the localizer: short journeys, each with its expected outcome in words.
 
-`python -m safeloc.models.localizer.simulation.recordings` writes them; the tests check that it still writes the same.
+`python -m safeloc.models.localizer.simulation.recorded_runs` writes them; the tests check that it still writes the same.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
-FOLDER, SEED = Path(__file__).parents[2] / "streams", 3
+FOLDER, SEED = Path(__file__).parents[1] / "recordings", 3
 EVERYWHERE = Stretch(-1_000_000, 10_000_000)
 
 

@@ -1,10 +1,12 @@
 """Recordings of the route machine that ship: runs over the line of source 001, fig. 3, whole and with a reflector missed.
 
-Written by `python -m safeloc.models.route.recordings`; the tests check that they come out the same.
+`python -m safeloc.models.route.recorded_runs` writes them, `... recorded_runs FOLDER` those that are made on demand; the tests
+check that they come out the same.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +21,7 @@ from safeloc.railway.map.walk import Walk
 from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.motion import Leg
 
-FOLDER, LINE, MOST_ROUTES = Path(__file__).parents[1] / "streams", "fig3", 100
+FOLDER, LINE, MOST_ROUTES = Path(__file__).with_name("recordings"), "fig3", 100
 STEADY = [Leg(30_000, 50.0)]
 """Up to 30 m/s, 50 s in all."""
 
@@ -30,25 +32,28 @@ class Run:
 
     missed  number of the reflector that is never seen, counted from 0
     seed    seed of the drawn errors
-    whole   from standstill to the end of the route, as the line permits; otherwise 50 s of `STEADY`
+    to_the_end   from standstill to the end of the route, as the line permits; otherwise 50 s of `STEADY`
     """
 
     models: str
     seed: int
-    whole: bool = False
+    to_the_end: bool = False
     missed: int | None = None
 
 
 RUNS: Mapping[str, Run] = {
-    "adab-every-reflector": Run("ADAB", 1, whole=True),
-    "adad-every-reflector": Run("ADAD", 1, whole=True),
-    "acd-every-reflector": Run("ACD", 1, whole=True),
-    "adcd-every-reflector": Run("ADCD", 3),
+    "acd-every-reflector": Run("ACD", 1, to_the_end=True),
     "adcd-first-missed": Run("ADCD", 3, missed=0),
     "adcd-second-missed": Run("ADCD", 3, missed=1),
+}
+"""The recordings that ship, by the end of their names: the route is known; all are given up; it is known in spite of a reflector missed."""
+ON_DEMAND: Mapping[str, Run] = {
+    "adab-every-reflector": Run("ADAB", 1, to_the_end=True),
+    "adad-every-reflector": Run("ADAD", 1, to_the_end=True),
+    "adcd-every-reflector": Run("ADCD", 3),
     "dcd-every-reflector": Run("DCD", 5),
 }
-"""By the end of the recording's name."""
+"""Runs along the other routes of the line, which do not ship: others show each of their transitions and cases."""
 
 
 def recorded(run: Run) -> Steps:
@@ -56,7 +61,7 @@ def recorded(run: Run) -> Steps:
     walk = Walk(find_line(LINE))
     routes = [one for one in through_routes(walk.topology, MOST_ROUTES) if one.runs[0].direction == "increasing"]
     taken = [one.models() for one in routes].index(run.models)
-    return _driven(walk, routes, taken, run.seed) if run.whole else _steady(routes, taken, run)
+    return _driven(walk, routes, taken, run.seed) if run.to_the_end else _steady(routes, taken, run)
 
 
 def _driven(walk: Walk, routes: Sequence[Route], taken: int, seed: int) -> Steps:
@@ -70,14 +75,14 @@ def _steady(routes: Sequence[Route], taken: int, run: Run) -> Steps:
     return simulate(RouteConfig(), ways, taken + 1, seed=run.seed, legs=STEADY, missed=missed)
 
 
-def write(folder: Path = FOLDER) -> list[Path]:
-    """Write all recordings and return their paths."""
-    paths = [folder / f"route-{name}.jsonl.gz" for name in RUNS]
-    for path, run in zip(paths, RUNS.values(), strict=True):
+def write(folder: Path = FOLDER, runs: Mapping[str, Run] = RUNS) -> list[Path]:
+    """Write the recordings and return their paths."""
+    paths = [folder / f"route-{name}.jsonl.gz" for name in runs]
+    for path, run in zip(paths, runs.values(), strict=True):
         write_steps(path, recorded(run), machine="route")
     return paths
 
 
 if __name__ == "__main__":
-    for path in write():
+    for path in write(Path(sys.argv[1]), ON_DEMAND) if sys.argv[1:] else write():
         print(path)
