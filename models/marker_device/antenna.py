@@ -1,0 +1,81 @@
+"""The vehicle of a marker device: its true movement, and the antenna of its receiver, which lies behind end A.
+
+The machine computes nothing. It has the ghosts that the other machines share: where end A is, and where the antenna is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.declared import Declared
+from safeloc.language.expr import TRUE, Num, NumVar, between, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.units import NM, NM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.marker_device.configuration import MarkerDeviceConfig
+from safeloc.models.odometry.ghosts import Movement
+
+NAME = "vehicle"
+
+
+@dataclass(frozen=True, eq=False)
+class Antenna:
+    """The machine, and where the antenna is.
+
+    behind   ghost: its true distance behind end A, nm, the same in every step
+    """
+
+    machine: Machine
+    moved: Movement
+    behind: NumVar
+
+    @property
+    def place(self) -> Num:
+        """The antenna's true place along the line, nm."""
+        return self.moved.truth - self.behind
+
+
+def antenna(config: MarkerDeviceConfig, moved: Movement) -> Antenna:
+    """Build the machine of a vehicle that moves so."""
+    declared, table = Declared(), modes("MOVING")
+    most = config.antenna_mm + config.antenna_tolerance_mm
+    truth, true_step = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_step)
+    behind = declared.ghost(number("antenna_behind_nm", NM, -most * NM_PER_MM, most * NM_PER_MM), first=ANY)
+    made = Machine(
+        name=NAME,
+        modes=table,
+        inputs=declared.inputs,
+        state=declared.states,
+        outputs={},
+        transitions=[Transition("moves", table[0], table[0], TRUE, {}, ("MRK-D6",), 0)],
+        world=World(
+            ghosts=declared.ghosts,
+            choices=declared.choices,
+            moves={truth: truth + true_step, behind: behind},
+            clauses=_laws(config, moved, behind),
+        ),
+        doc="The true movement of end A, and of the antenna behind it. Assumed: the antenna is where the vehicle's data say.",
+    )
+    return Antenna(made, moved, behind)
+
+
+def _laws(config: MarkerDeviceConfig, moved: Movement, behind: NumVar) -> dict[str, Law]:
+    place, slack = config.antenna_mm * NM_PER_MM, config.antenna_tolerance_mm * NM_PER_MM
+    return {
+        "the antenna is where the data say": Law(
+            between(place - slack, behind, place + slack),
+            "The antenna of the receiver is as far behind end A as the vehicle's data say, within their tolerance.",
+            ("antenna_mm", "antenna_tolerance_mm"),
+            "[D] drawing of the vehicle",
+            "operator",
+            "vehicle data entry; positions of the receiver against fixed markers at both readers",
+        ),
+        "the vehicle stays on the line": Law(
+            between(moved.truth.low, moved.truth + moved.true_step, moved.truth.high),
+            "The vehicle does not leave the coordinates of the line.",
+            ("position_limit_mm",),
+            "[D] 1 000 km of line",
+            "operator",
+            "route setting",
+        ),
+    }
