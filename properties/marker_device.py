@@ -13,6 +13,7 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
 from safeloc.models.marker_device import MarkerDevice
 from safeloc.models.odometry.marker_reading import ACCEPTED, NONE, OUT_OF_WINDOW
+from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.guard import LAW as RECEIVER
 from safeloc.properties.odometry import LAW as MARKERS
@@ -68,10 +69,10 @@ def _restrictive_state(whole: MarkerDevice) -> Iterator[Property]:
         statement="a reason is stated exactly while the vehicle is restrictive",
         requirements=("MRK-D2",),
     )
-    if own.config.trust_first_marker or own.satellites is None:
+    if own.config.trust_first_marker:
         return
     by_marker = any_of(source.num(reader.verdict).eq(ACCEPTED) for reader in own.readers)
-    candidate = source.num(machine.mode).eq(machine.modes[1]) & ~source.bool(own.satellites.gave_candidate)
+    candidate = source.num(machine.mode).eq(machine.modes[1]) & ~source.bool(_given(whole).gave_candidate)
     yield for_all_inputs(
         "the receiver alone ends no restrictive state",
         (earlier_bool(restrictive) & ~restrictive).implies(by_marker | earlier_bool(candidate)),
@@ -84,8 +85,7 @@ def _restrictive_state(whole: MarkerDevice) -> Iterator[Property]:
 def _satellites(whole: MarkerDevice) -> Iterator[Property]:
     """What the receiver may do to the position: nothing but what its guard passes on."""
     source, receiver = whole.composition.of(whole.source.machine), whole.composition.of(whole.receiver.machine)
-    own, given = whole.source.own, whole.source.own.satellites
-    assert given is not None  # the configuration asks for it
+    own, given = whole.source.own, _given(whole)
     passed, verdict = receiver.bool(whole.receiver.machine.flag("passed")), source.num(given.verdict)
     yield for_all_inputs(
         "what the guard withholds is no reading",
@@ -118,8 +118,7 @@ def _satellites(whole: MarkerDevice) -> Iterator[Property]:
 def _antenna(whole: MarkerDevice, passed: Bool) -> Property:
     """The interval that odometry gets is the guard's, at end A, and no narrower than the antenna's place allows."""
     source, receiver = whole.composition.of(whole.source.machine), whole.composition.of(whole.receiver.machine)
-    given, machine, config = whole.source.own.satellites, whole.receiver.machine, whole.config
-    assert given is not None
+    given, machine, config = _given(whole), whole.receiver.machine, whole.config
     place, below, above = (source.num(one) for one in (given.place.value, given.below, given.above))
     position, guard_below, guard_above = (
         receiver.num(machine.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
@@ -132,6 +131,12 @@ def _antenna(whole: MarkerDevice, passed: Bool) -> Property:
         statement="odometry gets the guard's position as far ahead as the antenna is behind end A, with both margins wider by the "
         "tolerance of that distance",
     )
+
+
+def _given(whole: MarkerDevice) -> SatelliteReader:
+    given = whole.source.own.satellites
+    assert given is not None  # the configuration asks for it
+    return given
 
 
 def _restrictive(whole: MarkerDevice) -> Bool:

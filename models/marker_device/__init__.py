@@ -21,7 +21,6 @@ from safeloc.models import delocalized, guard, odometry
 from safeloc.models.guard.variables import parts as guard_parts
 from safeloc.models.marker_device.antenna import Antenna, antenna
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
-from safeloc.models.odometry.ghosts import Movement
 from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.models.odometry.variables import parts as odometry_parts
 from safeloc.models.odometry.world import SATELLITES
@@ -45,8 +44,8 @@ class MarkerDevice:
 def compose_machines(config: MarkerDeviceConfig | None = None) -> MarkerDevice:
     """Compose the device of a vehicle; all machines share one truth."""
     config = config or MarkerDeviceConfig()
-    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe)
-    vehicle = antenna(config, Movement(own.ghosts.truth, own.ghosts.true_step))
+    vehicle = antenna(config)
+    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=vehicle.moved)
     receiver, source = guard.build(guard_parts(config.guard)), odometry.build(own)
     behind = delocalized.parts(restrictive_config(config))
     restrictive = delocalized.build(behind)

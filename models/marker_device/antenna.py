@@ -35,9 +35,9 @@ class Antenna:
         return self.moved.truth - self.behind
 
 
-def antenna(config: MarkerDeviceConfig, moved: Movement) -> Antenna:
-    """Build the machine of a vehicle that moves so."""
-    declared, table = Declared(), modes("MOVING")
+def antenna(config: MarkerDeviceConfig) -> Antenna:
+    """Build the machine of the vehicle, with its movement."""
+    declared, table, moved = Declared(), modes("MOVING"), _movement(config)
     most = config.antenna_mm + config.antenna_tolerance_mm
     truth, true_step = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_step)
     behind = declared.ghost(number("antenna_behind_nm", NM, -most * NM_PER_MM, most * NM_PER_MM), first=ANY)
@@ -57,6 +57,11 @@ def antenna(config: MarkerDeviceConfig, moved: Movement) -> Antenna:
         doc="The true movement of end A, and of the antenna behind it. Assumed: the antenna is where the vehicle's data say.",
     )
     return Antenna(made, moved, behind)
+
+
+def _movement(config: MarkerDeviceConfig) -> Movement:
+    line, farthest = config.farthest_mm * NM_PER_MM, config.odometry.max_speed_mm_s * config.odometry.period_ms * 1_000
+    return Movement(number("truth_nm", NM, -line, line), number("true_step_nm", NM, -farthest, farthest))
 
 
 def _laws(config: MarkerDeviceConfig, moved: Movement, behind: NumVar) -> dict[str, Law]:

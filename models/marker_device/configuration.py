@@ -40,10 +40,18 @@ class MarkerDeviceConfig(Config):
     @model_validator(mode="after")
     def _fits(self) -> MarkerDeviceConfig:
         """Refuse figures with which the guard's position would not be an input of odometry."""
-        beyond = 2 * self.guard.window_limit_mm + self.antenna_mm
+        beyond = 2 * (self.guard.window_limit_mm + self.antenna_mm + self.antenna_tolerance_mm)
         if beyond > self.odometry.position_limit_mm:
             raise ValueError(
                 f"odometry.position_limit_mm {self.odometry.position_limit_mm} is below {beyond}, by which the guard's window and the "
                 "antenna may reach beyond the line; raise it."
             )
         return self
+
+    @property
+    def farthest_mm(self) -> int:
+        """The farthest true place of end A: the line, and beyond it what odometry's or the guard's interval may hold, with two runs of a cycle."""
+        own, run_mm = self.odometry, -(-self.odometry.max_speed_mm_s * self.odometry.period_ms // 1_000)
+        of_odometry = 2 * own.tolerance_mm + own.vehicle_length_mm
+        of_guard = 2 * self.guard.window_limit_mm + self.antenna_mm + self.antenna_tolerance_mm + 2 * run_mm
+        return own.position_limit_mm + max(of_odometry, of_guard)

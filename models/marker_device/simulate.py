@@ -27,8 +27,8 @@ FOLDER, SEED, FIX_EVERY_MS = Path(__file__).parents[1] / "streams", 5, 1_000
 KINDS = Kinds("a receiver", {**plain("silent", "across"), "jump": {"by_mm": 180_000}})
 """Faults by cycle: no fix; a fix on a course across the way, 90 m off; a fix `by_mm` along the way."""
 ACROSS_MM, ACROSS_MRAD = 90_000, 600
-SHARED = ("truth_mm", "true_step_nm")
-"""Names of odometry's own steps that are not its own in the composition."""
+SHARED, REMARK = "true_step_nm", "truth_mm"
+"""Names of odometry's own steps: the movement is that of the whole; its remark says what a ghost of the whole has."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Scene:
 SCENES: Mapping[str, Scene] = {
     "tunnel": Scene(
         [Leg(0, 8), Leg(35_000, 190), Leg(0, 40)],
-        [(1, 300_000), *((number, 1_500_000 + 500_000 * number) for number in range(2, 7))],
-        receiver=(Fault("silent", "", 850, 1_700),),
+        [(1, 300_000), *((number, 1_300_000 + 400_000 * number) for number in range(2, 10))],
+        receiver=(Fault("silent", "", 850, 1_650),),
         says="Satellites give the first candidate and the first marker confirms it. In the open, positions of satellites bound the "
         "margin without a marker; in the tunnel the markers do, at both ends. Behind it satellites lead again.",
     ),
@@ -84,7 +84,8 @@ def simulate(config: MarkerDeviceConfig, scene: Scene, *, seed: int) -> Steps:
 
 
 def _named(step: Mapping[str, int | bool]) -> dict[str, Cell]:
-    return {key if key in SHARED else f"odometry.{key}": cell for key, cell in step.items()}
+    own = {key: cell for key, cell in step.items() if key != REMARK}
+    return {key if key == SHARED else f"odometry.{key}": cell for key, cell in own.items()}
 
 
 def first_state(config: MarkerDeviceConfig) -> dict[str, Value]:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 
+from safeloc.language.spec import Property
 from safeloc.models import marker_device
 from safeloc.models.marker_device import NAME, MarkerDevice, restrictive_config
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
+from safeloc.models.marker_device.configurations import CONFIGURATIONS
 from safeloc.properties import delocalized as delocalized_claims
 from safeloc.properties import guard as guard_claims
 from safeloc.properties import marker_device as claims
 from safeloc.properties import odometry as odometry_claims
 from safeloc.properties.odometry import faults
-from safeloc.language.spec import Property
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Target, recorded
@@ -67,5 +68,6 @@ ENTRIES = (
         target,
         Family.ODOMETRY,
         place=40,
+        configurations=CONFIGURATIONS,
     ),
 )

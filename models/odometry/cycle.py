@@ -226,7 +226,12 @@ def _heading(own: Parts, cycles: tuple[Cycle, ...]) -> Heading:
 
 
 def _position(
-    own: Parts, reader: SatelliteReader, readings: Sequence[Reading], moved: Cycle, reference: Values, situation: Situation
+    own: Parts,
+    reader: SatelliteReader,
+    readings: Sequence[Reading],
+    moved: Cycle,
+    reference: Values,
+    situation: Situation,
 ) -> Reading:
     """The position of satellites: it sets the front device, unless a marker is taken in the same cycle.
 
@@ -260,9 +265,7 @@ def _fresh(found: Fix, device: Device) -> tuple[Values, Values]:
     return first, second
 
 
-def _reading(
-    own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values, situation: Situation
-) -> MarkerReading:
+def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values, situation: Situation) -> MarkerReading:
     device = own.set_by(end)
     moved = next(one for one in cycles if one.device is device)
     found, reader = fix(own.readers[end], moved), own.readers[end]

@@ -9,7 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
-from safeloc.language.expr import BoolVar, NumVar, Optional, as_num, boolean, choice, enumeration, exact_to, number, optional
+from safeloc.language.expr import (
+    BoolVar,
+    NumVar,
+    Optional,
+    as_num,
+    boolean,
+    choice,
+    enumeration,
+    exact_to,
+    number,
+    optional,
+)
 from safeloc.language.units import MM, NM
 from safeloc.models.odometry.marker_reading import NONE, READING, Fix
 

@@ -54,12 +54,14 @@ def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
         "candidate which satellites confirm",
         requirements=("MRK-D6", "MRK-D1"),
     )
-    taken = given.verdict.eq(CANDIDATE)
+    taken, marker = given.verdict.eq(CANDIDATE), any_of(reader.verdict.eq(CANDIDATE) for reader in own.readers)
+    kept = candidate & before(machine.mode).eq(machine.modes[1]) & ~taken & ~marker
     yield for_all_inputs(
         "a candidate of satellites is known as one",
-        (taken.implies(candidate & given.gave_candidate))
-        & (any_of(reader.verdict.eq(CANDIDATE) for reader in own.readers) & candidate).implies(~given.gave_candidate),
-        statement="the machine stores whether the candidate is a position of satellites or a marker",
+        taken.implies(candidate & given.gave_candidate)
+        & (marker & candidate).implies(~given.gave_candidate)
+        & kept.implies(given.gave_candidate.iff(earlier_bool(given.gave_candidate))),
+        statement="the machine stores whether the candidate is a position of satellites or a marker, as long as it waits",
         requirements=("MRK-D6", "MRK-D1"),
     )
 
