@@ -46,12 +46,13 @@ def compose_machines(config: MarkerDeviceConfig | None = None) -> MarkerDevice:
     config = config or MarkerDeviceConfig()
     vehicle = antenna(config)
     own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=vehicle.moved)
-    receiver, source = guard.build(guard_parts(config.guard)), odometry.build(own)
+    receiver = guard.build(guard_parts(config.guard, truth=vehicle.place))
+    source = odometry.build(own)
     behind = delocalized.parts(restrictive_config(config))
     restrictive = delocalized.build(behind)
     wires: dict[Var, Expr] = {
         receiver.own.advance: TRUE,
-        receiver.own.next_truth: vehicle.place,
+        receiver.own.next_truth: vehicle.at,
         **_into_odometry(config, receiver, own.satellites),
         **behind.reads(source.machine),
         behind.next_truth: own.ghosts.truth,
@@ -60,7 +61,7 @@ def compose_machines(config: MarkerDeviceConfig | None = None) -> MarkerDevice:
         NAME,
         [vehicle.machine, receiver.machine, source.machine, restrictive],
         wires,
-        shared=[own.ghosts.truth, own.ghosts.true_step],
+        shared=[own.ghosts.truth, own.ghosts.true_step, vehicle.place],
         discharge=[Clause(source.machine, SATELLITES), restrictive],
     )
     return MarkerDevice(config, whole, vehicle, receiver, source, restrictive)

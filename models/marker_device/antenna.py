@@ -16,22 +16,26 @@ from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.odometry.ghosts import Movement
 
 NAME = "vehicle"
+DATA = "the antenna is where the data say"
 
 
 @dataclass(frozen=True, eq=False)
 class Antenna:
     """The machine, and where the antenna is.
 
+    moved    ghosts: the true movement of end A
+    place    ghost: its true place along the line, nm
     behind   ghost: its true distance behind end A, nm, the same in every step
     """
 
     machine: Machine
     moved: Movement
+    place: NumVar
     behind: NumVar
 
     @property
-    def place(self) -> Num:
-        """The antenna's true place along the line, nm."""
+    def at(self) -> Num:
+        """Its true place, reckoned from end A."""
         return self.moved.truth - self.behind
 
 
@@ -41,6 +45,9 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
     most = config.antenna_mm + config.antenna_tolerance_mm
     truth, true_step = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_step)
     behind = declared.ghost(number("antenna_behind_nm", NM, -most * NM_PER_MM, most * NM_PER_MM), first=ANY)
+    farthest = moved.truth.high + most * NM_PER_MM
+    place = declared.ghost(number("antenna_nm", NM, -farthest, farthest), first=ANY)
+    laws = _laws(config, moved, behind)
     made = Machine(
         name=NAME,
         modes=table,
@@ -51,12 +58,14 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
         world=World(
             ghosts=declared.ghosts,
             choices=declared.choices,
-            moves={truth: truth + true_step, behind: behind},
-            clauses=_laws(config, moved, behind),
+            moves={truth: truth + true_step, behind: behind, place: truth + true_step - behind},
+            clauses=laws,
         ),
+        initially=laws[DATA].term & place.eq(truth - behind),
+        lemmas={"the antenna is behind end A": laws[DATA].term & place.eq(truth - behind)},
         doc="The true movement of end A, and of the antenna behind it. Assumed: the antenna is where the vehicle's data say.",
     )
-    return Antenna(made, moved, behind)
+    return Antenna(made, moved, place, behind)
 
 
 def _movement(config: MarkerDeviceConfig) -> Movement:
@@ -67,7 +76,7 @@ def _movement(config: MarkerDeviceConfig) -> Movement:
 def _laws(config: MarkerDeviceConfig, moved: Movement, behind: NumVar) -> dict[str, Law]:
     place, slack = config.antenna_mm * NM_PER_MM, config.antenna_tolerance_mm * NM_PER_MM
     return {
-        "the antenna is where the data say": Law(
+        DATA: Law(
             between(place - slack, behind, place + slack),
             "The antenna of the receiver is as far behind end A as the vehicle's data say, within their tolerance.",
             ("antenna_mm", "antenna_tolerance_mm"),

@@ -145,7 +145,8 @@ def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[
     """Transitions out of the modes that report nothing."""
     lost, candidate, *located = mode
     waiting, seen = (lost, candidate), _seen(own, cycle)
-    located_now, of_marker = {own.reason: LOCATED}, _candidate_of_satellites(own, FALSE)
+    located_now: Updates = {own.reason: LOCATED}
+    of_marker = _candidate_of_satellites(own, FALSE)
     for reading in cycle.readings:
         end, target, leads = ENDS[reading.end], located[_index(own, reading.device)], reading.leading
         taken, sure = reading.is_candidate & leads, reading.accepted & leads
@@ -170,7 +171,8 @@ def _by_satellites(own: Parts, cycle: Judgement, position: Reading, mode: tuple[
     """Transitions out of the modes that report nothing, by a position of satellites."""
     lost, candidate, front = mode[:3]
     only = together(_seen(own, cycle), _only_by(own, cycle, position))
-    located_now = together(only, {own.reason: LOCATED}, _candidate_of_satellites(own, FALSE))
+    found: Updates = {own.reason: LOCATED}
+    located_now = together(only, found, _candidate_of_satellites(own, FALSE))
     first = together(only, _no_identities(own), _candidate_of_satellites(own, TRUE))
     confirmed = together(located_now, _identities(own, cycle.remembered()))
     yield Transition(

@@ -104,9 +104,10 @@ def _references(model: Odometry) -> Iterator[Property]:
 
 def _verdicts(own: Parts, of: Device | None = None) -> list[Num]:
     """The verdicts on all readings of the cycle, or on those that can set one device."""
-    ends = [reader.verdict for end, reader in enumerate(own.readers) if of is None or own.set_by(end) is of]
-    given = own.satellites is not None and (of is None or of is own.devices[0])
-    return ends + ([own.satellites.verdict] if given and own.satellites is not None else [])
+    found: list[Num] = [reader.verdict for end, reader in enumerate(own.readers) if of is None or own.set_by(end) is of]
+    if own.satellites is not None and of in (None, own.devices[0]):
+        found.append(own.satellites.verdict)
+    return found
 
 
 def _margin(machine: Machine) -> Num:
