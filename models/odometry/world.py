@@ -279,6 +279,7 @@ def _satellite_law(own: Parts) -> dict[str, Law]:
             "[D] containment of what checks the receiver, whose own proof it is",
             "supplier",
             "fixed markers on the way: each is compared with the position",
+            "where an interval that comes as inputs begins and ends is those inputs and nothing more",
         )
     }
 

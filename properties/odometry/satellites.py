@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, between, exact_to, maximum
+from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, exact_to, maximum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
 from safeloc.models.odometry import M1, Odometry
@@ -90,7 +90,9 @@ def _use(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
     most, limit = own.config.tolerance_mm, own.config.position_limit_mm
     yield for_all_inputs(
         "only a coarse position of satellites is too coarse",
-        (given.verdict.eq(TOO_COARSE)).implies((widest > most) | ~between(-limit, given.place.value, limit)),
+        (given.verdict.eq(TOO_COARSE)).implies(
+            (widest > most) | (given.place.value > limit) | (given.place.value < -limit)
+        ),
         statement="a position of satellites is refused as too coarse only if its margin with the one-off constant of the better "
         "unit exceeds the tolerance, or if it lies beyond the line",
     )
