@@ -14,6 +14,7 @@ from safeloc.catalogue import load_target
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import InputError
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Var, floor_div, ite
+from safeloc.language.interpret import run
 from safeloc.language.system import environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
@@ -23,7 +24,7 @@ from safeloc.models.guard import box
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.models.marker_device import MarkerDevice, compose_machines
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
-from safeloc.models.marker_device.simulate import SCENES, SEED, first_state, simulate, write
+from safeloc.models.marker_device.simulate import SCENES, SEED, Scene, first_state, simulate, write
 from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.odometry.world import SATELLITES
@@ -34,6 +35,7 @@ from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.faults import Fault
+from safeloc.simulation.motion import Leg
 from safeloc.target import STREAMS
 from tests.proof.provers.small import told
 
@@ -160,17 +162,22 @@ def margins(trace: Trace, cycles: range) -> list[int]:
     return [max(int(trace.steps[at].outputs[side]) for side in sides) for at in cycles]
 
 
+def assert_truth_inside(trace: Trace) -> None:
+    """End A lies in each interval that the host gets."""
+    for one in trace.steps:
+        if not one.outputs["delocalized.restrictive"]:
+            position, truth = int(one.outputs["delocalized.position_mm"]), int(one.state["truth_nm"])
+            assert position - int(one.outputs["delocalized.margin_below_mm"]) <= truth / NM_PER_MM
+            assert position + int(one.outputs["delocalized.margin_above_mm"]) >= truth / NM_PER_MM
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", SCENES)
 def test_every_interval_holds_the_truth(name: str) -> None:
     """The recording obeys every law to its end, and end A lies in each interval that the host gets."""
     trace = recorded(name)
     assert len(trace.steps) == len(read_steps(STREAMS / f"marker_device-{name}.jsonl.gz").steps)
-    for one in trace.steps:
-        if not one.outputs["delocalized.restrictive"]:
-            position, truth = int(one.outputs["delocalized.position_mm"]), int(one.state["truth_nm"])
-            assert position - int(one.outputs["delocalized.margin_below_mm"]) <= truth / NM_PER_MM
-            assert position + int(one.outputs["delocalized.margin_above_mm"]) >= truth / NM_PER_MM
+    assert_truth_inside(trace)
 
 
 @pytest.mark.thorough
@@ -212,6 +219,23 @@ def test_a_false_receiver_changes_nothing() -> None:
         grown = margins(trace, span)
         assert grown == sorted(grown)
     assert ["DELOCALIZED", "LOCALIZED"] == course(trace, "delocalized.mode")
+
+
+@pytest.mark.thorough
+def test_a_receiver_that_lies_for_long_is_refused_where_markers_locate() -> None:
+    """Beyond the guard's law: false fixes 180 m ahead fill a row and are passed on, and odometry refuses every one of them."""
+    markers = [(number, 250_000 * number - 150_000) for number in range(1, 14)]
+    scene = Scene([Leg(0, 8), Leg(30_000, 100)], markers, receiver=(Fault("jump", "", 300, 900),))
+    system = compose_machines().composition.system
+    trace = run(system, simulate(CONFIG, scene, seed=SEED), first=first_state(CONFIG))
+    false = [at for at in range(300, 900) if trace.steps[at].outputs["guard.passed"]]
+    ends = [f"odometry.{end}_reading" for end in ("front", "rear")]
+    read = {at for at in false if "ACCEPTED" in [label(trace, end, at) for end in ends]}
+    refused = [label(trace, "odometry.satellite_reading", at) for at in false if at not in read]
+    assert len(refused) > 10
+    assert {"OUT_OF_WINDOW"} == set(refused)
+    assert ["DELOCALIZED", "LOCALIZED"] == course(trace, "delocalized.mode")
+    assert_truth_inside(trace)
 
 
 @pytest.mark.thorough
