@@ -6,7 +6,7 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
-from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
+from safeloc.language.expr import NumVar, boolean, choice, enumeration, members, number, optional
 from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PER_MILLE, UM_PER_MM, UM_S
 
@@ -136,7 +136,7 @@ class Parts:
     sure_*         ghosts: the same of the fixes that the law of the receiver speaks of
     """
 
-    def __init__(self, config: GuardConfig) -> None:
+    def __init__(self, config: GuardConfig, truth: NumVar | None = None) -> None:
         self.declared = declared = Declared()
         limit, fast = config.position_limit_mm, config.max_speed_mm_s * UM_PER_MM
         reach = reach_nm(config)
@@ -167,7 +167,8 @@ class Parts:
         self.known_low = declared.state(number("known_low_nm", NM, -reach, reach), first=-reach)
         self.known_high = declared.state(number("known_high_nm", NM, -reach, reach), first=reach)
         self.last_verdict = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
-        self.truth = declared.ghost(number("truth_nm", NM, -2 * reach, 2 * reach), first=ANY)
+        place = number("truth_nm", NM, -2 * reach, 2 * reach) if truth is None else truth
+        self.truth = declared.ghost(place, first=ANY)
         self.true_speed = declared.ghost(number("true_speed_um_s", UM_S, -fast, fast), first=ANY)
         self.run = declared.ghost(number("run_nm", NM, -most, most), first=0)
         self.last_fix_low = declared.ghost(number("heard_low_nm", NM, -reach, reach), first=-reach)
@@ -179,9 +180,9 @@ class Parts:
         self.next_speed = declared.choice(number("next_speed_um_s", UM_S, -fast, fast))
 
 
-def parts(config: GuardConfig) -> Parts:
-    """Fresh variables for one machine."""
-    return Parts(config)
+def parts(config: GuardConfig, *, truth: NumVar | None = None) -> Parts:
+    """Fresh variables for one machine; `truth`: the true place, where another machine's world moves the vehicle."""
+    return Parts(config, truth)
 
 
 def reach_nm(config: GuardConfig) -> int:

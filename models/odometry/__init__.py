@@ -131,6 +131,9 @@ def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Tr
         device, end = _index(own, reading.device), ENDS[reading.end]
         when = reading.accepted & ~reading.leading & _leads(own, cycle, device)
         yield Transition(f"trailing reading at {end}", located, located[device], when, keep, ("MRK-1", "MRK-5"), 4)
+    if cycle.satellites is not None:
+        when = cycle.satellites.accepted & _leads(own, cycle, 0)
+        yield Transition("position of satellites", located, located[0], when, keep, ("MRK-D6",), 4)
     for device, other in ((0, 1), (1, 0))[: 2 * (len(own.devices) - 1)]:
         name = f"hand over to {ENDS[device]} device"
         yield Transition(name, located[other], located[device], _leads(own, cycle, device), keep, ("MRK-D3",), 5)
@@ -143,22 +146,44 @@ def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[
     lost, candidate, *located = mode
     waiting, seen = (lost, candidate), _seen(own, cycle)
     located_now: Updates = {own.reason: LOCATED}
+    of_marker = _candidate_of_satellites(own, FALSE)
     for reading in cycle.readings:
         end, target, leads = ENDS[reading.end], located[_index(own, reading.device)], reading.leading
         taken, sure = reading.is_candidate & leads, reading.accepted & leads
         only = together(seen, _only_by(own, cycle, reading))
         alone, both = (_identities(own, one) for one in (cycle.remembered_of(reading), cycle.remembered()))
-        first, agreed = together(only, alone), together(only, both, located_now)
+        first, agreed = together(only, alone, of_marker), together(only, both, located_now, of_marker)
         yield Transition(f"candidate marker at {end}", waiting, candidate, taken, first, ("MRK-D1",), 7)
         yield Transition(f"marker confirmed at {end}", candidate, target, sure, agreed, ("MRK-1", "MRK-D1"), 7)
         if own.config.trust_first_marker:
             trusted = together(first, located_now)
             yield Transition(f"trusted marker at {end}", lost, target, sure, trusted, ("MRK-1",), 7)
+    if cycle.satellites is not None:
+        yield from _by_satellites(own, cycle, cycle.satellites, mode)
     carried = together(seen, _prolonged(own, cycle), _identities_unless_turned(own, cycle))
     dropped = together(seen, _no_position(own), _no_identities(own))
     yield Transition("candidate lost", candidate, lost, ~cycle.any_prolonged, dropped, ("MRK-D1",), 8)
     yield Transition("carry the candidate", candidate, candidate, TRUE, carried, ("MRK-D1",), 9)
     yield Transition("wait for a marker", lost, lost, TRUE, seen, ("MRK-D1",), 9)
+
+
+def _by_satellites(own: Parts, cycle: Judgement, position: Reading, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions out of the modes that report nothing, by a position of satellites."""
+    lost, candidate, front = mode[:3]
+    only = together(_seen(own, cycle), _only_by(own, cycle, position))
+    found: Updates = {own.reason: LOCATED}
+    located_now = together(only, found, _candidate_of_satellites(own, FALSE))
+    first = together(only, _no_identities(own), _candidate_of_satellites(own, TRUE))
+    confirmed = together(located_now, _identities(own, cycle.remembered()))
+    yield Transition(
+        "candidate of satellites", (lost, candidate), candidate, position.is_candidate, first, ("MRK-D6", "MRK-D1"), 7
+    )
+    yield Transition(
+        "satellites confirm the candidate", candidate, front, position.accepted, confirmed, ("MRK-D6", "MRK-D1"), 7
+    )
+    if own.config.trust_first_marker:
+        trusted = together(located_now, _no_identities(own))
+        yield Transition("trusted position of satellites", lost, front, position.accepted, trusted, ("MRK-D6",), 7)
 
 
 # ------------------------------------------------------------------ groups of updates: what the transitions set
@@ -168,7 +193,10 @@ def _seen(own: Parts, cycle: Judgement) -> Updates:
     """Set by every transition: the cycle's distances and readings with their verdicts, and the direction of travel."""
     verdicts: Updates = {reader.verdict: one.verdict for reader, one in zip(own.readers, cycle.readings, strict=True)}
     heading: Updates = {own.rolled: cycle.heading.rolled, own.backwards: cycle.heading.backwards}
-    return together(*(_measured(moved) for moved in cycle.cycles), verdicts, heading)
+    given: Updates = {}
+    if own.satellites is not None and cycle.satellites is not None:
+        given = {own.satellites.verdict: cycle.satellites.verdict}
+    return together(*(_measured(moved) for moved in cycle.cycles), verdicts, given, heading)
 
 
 def _measured(moved: Cycle) -> Updates:
@@ -226,6 +254,11 @@ def _identities_unless_turned(own: Parts, cycle: Judgement) -> Updates:
     return {var: ite(cycle.reversed, 0, var) for var in (*own.pending.places, own.last_marker)}
 
 
+def _candidate_of_satellites(own: Parts, is_so: Bool) -> Updates:
+    """The candidate is, or is not, a position of satellites, where they give any."""
+    return {} if own.satellites is None else {own.satellites.gave_candidate: is_so}
+
+
 def _no_identities(own: Parts) -> Updates:
     """No identity is remembered."""
     return dict.fromkeys((*own.pending.places, own.last_marker), as_num(0, COUNT))
@@ -272,6 +305,8 @@ def _definitions(own: Parts, cycle: Judgement) -> dict[str, Expr]:
         end = ENDS[reading.end]
         named |= {f"{end} reading accepted": reading.accepted, f"{end} reading is a candidate": reading.is_candidate}
         named |= {f"{end} reader leads": reading.leading, f"verdict on the {end} reading": reading.verdict}
+    if cycle.satellites is not None:
+        named["verdict on the position of satellites"] = cycle.satellites.verdict
     return named
 
 
@@ -296,7 +331,8 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
     rear = _names_rear(own, current)
     by_leading = _of_lead(rear, [ite(d.by_leading, M1, M2) for d in own.devices])
     speaks = _of_lead(rear, [ite(_second_speaks(d), SECOND_UNIT, FIRST_UNIT) for d in own.devices])
-    accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
+    givers = own.readers if own.satellites is None else (*own.readers, own.satellites)
+    accepted = any_of(one.verdict.eq(ACCEPTED) for one in givers)
     return {
         "valid": valid,
         "position_mm": position_if(valid, values.position),

@@ -41,6 +41,16 @@ CONFIGURATIONS = Configurations(
         "the first unit drifts, one device": OdometryConfig(
             devices=1, first_unit=ACCELEROMETER, second_unit=EDDY_CURRENT
         ),
+        "positions of satellites serve as markers": OdometryConfig(satellite_markers=True),
+        "satellites, units that drift, one device, the first reference is believed": OdometryConfig(
+            devices=1,
+            first_unit=EDDY_CURRENT,
+            second_unit=ACCELEROMETER,
+            satellite_markers=True,
+            trust_first_marker=True,
+            single_fault_safe=True,
+            tolerance_mm=45_000,
+        ),
     },
     NEVER,
 )

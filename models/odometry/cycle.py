@@ -5,6 +5,7 @@ The table (`models/odometry/__init__.py`) states which transition sets which of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Num, abs_, all_of, any_of, as_num, ite, maximum
@@ -26,6 +27,7 @@ from safeloc.models.odometry.marker_reading import (
     Fix,
     fix,
 )
+from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.models.odometry.variables import Parts
 from safeloc.models.vocabulary.choose import choose
 from safeloc.models.vocabulary.first_of import first_of
@@ -42,18 +44,19 @@ class Situation:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """One reader's reading in the cycle, with the verdict on it.
+    """A reading in the cycle, with the verdict on it.
 
     device   the device that it sets; fresh: the values of its units then
-    leading  the reader is the leading one
+    leading  it begins the values M1: the reader is the leading one, or satellites gave the position
+    since    the distance run since the reading, mm
     """
 
-    end: int
     device: Device
     fix: Fix
     fresh: tuple[Values, Values]
     verdict: Num
     leading: Bool
+    since: Num
 
     @property
     def accepted(self) -> Bool:
@@ -69,6 +72,13 @@ class Reading:
     def consistent(self) -> Bool:
         """It fits what is known, whether or not it sets the device."""
         return self.verdict.one_of(ACCEPTED, CANDIDATE, NOT_BETTER)
+
+
+@dataclass(frozen=True, eq=False)
+class MarkerReading(Reading):
+    """The reading of the reader at that end of the vehicle: 0 (A, front) or 1 (B, rear)."""
+
+    end: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,13 +103,16 @@ class Remembered:
 class Judgement:
     """One cycle with all verdicts.
 
-    cycles    the measurements, one for each device
-    heading   the direction of travel after it; `reversed` where it turned in this cycle
+    cycles      the measurements, one for each device
+    readings    the readings of both readers
+    satellites  the position of satellites, where they give any
+    heading     the direction of travel after it; `reversed` where it turned in this cycle
     """
 
     own: Parts
     cycles: tuple[Cycle, ...]
-    readings: tuple[Reading, Reading]
+    readings: tuple[MarkerReading, MarkerReading]
+    satellites: Reading | None
     heading: Heading
 
     @property
@@ -113,7 +126,8 @@ class Judgement:
 
     def setting(self, device: Device) -> tuple[Reading, ...]:
         """Return the readings that can set a device."""
-        return tuple(reading for reading in self.readings if reading.device is device)
+        every = self.readings if self.satellites is None else (*self.readings, self.satellites)
+        return tuple(reading for reading in every if reading.device is device)
 
     def was_set(self, device: Device) -> Bool:
         """Return whether an accepted reading sets the device in the cycle."""
@@ -163,15 +177,12 @@ class Judgement:
         )
 
     def _runs_since(self, device: Device) -> list[tuple[Bool, Num]]:
-        return [(reading.accepted, self._run_since(reading)) for reading in self.setting(device)]
-
-    def _run_since(self, reading: Reading) -> Num:
-        return abs_(self.own.readers[reading.end].since.value_or(as_num(0, MM)))
+        return [(reading.accepted, reading.since) for reading in self.setting(device)]
 
     def state_set_by(self, reading: Reading) -> DeviceState:
         """Return the state of the reading's device if that reading sets it."""
         age = as_num(self.own.config.period_ms, reading.device.age.unit)
-        return DeviceState(reading.fresh, self._run_since(reading), age, TRUE)
+        return DeviceState(reading.fresh, reading.since, age, TRUE)
 
     def remembered(self) -> Remembered:
         """Return the identities after a cycle that keeps the position."""
@@ -186,7 +197,7 @@ class Judgement:
         )
         return Remembered(queue, ite(self.reversed, zero, last), place)
 
-    def remembered_of(self, reading: Reading) -> Remembered:
+    def remembered_of(self, reading: MarkerReading) -> Remembered:
         """Return the identities if nothing but this reading's is remembered."""
         reader, zero = self.own.readers[reading.end], as_num(0, COUNT)
         marker = ite(self.reversed, zero, reader.marker.value)
@@ -197,8 +208,11 @@ def judge(own: Parts, situation: Situation) -> Judgement:
     """Make the verdicts on one cycle's measurements and readings."""
     cycles = tuple(cycle(device) for device in own.devices)
     reference = cycles[0].values if len(cycles) == 1 else best(cycles[0].values, cycles[1].values)
-    readings = tuple(_reading(own, end, cycles, reference, situation) for end in (0, 1))
-    return Judgement(own, cycles, (readings[0], readings[1]), _heading(own, cycles))
+    front, rear = (_reading(own, end, cycles, reference, situation) for end in (0, 1))
+    satellites = None
+    if own.satellites is not None:
+        satellites = _position(own, own.satellites, (front, rear), cycles[0], reference, situation)
+    return Judgement(own, cycles, (front, rear), satellites, _heading(own, cycles))
 
 
 def _heading(own: Parts, cycles: tuple[Cycle, ...]) -> Heading:
@@ -211,14 +225,51 @@ def _heading(own: Parts, cycles: tuple[Cycle, ...]) -> Heading:
     return Heading(turned, ite(turned, ~own.backwards, own.backwards), ite(turned, 0, rolled))
 
 
-def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values, situation: Situation) -> Reading:
-    device = own.set_by(end)
-    moved = next(one for one in cycles if one.device is device)
-    found, limits, reader = fix(own.readers[end], moved), device.limits, own.readers[end]
-    fresh = tuple(
+def _position(
+    own: Parts,
+    reader: SatelliteReader,
+    readings: Sequence[Reading],
+    moved: Cycle,
+    reference: Values,
+    situation: Situation,
+) -> Reading:
+    """The position of satellites: it sets the front device, unless a marker is taken in the same cycle.
+
+    Satellites do not confirm their own candidate: a position that is wrong may stay wrong for long.
+    """
+    found, device = reader.fix, moved.device
+    fresh = _fresh(found, device)
+    outside, alive = ~found.fits(reference), fresh[0].alive | fresh[1].alive
+    kept = moved.values.alive & (moved.values.margin <= best(*fresh).margin)
+    verdict = first_of(
+        (~reader.place.present, NONE),
+        (any_of(reading.accepted | reading.is_candidate for reading in readings), NOT_BETTER),
+        (~alive, TOO_COARSE),
+        (situation.lost, ACCEPTED if own.config.trust_first_marker else CANDIDATE),
+        (situation.candidate & (reader.gave_candidate | ~reference.alive | outside), CANDIDATE),
+        (~reference.alive, UNCONFIRMED),
+        (outside, OUT_OF_WINDOW),
+        (situation.located & kept, NOT_BETTER),
+        default=ACCEPTED,
+    )
+    return Reading(device, found, fresh, verdict, TRUE, as_num(0, MM))
+
+
+def _fresh(found: Fix, device: Device) -> tuple[Values, Values]:
+    """Return the values of the device's units if a reading sets it."""
+    limits = device.limits
+    first, second = (
         found.values(unit.start_wander_nm(device), limits.tolerance_nm, limits.position_limit_mm)
         for unit in device.units
     )
+    return first, second
+
+
+def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values, situation: Situation) -> MarkerReading:
+    device = own.set_by(end)
+    moved = next(one for one in cycles if one.device is device)
+    found, reader = fix(own.readers[end], moved), own.readers[end]
+    fresh = _fresh(found, device)
     malformed, foreign = reader.flaw()
     coarse = ~(fresh[0].alive | fresh[1].alive)
     outside = ~found.fits(reference)
@@ -251,7 +302,7 @@ def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values,
         (leads, leading),
         default=trailing,
     )
-    return Reading(end, device, found, (fresh[0], fresh[1]), verdict, leads)
+    return MarkerReading(device, found, fresh, verdict, leads, abs_(reader.since.value_or(as_num(0, MM))), end)
 
 
 def _behind(own: Parts, end: int) -> Bool:

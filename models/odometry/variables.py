@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
@@ -13,6 +13,7 @@ from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.distance_device import Device, Unit, device
 from safeloc.models.odometry.ghosts import Bounds, Ghosts, Movement, movement
 from safeloc.models.odometry.marker_reading import Reader, pending, reader
+from safeloc.models.odometry.satellite_reading import SatelliteReader, satellite_reader
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
@@ -43,6 +44,10 @@ class OdometryConfig(Config):
     pending_markers: int = quantity(4, "count", 1, 8, "[D] markers under one vehicle")
     last_marker_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
     trust_first_marker: bool = False
+    satellite_markers: bool = Field(
+        default=False,
+        description="positions of satellites set the device at end A, as markers do; what gives them has checked them",
+    )
     single_fault_safe: bool = False
 
     @model_validator(mode="after")
@@ -88,6 +93,7 @@ class Parts:
 
     devices       one distance device for each reader, or one for both
     readers       at end A and at end B
+    satellites    what gives positions of satellites; None where markers alone are read
     pending       identities that wait for their trailing reading
     backwards     the vehicle runs towards end B; rolled: distance run against that without a break
     last_marker, last_place   the marker that the leading reader read last; 0: none
@@ -115,6 +121,9 @@ class Parts:
         )
         if length is not None:
             declared.sensor(length)
+        self.satellites: SatelliteReader | None = None
+        if config.satellite_markers:
+            self.satellites = satellite_reader(declared, place)
         self.pending = pending(declared, config.pending_markers, identities)
         self.backwards = declared.state(boolean("backwards"), first=False)
         self.rolled = declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0)

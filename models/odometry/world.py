@@ -42,6 +42,8 @@ from safeloc.models.odometry.variables import OdometryConfig, Parts
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 
 ENDS = ("front", "rear")
+SATELLITES = "the position of satellites holds end A"
+"""The clause that the machine which gives the positions has to keep."""
 
 
 def world(own: Parts) -> World:
@@ -71,7 +73,7 @@ def _laws(own: Parts) -> dict[str, Law]:
     for end, name in enumerate(ENDS):
         readers[f"{name} reader stood over its marker"] = _reader_law(own, end)
         readers[f"the map has the {name} reader's marker"] = _map_law(own, end)
-    return {**units, **_never_alone(own), **readers, **_stray_laws(own), **_vehicle_laws(own)}
+    return {**units, **_never_alone(own), **readers, **_stray_laws(own), **_satellite_law(own), **_vehicle_laws(own)}
 
 
 def _after(own: Parts) -> Num:
@@ -93,9 +95,11 @@ def measuring(own: Parts, index: int) -> Measuring:
 
 
 def _unset(own: Parts, index: int, unset: Num) -> Num:
-    """A unit that drifts is set anew where a reader that sets it stands over a marker."""
+    """A unit that drifts is set anew where a reader that sets it stands over a marker, or satellites give a position."""
     device = own.partner(own.units[index])[0]
     set_now = any_of(reads(own, end) for end in (0, 1) if own.set_by(end) is device)
+    if own.satellites is not None and device is own.devices[0]:
+        set_now = set_now | own.satellites.place.present
     period = own.config.period_ms
     return ite(set_now, as_num(period, unset.unit), minimum(unset + period, own.config.age_limit_ms + period))
 
@@ -255,6 +259,29 @@ def _since_stray(own: Parts) -> Num:
     since, period = own.ghosts.since_stray, own.config.period_ms
     stray = any_of(one.stray for one in own.ghosts.readers)
     return ite(stray, as_num(0, since.unit), minimum(since + period, own.config.age_limit_ms + period))
+
+
+# ------------------------------------------------------------------ satellites
+
+
+def _satellite_law(own: Parts) -> dict[str, Law]:
+    """Where positions of satellites serve as markers, they hold; what checks the receiver has to prove it."""
+    given = own.satellites
+    if given is None:
+        return {}
+    place, after = exact_to(given.place.value, NM), _after(own)
+    inside = between(place - exact_to(given.below, NM), after, place + exact_to(given.above, NM))
+    return {
+        SATELLITES: Law(
+            given.place.present.implies(inside),
+            "The interval of a position that satellites give in place of a marker holds end A at the end of the cycle.",
+            (),
+            "[D] containment of what checks the receiver, whose own proof it is",
+            "supplier",
+            "fixed markers on the way: each is compared with the position",
+            "where an interval that comes as inputs begins and ends is those inputs and nothing more",
+        )
+    }
 
 
 # ------------------------------------------------------------------ the vehicle

@@ -13,10 +13,11 @@ from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry.distance_device import Device, Unit
 from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
-from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig, Parts
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.no_interval import no_interval
+from safeloc.properties.odometry import satellites
 
 LAW = (
     "distances obey their unit's error law or cannot have been run; readers stand over the marker that they give, but for one "
@@ -28,7 +29,7 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 def properties(model: Odometry) -> list[Property]:
     """Return all properties of the odometry machine."""
-    makers = (_safety, _references, _window, _selection, _rejection, _sensors, _ages)
+    makers = (_safety, _references, _window, _selection, _rejection, _sensors, _ages, satellites.properties)
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -76,13 +77,14 @@ def _references(model: Odometry) -> Iterator[Property]:
     confirmed = [f"marker confirmed at {end}" for end in ("front", "rear")]
     if own.config.trust_first_marker:
         confirmed += [f"trusted marker at {end}" for end in ("front", "rear")]
+    confirmed += satellites.returns(own)
     yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired(*confirmed) & machine.flag("reference_accepted")),
         statement="a position is reported again only through a marker that passed every check",
         requirements=("MRK-1", "MRK-D1"),
     )
-    kept = all_of([valid, earlier_bool(valid), *(reader.verdict.ne(ACCEPTED) for reader in own.readers)])
+    kept = all_of([valid, earlier_bool(valid), *(verdict.ne(ACCEPTED) for verdict in _verdicts(own))])
     yield for_all_inputs(
         "margin never shrinks",
         kept.implies(_margin(machine) >= earlier_num(_margin(machine))),
@@ -98,6 +100,14 @@ def _references(model: Odometry) -> Iterator[Property]:
             "not",
             requirements=("MRK-1", "MRK-5"),
         )
+
+
+def _verdicts(own: Parts, of: Device | None = None) -> list[Num]:
+    """The verdicts on all readings of the cycle, or on those that can set one device."""
+    found: list[Num] = [reader.verdict for end, reader in enumerate(own.readers) if of is None or own.set_by(end) is of]
+    if own.satellites is not None and of in (None, own.devices[0]):
+        found.append(own.satellites.verdict)
+    return found
 
 
 def _margin(machine: Machine) -> Num:
@@ -177,8 +187,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
     own = model.own
     valid = model.machine.flag("valid")
     for device in own.devices:
-        setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
-        rejected = all_of(reader.verdict.ne(ACCEPTED) for reader in setting)
+        rejected = all_of(verdict.ne(ACCEPTED) for verdict in _verdicts(own, device))
         for unit, other in (device.units, device.units[::-1]):
             kept = rejected & valid & earlier_bool(valid) & unit.alive
             yield for_all_inputs(
@@ -244,8 +253,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
 def _unchecked(model: Odometry, device: Device, unit: Unit) -> Property:
     """While one unit is silent, nothing checks the other one: not for longer than the lone limit."""
     own = model.own
-    setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
-    read = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in setting)
+    read = any_of(verdict.one_of(ACCEPTED, CANDIDATE) for verdict in _verdicts(own, device))
     delivered, dead = unit.last_verdict.eq(ADMITTED), all_of(~one.alive for one in device.units)
     return within(
         f"{device.name} device loses its position without {unit.name}",
@@ -286,7 +294,7 @@ def _ages(model: Odometry) -> Iterator[Property]:
             all_of(running).implies(older.eq(config.period_ms) | fresh),
             statement="in every cycle without a reference the device's age grows by the cycle",
         )
-        rejected = all_of(reader.verdict.ne(ACCEPTED) & reader.verdict.ne(CANDIDATE) for reader in model.own.readers)
+        rejected = all_of(verdict.ne(ACCEPTED) & verdict.ne(CANDIDATE) for verdict in _verdicts(model.own))
         yield for_all_inputs(
             f"{device.name} device is set by a reading alone",
             (all_of(running) & rejected).implies(older.eq(config.period_ms)),

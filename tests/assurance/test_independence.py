@@ -148,6 +148,7 @@ def test_what_an_output_may_be_is_put_out() -> None:
         "transmission",
         "satellite",
         "guard",
+        "marker_device",
         "localizer",
     ],
 )

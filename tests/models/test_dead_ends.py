@@ -25,6 +25,7 @@ SLOW = {
     "guard",
     "odometry",
     "supervised_odometry",
+    "marker_device",
     "reflector",
     "balise",
 }

@@ -1,0 +1,95 @@
+"""The vehicle of a marker device: its true movement, and the antenna of its receiver, which lies behind end A.
+
+The machine computes nothing. It has the ghosts that the other machines share: where end A is, and where the antenna is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.declared import Declared
+from safeloc.language.expr import TRUE, Num, NumVar, between, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.units import NM, NM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.marker_device.configuration import MarkerDeviceConfig
+from safeloc.models.odometry.ghosts import Movement
+
+NAME = "vehicle"
+DATA = "the antenna is where the data say"
+
+
+@dataclass(frozen=True, eq=False)
+class Antenna:
+    """The machine, and where the antenna is.
+
+    moved    ghosts: the true movement of end A
+    place    ghost: its true place along the line, nm
+    behind   ghost: its true distance behind end A, nm, the same in every step
+    """
+
+    machine: Machine
+    moved: Movement
+    place: NumVar
+    behind: NumVar
+
+    @property
+    def at(self) -> Num:
+        """Its true place, reckoned from end A."""
+        return self.moved.truth - self.behind
+
+
+def antenna(config: MarkerDeviceConfig) -> Antenna:
+    """Build the machine of the vehicle, with its movement."""
+    declared, table, moved = Declared(), modes("MOVING"), _movement(config)
+    most = config.antenna_mm + config.antenna_tolerance_mm
+    truth, true_step = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_step)
+    behind = declared.ghost(number("antenna_behind_nm", NM, -most * NM_PER_MM, most * NM_PER_MM), first=ANY)
+    farthest = moved.truth.high + most * NM_PER_MM
+    place = declared.ghost(number("antenna_nm", NM, -farthest, farthest), first=ANY)
+    laws = _laws(config, moved, behind)
+    made = Machine(
+        name=NAME,
+        modes=table,
+        inputs=declared.inputs,
+        state=declared.states,
+        outputs={},
+        transitions=[Transition("moves", table[0], table[0], TRUE, {}, ("MRK-D6",), 0)],
+        world=World(
+            ghosts=declared.ghosts,
+            choices=declared.choices,
+            moves={truth: truth + true_step, behind: behind, place: truth + true_step - behind},
+            clauses=laws,
+        ),
+        initially=laws[DATA].term & place.eq(truth - behind),
+        lemmas={"the antenna is behind end A": laws[DATA].term & place.eq(truth - behind)},
+        doc="The true movement of end A, and of the antenna behind it. Assumed: the antenna is where the vehicle's data say.",
+    )
+    return Antenna(made, moved, place, behind)
+
+
+def _movement(config: MarkerDeviceConfig) -> Movement:
+    line, farthest = config.farthest_mm * NM_PER_MM, config.odometry.max_speed_mm_s * config.odometry.period_ms * 1_000
+    return Movement(number("truth_nm", NM, -line, line), number("true_step_nm", NM, -farthest, farthest))
+
+
+def _laws(config: MarkerDeviceConfig, moved: Movement, behind: NumVar) -> dict[str, Law]:
+    place, slack = config.antenna_mm * NM_PER_MM, config.antenna_tolerance_mm * NM_PER_MM
+    return {
+        DATA: Law(
+            between(place - slack, behind, place + slack),
+            "The antenna of the receiver is as far behind end A as the vehicle's data say, within their tolerance.",
+            ("antenna_mm", "antenna_tolerance_mm"),
+            "[D] drawing of the vehicle",
+            "operator",
+            "vehicle data entry; positions of the receiver against fixed markers at both readers",
+        ),
+        "the vehicle stays on the line": Law(
+            between(moved.truth.low, moved.truth + moved.true_step, moved.truth.high),
+            "The vehicle does not leave the coordinates of the line.",
+            ("position_limit_mm",),
+            "[D] 1 000 km of line",
+            "operator",
+            "route setting",
+        ),
+    }
