@@ -36,8 +36,8 @@ from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
-from safeloc.target import STREAMS
 from tests.proof.provers.small import told
+from tests.shipped_recordings import shipped
 
 CONFIG = MarkerDeviceConfig()
 CONTRACT = "contract of odometry holds"
@@ -136,7 +136,7 @@ def test_everything_owed_is_kept() -> None:
 @cache
 def recorded(name: str) -> Trace:
     """A shipped recording, refused in the first step that breaks what is assumed."""
-    stream = read_steps(STREAMS / f"marker_device-{name}.jsonl.gz")
+    stream = read_steps(shipped(f"marker_device-{name}"))
     return admissible_run(load_target("marker_device").system, dict(stream.first), stream.steps)
 
 
@@ -176,7 +176,7 @@ def assert_truth_inside(trace: Trace) -> None:
 def test_every_interval_holds_the_truth(name: str) -> None:
     """The recording obeys every law to its end, and end A lies in each interval that the host gets."""
     trace = recorded(name)
-    assert len(trace.steps) == len(read_steps(STREAMS / f"marker_device-{name}.jsonl.gz").steps)
+    assert len(trace.steps) == len(read_steps(shipped(f"marker_device-{name}")).steps)
     assert_truth_inside(trace)
 
 
@@ -242,7 +242,7 @@ def test_a_receiver_that_lies_for_long_is_refused_where_markers_locate() -> None
 def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
     """To the byte."""
     for path in write(tmp_path):
-        assert (STREAMS / path.name).read_bytes() == path.read_bytes()
+        assert shipped(path.name.removesuffix(".jsonl.gz")).read_bytes() == path.read_bytes()
 
 
 def test_a_receiver_has_no_other_fault() -> None:
