@@ -107,6 +107,7 @@ KNOWS = {
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
     "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
     "templates": ("language", "proof", "models", "catalogue"),
+    "pytest_plugin": ("language", "proof", "target", "catalogue"),
     "cli": (
         *ENGINE, "assurance", "checker", "explain", "railway", "simulation", "models", "report", "catalogue", "target", "config", "templates",
     ),
