@@ -48,6 +48,8 @@ HEAVY = {
     "rich": ("safeloc/cli/",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/runtime/streams/",),
+    "vcd": ("safeloc/report/run_files/",),
+    "mcap": ("safeloc/report/run_files/",),
     "networkx": ("safeloc/railway/map/", "safeloc/railway/audit/"),
     "tomli_w": ("safeloc/railway/map/toml_files.py",),
     "lxml": ("safeloc/railway/map/imports/railml_xml.py",),

@@ -13,12 +13,16 @@ from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err, out, print_json, print_line
 from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, code, findings_table
+from safeloc.proof.results import Finding
 from safeloc.proof.verification.assumptions import Judged, judge_recording
 from safeloc.proof.verification.replay import Row, as_table, replay_stream
 from safeloc.report.assumptions import as_data, as_lines, numbers_of
 from safeloc.report.data import report_data
 from safeloc.report.folder import usable, write_folder
 from safeloc.report.made_by import made_by
+from safeloc.report.run_files import format_of
+from safeloc.report.run_files.columns import RunColumns, run_columns
+from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.target import find_recording
 
 _FIRST_AND_LAST = 5
@@ -43,6 +47,12 @@ def replay(
     ] = None,
     form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
     folder: Annotated[Path | None, typer.Option("--out", help="folder for a report with pictures")] = None,
+    written: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", help="write the run, state and outputs included: FILE.csv, .parquet, .vcd or .mcap", dir_okay=False
+        ),
+    ] = None,
     assumptions: Annotated[
         bool,
         typer.Option(
@@ -60,14 +70,18 @@ def replay(
     loaded = load_target(target, config)
     stream = find_recording(loaded, stream)
     if assumptions:
-        if folder is not None or form != "table":
-            raise typer.BadParameter("--assumptions excludes --out and --format; give --json for data.")
+        if folder is not None or written is not None or form != "table":
+            raise typer.BadParameter("--assumptions excludes --out, --to and --format; give --json for data.")
         judged = judge_recording(loaded, stream, period_ms=period, run=run)
         _print_judged(loaded, stream.name, judged, as_json=as_json)
         raise typer.Exit(_exit_code(judged))
     if folder is not None:
         usable(folder)
+    write = None if written is None else format_of(written)
     rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
+    if written is not None and write is not None:
+        write(written, _columns(loaded, findings, period))
+        err.print(f"run: {written}", markup=False)
     if folder is not None:
         page = write_folder(folder, findings, [loaded], made=made_by(sys.argv[1:], {}))
         err.print(f"report: {page}", markup=False)
@@ -81,6 +95,14 @@ def replay(
             out.print(line, markup=False)
         findings_table(findings)
     raise typer.Exit(code(findings))
+
+
+def _columns(target: Target, findings: Sequence[Finding], period_ms: int | None) -> RunColumns:
+    """Return the replayed run as columns; without a period of single records its cycle is the configured one."""
+    replayed = findings[0].replayed
+    assert replayed is not None  # every finding of a replay has its run
+    period = period_ms or configured_period_ms(target.name, target.config)
+    return run_columns(replayed.trace, period_ms=period, truth_mm=replayed.truth_mm)
 
 
 def _shown(rows: Sequence[Row], lines: Sequence[str]) -> Iterator[str]:
