@@ -248,6 +248,41 @@ def test_a_machine_has_one_folder() -> None:
     assert {"__init__.py", "layout_rules.py"} == {path.name for path in (ROOT.parent / "models").glob("*.py")}
 
 
+NO_ROW_SETS_IT = {
+    "models/vocabulary/": "what a stored value is after a step, for several machines",
+    "models/reflector/map_data.py": "what the stored reflector is after a step",
+    "models/*/world.py": "moves of ghosts",
+    "models/*_world.py": "moves of ghosts",
+    "models/guard/law.py": "moves of ghosts",
+    "models/verification/doubted.py": "moves of ghosts",
+    "models/localizer/sources.py": "wires",
+    "models/localizer_sections/__init__.py": "wires",
+}
+"""Files without a transition table that map variables to terms, and what those are."""
+OF_VARIABLES = re.compile(r"^(Updates\b|(dict|Mapping)\[(Var|NumVar|BoolVar)\b)")
+
+
+def mappings(path: Path) -> list[str]:
+    """Functions of a file that return terms by variable."""
+    functions = [
+        one for one in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(one, ast.FunctionDef)
+    ]
+    return [one.name for one in functions if one.returns is not None and OF_VARIABLES.match(ast.unparse(one.returns))]
+
+
+def test_what_a_row_sets_stands_beside_it() -> None:
+    """Groups of updates stand in the file of the table, so that one file tells what a transition sets."""
+    files = {name_of(path): path for path in MODULES if name_of(path).startswith("models/")}
+    made = {name: path for name, path in files.items() if mappings(path)}
+    elsewhere = {
+        name
+        for name, path in made.items()
+        if not re.search(r"\b(Transition|compose)\(", path.read_text(encoding="utf-8"))
+    }
+    assert [] == [name for name in elsewhere if not any(fnmatch(name, f"{place}*") for place in NO_ROW_SETS_IT)]
+    assert [] == [place for place in NO_ROW_SETS_IT if not any(fnmatch(name, f"{place}*") for name in elsewhere)]
+
+
 def test_imports_are_seen() -> None:
     """The reading of imports that these tests rely on sees every way of importing."""
     code = "import a.b as c\nfrom d import e\ndef f():\n    from g.h import i, j\n"
