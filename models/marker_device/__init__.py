@@ -52,7 +52,7 @@ def compose_machines(config: MarkerDeviceConfig | None = None) -> MarkerDevice:
     restrictive = delocalized.build(behind)
     wires: dict[Var, Expr] = {
         receiver.own.advance: TRUE,
-        receiver.own.next_truth: vehicle.at,
+        receiver.own.next_truth: vehicle.place,
         **_into_odometry(config, receiver, own.satellites),
         **behind.reads(source.machine),
         behind.next_truth: own.ghosts.truth,

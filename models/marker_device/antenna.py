@@ -8,10 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
-from safeloc.language.expr import TRUE, Num, NumVar, between, number
+from safeloc.language.expr import TRUE, NumVar, between, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.units import NM, NM_PER_MM
 from safeloc.language.world import Law, World
+from safeloc.models.guard.variables import reach_nm
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.odometry.ghosts import Movement
 
@@ -24,30 +25,21 @@ class Antenna:
     """The machine, and where the antenna is.
 
     moved    ghosts: the true movement of end A
-    place    ghost: its true place along the line, nm
-    behind   ghost: its true distance behind end A, nm, the same in every step
+    place    ghost: the antenna's true place along the line, nm; it runs as end A does
     """
 
     machine: Machine
     moved: Movement
     place: NumVar
-    behind: NumVar
-
-    @property
-    def at(self) -> Num:
-        """Its true place, reckoned from end A."""
-        return self.moved.truth - self.behind
 
 
 def antenna(config: MarkerDeviceConfig) -> Antenna:
     """Build the machine of the vehicle, with its movement."""
     declared, table, moved = Declared(), modes("MOVING"), _movement(config)
-    most = config.antenna_mm + config.antenna_tolerance_mm
     truth, true_step = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_step)
-    behind = declared.ghost(number("antenna_behind_nm", NM, -most * NM_PER_MM, most * NM_PER_MM), first=ANY)
-    farthest = moved.truth.high + most * NM_PER_MM
+    farthest = 2 * reach_nm(config.guard)  # as far as the guard's world lets a vehicle go
     place = declared.ghost(number("antenna_nm", NM, -farthest, farthest), first=ANY)
-    laws = _laws(config, moved, behind)
+    laws = _laws(config, moved, place)
     made = Machine(
         name=NAME,
         modes=table,
@@ -58,14 +50,14 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
         world=World(
             ghosts=declared.ghosts,
             choices=declared.choices,
-            moves={truth: truth + true_step, behind: behind, place: truth + true_step - behind},
+            moves={truth: truth + true_step, place: place + true_step},
             clauses=laws,
         ),
-        initially=laws[DATA].term & place.eq(truth - behind),
-        lemmas={"the antenna is behind end A": laws[DATA].term & place.eq(truth - behind)},
+        initially=laws[DATA].term,
+        lemmas={"the antenna is behind end A": laws[DATA].term},
         doc="The true movement of end A, and of the antenna behind it. Assumed: the antenna is where the vehicle's data say.",
     )
-    return Antenna(made, moved, place, behind)
+    return Antenna(made, moved, place)
 
 
 def _movement(config: MarkerDeviceConfig) -> Movement:
@@ -73,11 +65,11 @@ def _movement(config: MarkerDeviceConfig) -> Movement:
     return Movement(number("truth_nm", NM, -line, line), number("true_step_nm", NM, -farthest, farthest))
 
 
-def _laws(config: MarkerDeviceConfig, moved: Movement, behind: NumVar) -> dict[str, Law]:
-    place, slack = config.antenna_mm * NM_PER_MM, config.antenna_tolerance_mm * NM_PER_MM
+def _laws(config: MarkerDeviceConfig, moved: Movement, place: NumVar) -> dict[str, Law]:
+    behind, slack = config.antenna_mm * NM_PER_MM, config.antenna_tolerance_mm * NM_PER_MM
     return {
         DATA: Law(
-            between(place - slack, behind, place + slack),
+            between(behind - slack, moved.truth - place, behind + slack),
             "The antenna of the receiver is as far behind end A as the vehicle's data say, within their tolerance.",
             ("antenna_mm", "antenna_tolerance_mm"),
             "[D] drawing of the vehicle",

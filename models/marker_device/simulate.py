@@ -92,7 +92,7 @@ def first_state(config: MarkerDeviceConfig) -> dict[str, Value]:
     """Return first values of the open variables: the vehicle stands at place 0, and no reading was ever stray."""
     own, behind = config.odometry, config.antenna_mm * NM_PER_MM
     return {
-        "truth_nm": 0, "vehicle.antenna_behind_nm": behind, "antenna_nm": -behind, "guard.true_speed_um_s": 0,
+        "truth_nm": 0, "antenna_nm": -behind, "guard.true_speed_um_s": 0,
         "odometry.since_stray_ms": own.age_limit_ms + own.period_ms,
     }  # fmt: skip
 

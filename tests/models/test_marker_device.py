@@ -290,4 +290,4 @@ def test_figures_at_their_limits_are_taken() -> None:
 def test_the_first_state_is_that_of_a_vehicle_at_rest() -> None:
     """The antenna is behind end A, where the guard's world has it too."""
     first = first_state(CONFIG)
-    assert first["antenna_nm"] == -CONFIG.antenna_mm * NM_PER_MM == -first["vehicle.antenna_behind_nm"]
+    assert first["antenna_nm"] == first["truth_nm"] - CONFIG.antenna_mm * NM_PER_MM
