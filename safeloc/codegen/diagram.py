@@ -7,51 +7,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Num
 from safeloc.language.machine import Machine
-from safeloc.language.render import infix
-from safeloc.language.terms import Sharing
-
-
-@dataclass(frozen=True)
-class Row:
-    """One row of the transition table, as text."""
-
-    name: str
-    source: str
-    target: str
-    guard: str
-    sets: tuple[str, ...]
-    rank: int
-    requirements: tuple[str, ...]
-    declared: str
-
-
-def to_table(machine: Machine) -> list[Row]:
-    """Return the transition table in order of priority. Guards and updates are shortened, never left out."""
-    rows, share = [], Sharing()
-    names = {share(term): name for name, term in machine.definitions.items()}
-    for t in machine.transitions:
-        sets = tuple(
-            f"{var.name} := {infix(share(value), 80, names) if isinstance(value, (Num, Bool)) else value}"
-            for var, value in t.set.items()
-        )
-        sources = ", ".join(mode.label for mode in t.sources)
-        file, _, line = t.src.rpartition(":")
-        declared = f"{file.rpartition('/')[2]}:{line}"
-        rows.append(
-            Row(
-                t.name,
-                sources,
-                t.target.label,
-                infix(share(t.when), 160, names),
-                sets,
-                t.rank,
-                t.requirements,
-                declared,
-            )
-        )
-    return rows
+from safeloc.language.transition_rows import transition_rows
 
 
 def to_table_text(machines: Iterable[Machine]) -> str:
@@ -59,7 +16,7 @@ def to_table_text(machines: Iterable[Machine]) -> str:
     cells = (
         (row.name, row.source, row.target, row.guard, " ".join(row.requirements), row.declared)
         for machine in machines
-        for row in to_table(machine)
+        for row in transition_rows(machine)
     )
     return "\n".join(map("\t".join, cells)) + "\n"
 

@@ -77,6 +77,11 @@ class Machine:
         object.__setattr__(self, "fired_name", NumVar("fired", fired, 0, len(fired.members) - 1, None, self.src))
         check(self)
 
+    def _repr_html_(self) -> str:
+        from safeloc.language.html_views import machine_html  # it reads runs, which know machines
+
+        return machine_html(self)
+
     def fired(self, *names: str) -> Bool:
         """Return, for use in a property, that one of these transitions fired in this step; UnknownNameError if there is no such
         transition."""

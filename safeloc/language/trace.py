@@ -34,6 +34,11 @@ class Trace:
         """Return the inputs of every step, without absent optional inputs, as `interpret.run` takes them."""
         return [present_inputs(self.system, step.inputs) for step in self.steps]
 
+    def _repr_html_(self) -> str:
+        from safeloc.language.html_views import trace_html  # it reads traces
+
+        return trace_html(self)
+
     def table(self, limit: int = 60) -> str:
         """Return the run as plain text, one line a step, with what changed since the line before.
 
@@ -42,7 +47,7 @@ class Trace:
         """
         lines = [f"   0  start  {_row(self.system, self.initial)}"]
         inputs, state, before = dict[str, Value](), self.initial, 0
-        for number in self._shown_steps(limit):
+        for number in self.shown_steps(limit):
             step, full = self.steps[number - 1], number == len(self.steps)
             if number > before + 1:
                 lines.append(_left_out(self.steps[before : number - 1]))
@@ -54,7 +59,7 @@ class Trace:
             inputs, state, before = came, step.state, number
         return "\n".join(lines)
 
-    def _shown_steps(self, limit: int) -> list[int]:
+    def shown_steps(self, limit: int) -> list[int]:
         """Return the numbers of the steps that a table shows."""
         count = len(self.steps)
         if count <= limit:

@@ -12,6 +12,7 @@ from typing import NoReturn, TypeAlias, assert_never
 
 from safeloc.errors import NotProvedError, TruthValueError
 from safeloc.language.expr import Bool
+from safeloc.language.html_views import verdict_html
 from safeloc.language.trace import Trace
 
 
@@ -22,6 +23,9 @@ class _NoTruth:
         raise TruthValueError(
             "a verdict has no truth value: match on Proved, Held, Unknown, Violated or call require_proved."
         )
+
+    def _repr_html_(self) -> str:
+        return as_html(self)  # type: ignore[arg-type] # every verdict is a Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +120,23 @@ def word(result: Result) -> str:
             return "unknown"
         case Violated():
             return "violated"
+        case _:
+            assert_never(result)
+
+
+def as_html(result: Result) -> str:
+    """Return a verdict as HTML: its word, how it was found or why it is open, and its run."""
+    match result:
+        case Proved(engine=engine, witness=witness):
+            return verdict_html("proved", f"by {engine}", witness)
+        case Violated(trace, engine, reason):
+            return verdict_html("violated", f"found by {engine}. {reason}".rstrip(), trace)
+        case Vacuous(reason, trace):
+            return verdict_html("vacuous", reason, trace)
+        case Unknown(reason) | NotAsked(reason):
+            return verdict_html(word(result), reason, None)
+        case Held(engine, runs, steps):
+            return verdict_html("held", f"{engine}, {runs} runs, {steps} steps", None)
         case _:
             assert_never(result)
 

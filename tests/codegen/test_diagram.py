@@ -10,9 +10,10 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given
 
-from safeloc.codegen.diagram import Row, edges, to_dot, to_mermaid, to_svg, to_table, to_table_text
+from safeloc.codegen.diagram import edges, to_dot, to_mermaid, to_svg, to_table_text
 from safeloc.language.expr import boolean, number
 from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.transition_rows import Row, transition_rows
 from safeloc.language.units import MM
 from safeloc.models import delocalized, odometry
 from tests.examples import EXAMPLES
@@ -129,7 +130,7 @@ def test_random_machines(machine: Machine) -> None:
     """The same for any machine: three pictures and a table of one and the same transitions."""
     assert mermaid_arrows(to_mermaid(machine)) == dot_arrows(to_dot(machine)) == pairs(machine)
     assert svg_texts(machine, "name") == [mode.label for mode in machine.modes]
-    assert [row.name for row in to_table(machine)] == [t.name for t in machine.transitions]
+    assert [row.name for row in transition_rows(machine)] == [t.name for t in machine.transitions]
 
 
 def test_labels_are_escaped() -> None:
@@ -152,7 +153,7 @@ def dot_quoted(text: str) -> str:
 @every_machine
 def test_table(machine: Machine) -> None:
     """A row a transition, in order: sources, target, rank, requirements, and every variable that it sets."""
-    for row, t in zip(to_table(machine), machine.transitions, strict=True):
+    for row, t in zip(transition_rows(machine), machine.transitions, strict=True):
         assert (row.name, row.target, row.rank, row.requirements) == (t.name, t.target.label, t.rank, t.requirements)
         assert row.source == ", ".join(mode.label for mode in t.sources)
         assert [one.partition(" := ")[0] for one in row.sets] == [var.name for var in t.set]
@@ -163,7 +164,7 @@ def test_table(machine: Machine) -> None:
 @every_machine
 def test_rows_say_where_they_are_declared(machine: Machine) -> None:
     """`file:line` of a row leads to a line of that file that lies within a Transition."""
-    for row, t in zip(to_table(machine), machine.transitions, strict=True):
+    for row, t in zip(transition_rows(machine), machine.transitions, strict=True):
         file, _, line = row.declared.partition(":")
         path = Path(t.src.rpartition(":")[0])
         assert path.name == file
@@ -187,7 +188,7 @@ def test_definitions_stand_in_the_table() -> None:
             transitions=[Transition("add", on, on, sum_ <= 1000, {total: sum_})],
             definitions={"arrived": sum_} if named else {},
         )
-        return to_table(machine)[0]
+        return transition_rows(machine)[0]
 
     named, plain = build(named=True), build(named=False)
     assert (named.guard, named.sets) == ("arrived ≤ 1000 mm", ("total := arrived",))
@@ -197,7 +198,7 @@ def test_definitions_stand_in_the_table() -> None:
 def test_odometry_definitions_are_used() -> None:
     """The model's named terms appear in its table."""
     machine = odometry.machine()
-    text = " ".join(" ".join((row.guard, *row.sets)) for row in to_table(machine))
+    text = " ".join(" ".join((row.guard, *row.sets)) for row in transition_rows(machine))
     assert [name for name in machine.definitions if name in text]
 
 
@@ -206,7 +207,7 @@ def test_the_table_as_text() -> None:
     made = delocalized.machine()
     lines = to_table_text([made, made]).splitlines()
     assert 2 * len(made.transitions) == len(lines)
-    first = to_table(made)[0]
+    first = transition_rows(made)[0]
     assert [first.name, first.source, first.target, first.guard, " ".join(first.requirements), first.declared] == (
         lines[0].split("\t")
     )
