@@ -105,7 +105,7 @@ KNOWS = {
     "shipped": ("language", "reported", "models", "properties", "target", "targets"),
     "own_module": ("language", "reported", "railway.pictures", "target"),
     "catalogue": ("language", "runtime", "own_module", "shipped", "target"),
-    "explain": ("language", "codegen", "proof", "target"),
+    "explain": ("language", "codegen", "runtime", "proof", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
     "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
     "templates": ("language", "proof", "models", "catalogue"),

@@ -96,6 +96,11 @@ COMMANDS: Mapping[str, Known] = {
         "replay",
         "Run a recorded stream through a machine; check every property on it, or the proofs' assumptions about the world.",
     ),
+    "step": Known(
+        "step",
+        "step",
+        "Run a machine step by step: set inputs, see which transition fires and what refuses the others, go back, save the run.",
+    ),
     "report": Known(
         "report", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
     ),

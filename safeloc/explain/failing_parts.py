@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from safeloc.errors import PropertyError
-from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var
 from safeloc.language.interpret import Program, start, step
 from safeloc.language.nodes import And, ChooseBool, Compare, Node, Not, Or, Value
 from safeloc.language.render import infix
 from safeloc.language.spec import Property, StepReading, step_reading
 from safeloc.language.terms import in_order, variables
-from safeloc.language.trace import Trace, shown
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
 
 _LONGEST = 200
 """Most characters of a term."""
@@ -42,7 +44,26 @@ def failing_parts(trace: Trace, prop: Property) -> list[Part]:
     if prop.kind == "reachable":
         raise PropertyError(f"{prop.src}: {prop.name!r} is reachable in some run; no run violates it.")
     term = prop.response if prop.kind == "within" else prop.term
-    return list(_Tree(term, _values(trace, prop, term)).parts(term, wanted=True, depth=0))
+    return list(_Tree(_values(trace, prop, term), {}).parts(term, wanted=True, depth=0))
+
+
+def parts_of(
+    term: Bool,
+    values: Mapping[Var, Value],
+    in_a_step: Callable[[Expr], Expr],
+    *,
+    wanted: bool,
+    names: Mapping[Expr, str] = MappingProxyType({}),
+) -> list[Part]:
+    """Return the parts that keep a term from being what is wanted; the whole term alone if it is that.
+
+    values  of the variables of the term as `in_a_step` rewrites it
+    names   terms that are shown by a name, and not taken apart
+    """
+    nodes: list[Expr] = list(in_order([term]))
+    known = dict(zip(nodes, Program([in_a_step(node) for node in nodes])(values), strict=True))
+    tree = _Tree(known, names)
+    return [tree.part(term, 0)] if bool(known[term]) == wanted else list(tree.parts(term, wanted=wanted, depth=0))
 
 
 def _values(trace: Trace, prop: Property, term: Bool) -> dict[Expr, Value]:
@@ -71,15 +92,15 @@ def _last(trace: Trace, reading: StepReading) -> dict[Var, Value]:
 
 @dataclass(frozen=True)
 class _Tree:
-    term: Bool
     values: Mapping[Expr, Value]
+    names: Mapping[Expr, str]
 
     def parts(self, term: Expr, *, wanted: bool, depth: int) -> Iterator[Part]:
         """Yield the part and those below it that keep it from being what is wanted."""
         if isinstance(term, Not):
             yield from self.parts(term.inner, wanted=not wanted, depth=depth)
             return
-        yield self._part(term, depth)
+        yield self.part(term, depth)
         below = self._below(term)
         for part in below:
             yield from self.parts(part, wanted=wanted, depth=depth + 1)
@@ -87,6 +108,8 @@ class _Tree:
     def _below(self, term: Expr) -> list[Expr]:
         """Return the parts that give the term its value."""
         value = self.values[term]
+        if term in self.names:
+            return []
         match term:
             case And() | Or():
                 parts = list(_joined(term, type(term)))
@@ -96,27 +119,30 @@ class _Tree:
             case _:
                 return []
 
-    def _part(self, term: Expr, depth: int) -> Part:
+    def part(self, term: Expr, depth: int) -> Part:
+        """Return the part itself, with the values that it reads if it is a comparison."""
         reads = self._reads(term)
         few = dict(list(reads.items())[:_MOST_VALUES])
-        return Part(depth, infix(term, _LONGEST), bool(self.values[term]), few, len(reads) - len(few))
+        return Part(depth, infix(term, _LONGEST, self.names), bool(self.values[term]), few, len(reads) - len(few))
 
     def _reads(self, term: Expr) -> dict[str, str]:
         """Return the values of a comparison's two sides, and of the variables in them; of another part nothing."""
         if not isinstance(term, Compare):
             return {}
         sides = [side for side in (term.left, term.right) if not isinstance(side, Lit)]
+        plain = [side for side in sides if side not in self.names]
         named: dict[str, str] = {}
-        for one in dict.fromkeys([*sides, *variables(sides)]):
+        for one in dict.fromkeys([*sides, *variables(plain)]):
             assert isinstance(one, Node)
-            named[infix(one, _LONGEST)] = self._shown(one)
+            named[infix(one, _LONGEST, self.names)] = value_text(one, self.values[one])
         return named
 
-    def _shown(self, term: Expr) -> str:
-        value = self.values[term]
-        if isinstance(term, (NumVar, BoolVar)):
-            return shown(term, value)
-        return str(value).lower() if isinstance(value, bool) else str(value)
+
+def value_text(term: Expr, value: Value) -> str:
+    """Return the value of a term as text for a person: a member's label, true or false, or the number."""
+    if isinstance(term, Num) and isinstance(term.unit, Enumeration):
+        return term.unit.members[int(value)]
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _joined(term: Expr, kind: type[And | Or]) -> Iterator[Expr]:

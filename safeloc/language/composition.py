@@ -218,6 +218,7 @@ class _Merging:
         return Part(
             replace(system, name=f"{self._plan.name} {machine.name}", composition=self._plan.name),
             one.now,
+            step,
             step.bool(_wired_inputs_fit(system, one.wired)),
             step.bool(all_of([ghosts, discharged])),
             {key: step.bool(term) for key, term in machine.world.terms.items()},

@@ -45,6 +45,7 @@ class Part:
 
     alone            the machine by itself
     into             rewrites terms over its state into terms of the composition
+    in_a_step        rewrites terms over its state before the step and its inputs into terms over those of the composition
     inputs_in_range  the condition that its wired inputs are in range, over the composition's state before the step and inputs
     contract         the conditions that the machines before it have to guarantee: the ranges of its wired ghosts, and the
                      discharged part of its assumption
@@ -54,6 +55,7 @@ class Part:
 
     alone: TransitionSystem
     into: Substitution
+    in_a_step: Substitution
     inputs_in_range: Bool
     contract: Bool
     clauses: Mapping[str, Bool] = field(default_factory=dict)

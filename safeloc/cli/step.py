@@ -1,0 +1,226 @@
+"""The command `safeloc step`: run a machine by hand, in a terminal, also over ssh or from a script on standard input."""
+
+from __future__ import annotations
+
+import cmd
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from safeloc.catalogue import load_target
+from safeloc.cli.console import print_line
+from safeloc.cli.options import ConfigOption, TargetArgument
+from safeloc.errors import InputError
+from safeloc.explain.failing_parts import Part
+from safeloc.explain.stepping import RowView, Stepper
+from safeloc.runtime.streams.steps import StepStream, read_steps
+from safeloc.target import Target, find_recording
+
+_HELP = """\
+ENTER, step [N]       take one step, or N
+set NAME=VALUE ...    inputs of the next step: 12, true, a label, absent
+rows                  the transitions of this mode: which fires, and what keeps the others from it
+inputs  state  outputs  [WORD]   their values now; with a word, those that have it in their name
+watch NAME ...        show these after every step; `watch` alone: nothing
+broken                the properties that the run has broken
+back [N]              take back one step, or N
+save FILE             write the run as a stream for `safeloc replay`
+quit                  end"""
+
+
+def step(
+    target: TargetArgument,
+    stream: Annotated[
+        Path | None,
+        typer.Argument(
+            help="a recording whose inputs the steps take; or the name of one that ships", show_default=False
+        ),
+    ] = None,
+    config: ConfigOption = None,
+) -> None:
+    """Run a machine step by step: set inputs, see which transition fires and what refuses the others, go back, save the run."""
+    loaded = load_target(target, config)
+    recording = None if stream is None else read_steps(find_recording(loaded, stream))
+    stepper = Stepper(loaded) if recording is None else Stepper(loaded, recording.first, _inputs(recording, loaded))
+    typed = sys.stdin.isatty()
+    shell = _Shell(stepper, prompting=typed)
+    if typed:
+        print_line("help lists the commands; quit or Ctrl-D ends.")
+        shell.show()
+    shell.cmdloop()
+    raise typer.Exit(2 if shell.failed and not typed else 0)
+
+
+def _inputs(recording: StepStream, target: Target) -> list[dict[str, object]]:
+    """Return the inputs of each step, without remarks."""
+    names = {var.name for var in target.system.inputs}
+    return [{name: cell for name, cell in one.items() if name in names} for one in recording.steps]
+
+
+class _Shell(cmd.Cmd):
+    """Reads commands from standard input. A wrong one in a script is told and ends it."""
+
+    def __init__(self, stepper: Stepper, *, prompting: bool) -> None:
+        super().__init__()
+        self.use_rawinput = prompting
+        self._stepper, self._prompting, self._watched = stepper, prompting, list[str]()
+        self._broken_laws = list[str]()
+        self.failed = False
+        self._prompt()
+
+    def _prompt(self) -> None:
+        self.prompt = f"{self._stepper.target.name} {self._stepper.number}> " if self._prompting else ""
+
+    # -------------------------------------------------------------- the loop
+
+    def onecmd(self, line: str) -> bool:
+        """Run one command; an error of the user is told."""
+        try:
+            return bool(super().onecmd(line))
+        except InputError as error:
+            print_line(f"safeloc: {error}")
+            self.failed = True
+            return not self._prompting
+        finally:
+            self._prompt()
+
+    def default(self, line: str) -> None:
+        """Refuse a command that there is not."""
+        if line == "EOF":
+            raise EOFError
+        raise InputError(f"{line.split()[0]!r} is no command; `help` lists them.")
+
+    def emptyline(self) -> bool:
+        """Take a step."""
+        if self._prompting:
+            self.do_step("")
+        return False
+
+    def do_EOF(self, _: str) -> bool:  # noqa: N802 # the name that `cmd` gives to the end of the input
+        """End."""
+        return True
+
+    def do_quit(self, _: str) -> bool:
+        """End."""
+        return True
+
+    def do_help(self, _: str) -> None:
+        """List the commands."""
+        for line in _HELP.splitlines():
+            print_line(line)
+
+    # -------------------------------------------------------------- commands
+
+    def do_step(self, text: str) -> None:
+        """Take steps."""
+        for _ in range(_number(text, "step")):
+            broken = self._stepper.broken_laws()
+            made = self._stepper.take()
+            print_line(f"{self._stepper.number:4}  {', '.join(made.fired.values())}")
+            if broken != self._broken_laws:
+                self._tell_laws(broken)
+        self.show()
+
+    def _tell_laws(self, broken: list[str]) -> None:
+        self._broken_laws = broken
+        for law in broken:
+            print_line(f"      breaks the law {law}")
+        print_line("      no proof speaks of what follows" if broken else "      every law is kept again")
+
+    def do_set(self, text: str) -> None:
+        """Set inputs of the next step."""
+        for word in text.split():
+            name, equal, value = word.partition("=")
+            if not equal:
+                raise InputError(f"{word!r}: write NAME=VALUE, without blanks around the sign.")
+            self._stepper.give(name, value)
+        self.do_inputs("")
+
+    def do_rows(self, _: str) -> None:
+        """Show the transitions of the present mode."""
+        for row in self._stepper.rows():
+            for line in _row_lines(row):
+                print_line(line)
+
+    def do_inputs(self, word: str) -> None:
+        """Show the inputs of the next step."""
+        self._values("inputs", self._stepper.inputs, word)
+
+    def do_state(self, word: str) -> None:
+        """Show the state."""
+        self._values("state", self._stepper.state, word)
+
+    def do_outputs(self, word: str) -> None:
+        """Show the outputs."""
+        self._values("outputs", self._stepper.outputs, word)
+
+    def do_watch(self, text: str) -> None:
+        """Choose what is shown after every step."""
+        known = {**self._stepper.state, **self._stepper.outputs}
+        for name in text.split():
+            if name not in known:
+                raise InputError(f"there is no variable or output {name!r}; `state` and `outputs` list them.")
+        self._watched = text.split()
+        self.show()
+
+    def do_broken(self, _: str) -> None:
+        """Show the properties that the run has broken."""
+        broken = self._stepper.broken()
+        for name, at in broken.items():
+            print_line(f"broken at step {at}: {name}")
+        if not broken:
+            print_line("no property is broken so far")
+
+    def do_back(self, text: str) -> None:
+        """Take steps back."""
+        self._stepper.back(_number(text, "back"))
+        self.show()
+
+    def do_save(self, text: str) -> None:
+        """Write the run."""
+        if not text:
+            raise InputError("save needs the name of a file.")
+        self._stepper.save(Path(text))
+        print_line(f"{self._stepper.number} steps: {text}")
+
+    # -------------------------------------------------------------- showing
+
+    def show(self) -> None:
+        """Show the modes and what is watched."""
+        state = self._stepper.state
+        modes = {name: value for name, value in state.items() if name.split(".")[-1] == "mode"}
+        known = {**state, **self._stepper.outputs}
+        self._values("", {**modes, **{name: known[name] for name in self._watched}}, "")
+
+    def _values(self, what: str, values: dict[str, str], word: str) -> None:
+        chosen = {name: value for name, value in values.items() if word in name}
+        if word and not chosen:
+            raise InputError(f"no name of {what} has {word!r} in it.")
+        print_line(f"{what}: {_joined(chosen)}" if what else f"      {_joined(chosen)}")
+
+
+def _joined(values: dict[str, str]) -> str:
+    return "  ".join(f"{name}={value}" for name, value in values.items()) or "none"
+
+
+def _number(text: str, command: str) -> int:
+    if not text:
+        return 1
+    if not text.isdecimal() or int(text) < 1:
+        raise InputError(f"{command} {text!r}: give a number of steps, 1 or more.")
+    return int(text)
+
+
+def _row_lines(row: RowView) -> Iterator[str]:
+    word = "fires" if row.fires else "enabled" if row.enabled else "refused"
+    yield f"{word:8} {row.machine}: {row.name} -> {row.target}"
+    if not row.enabled:
+        yield from (_part_line(part) for part in row.why)
+
+
+def _part_line(part: Part) -> str:
+    values = ", ".join(f"{name} = {value}" for name, value in part.values.items())
+    return f"         {'  ' * part.depth}{'true ' if part.holds else 'false'} {part.text}    {values}".rstrip()

@@ -1,0 +1,241 @@
+"""A machine that is run step by step by hand: inputs are set, transitions are looked at before they fire, steps are taken back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from safeloc.errors import InputError
+from safeloc.explain.failing_parts import Part, parts_of, value_text
+from safeloc.language.absence import stand_ins, without_absent
+from safeloc.language.expr import Bool, Expr, NumVar, Var
+from safeloc.language.first_values import Any_
+from safeloc.language.interpret import admitted, evaluate, fired_names, holds, named, outputs, read_inputs, start, step
+from safeloc.language.machine import Machine
+from safeloc.language.monitor import Broken, Monitor
+from safeloc.language.nodes import Value
+from safeloc.language.renamed import hint
+from safeloc.language.spec import observe
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.trace import Step, Trace, present_inputs, shown
+from safeloc.runtime.streams.steps import write_steps
+from safeloc.target import Target
+
+ABSENT = ("absent", "none", "-")
+"""Words for an input that is absent."""
+_TRUTHS = {"true": True, "false": False}
+
+
+@dataclass(frozen=True)
+class RowView:
+    """A transition of the present mode, with the inputs that are set.
+
+    enabled  its guard holds
+    fires    it is the one that the next step takes
+    why      the parts of the guard that do not hold; of an enabled one the guard alone
+    """
+
+    machine: str
+    name: str
+    target: str
+    enabled: bool
+    fires: bool
+    why: tuple[Part, ...]
+
+
+@dataclass(eq=False)
+class Stepper:
+    """A run that is made by hand.
+
+    first     values of variables whose first value is open
+    recorded  inputs of a recording, which the next steps take as long as nothing else is set
+    """
+
+    target: Target
+    first: Mapping[str, Value] = field(default_factory=dict)
+    recorded: Sequence[Mapping[str, object]] = ()
+    _set: dict[str, object] = field(default_factory=dict, init=False)
+    _inputs: list[dict[str, object]] = field(default_factory=list, init=False)
+    _states: list[dict[Var, Value]] = field(default_factory=list, init=False)
+    _steps: list[Step] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self._states.append(start(self.system, self.first))
+
+    # -------------------------------------------------------------- what it is
+
+    @property
+    def system(self) -> TransitionSystem:
+        """The system that is run."""
+        return self.target.system
+
+    @property
+    def number(self) -> int:
+        """The number of steps that were taken."""
+        return len(self._steps)
+
+    @property
+    def trace(self) -> Trace:
+        """The run so far."""
+        return Trace(self.system, named(self._states[0]), tuple(self._steps))
+
+    @property
+    def state(self) -> dict[str, str]:
+        """The present state by name, as text."""
+        return {var.name: shown(var, value) for var, value in self._states[-1].items()}
+
+    @property
+    def outputs(self) -> dict[str, str]:
+        """The present outputs by name, as text; absent ones are left out."""
+        values = without_absent(outputs(self.system, self._states[-1]), stand_ins(self.system))
+        return {
+            name: value_text(self.system.outputs[name], value) for name, value in values.items() if value is not None
+        }
+
+    @property
+    def inputs(self) -> dict[str, str]:
+        """The inputs of the next step by name, as text; absent ones are left out."""
+        values = self._next_inputs()
+        return {
+            name: shown(self.system.variable(name), value)
+            for name, value in present_inputs(self.system, named(values)).items()
+        }
+
+    def broken_laws(self) -> list[str]:
+        """Return the laws of the world, each with its machine, that the next step breaks; no proof speaks of what follows."""
+        values = {**self._states[-1], **self._next_inputs()}
+        return [name for name, term in _laws(self.system).items() if not holds(term, values)]
+
+    def rows(self) -> list[RowView]:
+        """Return the transitions of each machine's present mode, in the order in which they are tried."""
+        values = {**self._states[-1], **self._next_inputs()}
+        _, fired = step(self.system, self._states[-1], self._next_inputs())
+        taken = fired_names(fired)
+        return [row for part in _parts(self.system) for row in part.rows(values, taken)]
+
+    def broken(self) -> dict[str, int]:
+        """Return the properties that the run has broken, each with the step that did."""
+        found: dict[str, int] = {}
+        for prop in self.target.properties:
+            if prop.kind == "reachable":
+                continue
+            monitor = Monitor(observe(self.system, prop), self.first)
+            for inputs in self._inputs:
+                monitor.step(inputs)
+            if isinstance(monitor.status, Broken):
+                found[prop.name] = monitor.status.at
+        return found
+
+    # -------------------------------------------------------------- what is done
+
+    def give(self, name: str, text: str) -> None:
+        """Set an input of the next step: a whole number, true, false, a label, or `absent`. InputError for anything else."""
+        known = {var.name: var for var in self.system.inputs if var.name not in self._flags}
+        if name not in known:
+            raise InputError(f"{self.system.name} has no input {name!r}; it has {', '.join(known)}.{hint(name, known)}")
+        if text.lower() in ABSENT:
+            self._make_absent(name)
+        else:
+            self._set[name] = admitted(known[name], _value(text))
+
+    def _make_absent(self, name: str) -> None:
+        if name not in {option.value.name for option in self.system.optionals}:
+            raise InputError(f"{self.system.name}: input {name!r} is never absent; give it a value.")
+        self._set[name] = None
+
+    def take(self) -> Step:
+        """Take a step with the inputs that are set, and return it; the next one begins with nothing set."""
+        inputs = self._next_inputs()
+        after, fired = step(self.system, self._states[-1], inputs)
+        made = Step(named(inputs), fired_names(fired), named(after), outputs(self.system, after))
+        self._inputs.append(dict(present_inputs(self.system, named(inputs))))
+        self._states.append(after)
+        self._steps.append(made)
+        self._set.clear()
+        return made
+
+    def back(self, steps: int = 1) -> None:
+        """Take back that many steps. InputError if there are not so many."""
+        if not 0 <= steps <= self.number:
+            raise InputError(f"there are {self.number} steps to take back, not {steps}.")
+        kept = self.number - steps
+        del self._steps[kept:], self._inputs[kept:], self._states[kept + 1 :]
+        self._set.clear()
+
+    def save(self, path: Path) -> None:
+        """Write the run as a step stream, which `safeloc replay` reads. InputError for an existing file and for no steps."""
+        if path.exists():
+            raise InputError(f"{path} exists; give another file, since its content would be lost.")
+        if not self._inputs:
+            raise InputError("no step was taken; there is no run to save.")
+        first = {
+            var.name: value for var, value in self._states[0].items() if isinstance(self.system.initial[var], Any_)
+        }
+        write_steps(path, self.trace.stream(), machine=self.target.name, first=first)
+
+    # -------------------------------------------------------------- inputs
+
+    @property
+    def _flags(self) -> set[str]:
+        return {option.present.name for option in self.system.optionals}
+
+    def _next_inputs(self) -> dict[Var, Value]:
+        """Return all inputs of the next step: what is set, else what is recorded, else rest."""
+        recorded = self.recorded[self.number] if self.number < len(self.recorded) else None
+        record = _rest(self.system) if recorded is None else dict(recorded)
+        return read_inputs(self.system, {**record, **self._set})
+
+
+def _rest(system: TransitionSystem) -> dict[str, object]:
+    optional = {var for option in system.optionals for var in (option.value, option.present)}
+    return {
+        var.name: canonical(var) if isinstance(var, NumVar) else False for var in system.inputs if var not in optional
+    }
+
+
+def _value(text: str) -> object:
+    if text.lower() in _TRUTHS:
+        return _TRUTHS[text.lower()]
+    try:
+        return int(text.replace("_", ""))
+    except ValueError:
+        return text
+
+
+# ------------------------------------------------------------------ rows
+
+
+@dataclass(frozen=True, eq=False)
+class _Machine:
+    """One machine of the system, and how its terms read in a step of the whole."""
+
+    machine: Machine
+    fired: str
+    in_a_step: Callable[[Expr], Expr]
+
+    def rows(self, values: Mapping[Var, Value], taken: Mapping[str, str]) -> Iterator[RowView]:
+        """Yield the transitions of the present mode in the order in which they are tried."""
+        [mode] = evaluate([self.in_a_step(self.machine.mode)], values)
+        present = [one for one in self.machine.transitions if mode in [source.value for source in one.sources]]
+        names = {term: name for name, term in self.machine.definitions.items()}
+        for one in sorted(present, key=lambda row: row.rank):
+            enabled = bool(evaluate([self.in_a_step(one.when)], values)[0])
+            why = tuple(parts_of(one.when, values, self.in_a_step, wanted=True, names=names))
+            yield RowView(self.machine.name, one.name, one.target.label, enabled, taken[self.fired] == one.name, why)
+
+
+def _laws(system: TransitionSystem) -> dict[str, Bool]:
+    """Return the clauses that a step has to keep, by machine and name."""
+    if not system.parts:
+        [machine] = system.machines
+        return {f"{machine.name}: {name}": term for name, term in machine.world.terms.items()}
+    return {f"{part.name}: {name}": term for part in system.parts for name, term in part.assumed.items()}
+
+
+def _parts(system: TransitionSystem) -> list[_Machine]:
+    fired = [var.name for var in system.fired]
+    if not system.parts:
+        [machine] = system.machines
+        return [_Machine(machine, fired[0], lambda term: term)]
+    return [_Machine(part.machine, name, part.in_a_step) for part, name in zip(system.parts, fired, strict=True)]

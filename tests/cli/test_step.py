@@ -1,0 +1,110 @@
+"""`safeloc step` as a script on standard input drives it."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+
+from tests.cli.calling import Call, Called
+
+LAMP = """
+from safeloc.language.expr import boolean, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import never
+from safeloc.language.units import COUNT
+from safeloc.language.world import World
+
+OFF, ON = modes("OFF", "ON")
+go, uses = boolean("go"), number("uses", COUNT, 0, 9)
+machine = Machine(
+    name="lamp", modes=(OFF, ON), inputs=[go], state={uses: 0}, outputs={"uses_left": 9 - uses},
+    transitions=[Transition("on", OFF, ON, go & (uses < 9), {uses: uses + 1}), Transition("off", ON, OFF, ~go)],
+    world=World(clauses={"nobody switches": ~go}),
+)
+properties = [never("worn", uses > 0)]
+"""
+
+
+@pytest.fixture
+def lamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The address of a user's machine in the present folder."""
+    monkeypatch.chdir(tmp_path)
+    Path("lamp.py").write_text(LAMP, encoding="utf-8")
+    return "lamp.py:machine"
+
+
+def typed(call: Call, monkeypatch: pytest.MonkeyPatch, *arguments: str, lines: str) -> Called:
+    """The command with these lines on standard input."""
+    monkeypatch.setattr("sys.stdin", io.StringIO(lines))
+    return call("step", *arguments)
+
+
+def test_a_session(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each command answers; the saved run replays."""
+    lines = "rows\nset go=true\nstep\nwatch uses_left\nbroken\nback\nstate\nset go=true\nstep 2\nsave run.jsonl\nquit\nrows\n"
+    called = typed(call, monkeypatch, lamp, lines=lines)
+    assert called.code == 0
+    told = [line.strip() for line in called.out.splitlines()]
+    assert told == [
+        "refused  lamp: on -> ON",
+        "false go and (uses < 9 count)",
+        "false go",
+        "inputs: go=true",
+        "1  on",
+        "breaks the law lamp: nobody switches",
+        "no proof speaks of what follows",
+        "mode=ON",
+        "mode=ON  uses_left=8",
+        "no property is broken so far",
+        "mode=OFF  uses_left=9",
+        "state: mode=OFF  uses=0",
+        "inputs: go=true",
+        "1  on",
+        "2  off",
+        "every law is kept again",
+        "mode=OFF  uses_left=8",
+        "2 steps: run.jsonl",
+    ]
+    replayed = call("replay", lamp, "run.jsonl")
+    assert (replayed.code, "the assumption is broken" in replayed.out) == (3, True)
+
+
+def test_a_recording_is_gone_through(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its remarks are left out."""
+    Path("run.jsonl").write_text('{"go": true, "truth_mm": 3}\n{"go": false}\n', encoding="utf-8")
+    called = typed(call, monkeypatch, lamp, "run.jsonl", lines="step 2\nbroken\n")
+    assert (called.code, [line.strip() for line in called.out.splitlines()][:1]) == (0, ["1  on"])
+    assert "   2  off" in called.out
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("jump", "'jump' is no command; `help` lists them"),
+        ("step two", "step 'two': give a number of steps, 1 or more"),
+        ("step 0", "give a number of steps"),
+        ("set go", "'go': write NAME=VALUE"),
+        ("set went=1", "lamp has no input 'went'"),
+        ("watch nothing", "no variable or output 'nothing'"),
+        ("state colour", "no name of state has 'colour' in it"),
+        ("back 2", "there are 0 steps to take back"),
+        ("save", "save needs the name of a file"),
+    ],
+)
+def test_a_wrong_line_of_a_script_ends_it(
+    call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch, line: str, message: str
+) -> None:
+    """Nobody reads on a script that went wrong: exit code 2, and nothing after the line is done."""
+    called = typed(call, monkeypatch, lamp, lines=f"{line}\nstep\n")
+    assert called.code == 2
+    assert message in called.out
+    assert "   1  " not in called.out
+
+
+def test_help_lists_every_command(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By name."""
+    called = typed(call, monkeypatch, lamp, lines="help\n")
+    for name in ("step", "set", "rows", "inputs", "state", "outputs", "watch", "broken", "back", "save", "quit"):
+        assert name in called.out
