@@ -23,7 +23,7 @@ from safeloc.properties.odometry import LAW as MARKERS
 
 LAW = f"{MARKERS}; {RECEIVER}; the antenna is where the vehicle's data say"
 REQUIREMENTS = ("MRK-1", "MRK-5", "MRK-D6")
-OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "the reason is the first one")
+OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection")
 OF_ODOMETRY = ("margin never shrinks", "satellites alone end no loss", "a position of satellites is inside the window")
 """What these machines keep by themselves, said of the whole; the second of odometry is none where the first reference is believed."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)

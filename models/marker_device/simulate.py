@@ -23,7 +23,7 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 
 Steps = list[dict[str, Cell]]
-FOLDER, SEED, FIX_EVERY_MS = Path(__file__).with_name("recordings"), 5, 1_000
+FOLDER, SEED, FIX_EVERY_MS = Path(__file__).with_name("recordings"), 5, 400
 KINDS = Kinds("a receiver", {**plain("silent", "across"), "jump": {"by_mm": 180_000}})
 """Faults by cycle: no fix; a fix on a course across the way, 90 m off; a fix `by_mm` along the way."""
 ACROSS_MM, ACROSS_MRAD = 90_000, 600
@@ -33,12 +33,16 @@ SHARED, REMARK = "true_step_nm", "truth_mm"
 
 @dataclass(frozen=True)
 class Scene:
-    """A run: markers as (identity, place in mm), faults of receiver and readers in cycles, and what is to come of it in words."""
+    """A run: markers as (identity, place in mm), faults of receiver and readers in cycles, and what is to come of it in words.
+
+    both_ways  the route permits to set back
+    """
 
     legs: Sequence[Leg]
     markers: Sequence[tuple[int, int]]
     receiver: Sequence[Fault] = ()
     readers: Sequence[Fault] = ()
+    both_ways: bool = False
     says: str = ""
 
 
@@ -46,9 +50,9 @@ SCENES: Mapping[str, Scene] = {
     "tunnel": Scene(
         [Leg(0, 8), Leg(35_000, 190), Leg(0, 40)],
         [(1, 300_000), *((number, 1_300_000 + 400_000 * number) for number in range(2, 10))],
-        receiver=(Fault("silent", "", 850, 1_650),),
-        says="Satellites give the first candidate and the first marker confirms it. In the open, positions of satellites bound the "
-        "margin without a marker; in the tunnel the markers do, at both ends. Behind it satellites lead again.",
+        receiver=(Fault("silent", "", 0, 400), Fault("silent", "", 850, 1_650)),
+        says="The first marker is the candidate and satellites confirm it. In the open, positions of satellites bound the margin "
+        "without a marker; in the tunnel the markers do, at both ends. Behind it satellites lead again.",
     ),
     "loss": Scene(
         [Leg(0, 8), Leg(30_000, 150)],
@@ -63,10 +67,18 @@ SCENES: Mapping[str, Scene] = {
         [Leg(0, 8), Leg(30_000, 100)],
         [(1, 100_000), (2, 300_000), (3, 2_400_000)],
         receiver=(
-            Fault("jump", "", 300, 340), Fault("across", "", 450, 530), Fault("jump", "", 650, 690, {"by_mm": -120_000}),
+            Fault("jump", "", 300, 306), Fault("across", "", 450, 530), Fault("jump", "", 650, 666, {"by_mm": -120_000}),
         ),
-        says="The receiver jumps 180 m ahead for four fixes, runs across the way, and falls back by 120 m: the guard withholds all of "
-        "it, and the margin grows by the odometers' error until fixes agree again.",
+        says="The receiver jumps 180 m ahead for two fixes, runs across the way, and falls back by 120 m for four: the guard withholds "
+        "all of it, and the margin grows by the odometers' error until fixes agree again.",
+    ),
+    "backwards": Scene(
+        [Leg(0, 5), Leg(-25_000, 60), Leg(0, 35), Leg(20_000, 50)],
+        [(1, -900_000), (2, -400_000), (3, -250_000)],
+        receiver=(Fault("silent", "", 0, 400),),
+        both_ways=True,
+        says="The vehicle sets back: end B leads, its reader reads each marker first and the one at end A after it. Satellites set the "
+        "device at end A all the same. Then it turns, and end A leads.",
     ),
 }  # fmt: skip
 """The scenes, by the end of the recordings' names."""
@@ -115,21 +127,23 @@ def _motion(config: MarkerDeviceConfig, scene: Scene) -> Motion:
 
 
 def _receiver(config: MarkerDeviceConfig, scene: Scene, motion: Motion, rng: np.random.Generator) -> Steps:
-    """Return the guard's inputs and the true speed, cycle by cycle; there is a fix every second."""
+    """Return the guard's inputs and the true speed, cycle by cycle; there is a fix every 0.4 s."""
     speeds, every = _speeds_um_s(motion), max(1, FIX_EVERY_MS // config.guard.period_ms)
     steps: Steps = []
     for cycle, end_a_nm in enumerate(motion.position_nm):
         antenna_nm = int(end_a_nm) - config.antenna_mm * NM_PER_MM
         fault = next((one for one in scene.receiver if one.active(cycle)), None)
         given = _fix(config, antenna_nm, rng, fault) if cycle % every == 0 else {}
-        steps.append(_nothing(int(speeds[cycle])) | {f"guard.{name}": cell for name, cell in given.items()})
+        steps.append(
+            _nothing(int(speeds[cycle]), not scene.both_ways) | {f"guard.{name}": cell for name, cell in given.items()}
+        )
     return steps
 
 
-def _nothing(speed_um_s: int) -> dict[str, Cell]:
+def _nothing(speed_um_s: int, forwards_only: bool) -> dict[str, Cell]:
     return {
         "guard.fault": FAULT[0].label, "guard.fix_offset_mm": 0, "guard.fix_age_ms": 0, "guard.fix_ambiguous": False,
-        "guard.fix_elsewhere": False, "guard.forwards_only": True, "guard.start_anew": False,
+        "guard.fix_elsewhere": False, "guard.forwards_only": forwards_only, "guard.start_anew": False,
         "guard.next_speed_um_s": speed_um_s,
     }  # fmt: skip
 
