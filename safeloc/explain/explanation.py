@@ -14,6 +14,7 @@ from safeloc.language.antecedents import cases
 from safeloc.language.expr import TRUE, BoolVar, Expr, NumVar
 from safeloc.language.render import infix
 from safeloc.language.spec import Property, observe
+from safeloc.language.terms import Sharing
 from safeloc.language.trace import Trace, shown
 from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated, word
 from safeloc.proof.cores.cores import Core
@@ -87,12 +88,13 @@ def _address(target: Target) -> str:
 
 
 def _says(target: Target, prop: Property) -> Iterator[str]:
-    names = _outputs(target)
+    share = Sharing()
+    names = {share(term): name for term, name in _outputs(target).items()}
     yield prop.statement
     yield f"{KINDS[prop.kind]}:"
-    yield f"    {infix(prop.term, _LONGEST, names, deepest=_DEEPEST)}"
+    yield f"    {infix(share(prop.term), _LONGEST, names, deepest=_DEEPEST)}"
     if prop.kind == "within":
-        response = infix(prop.response, _LONGEST, names, deepest=_DEEPEST)
+        response = infix(share(prop.response), _LONGEST, names, deepest=_DEEPEST)
         yield f"    response, in the same step or at most {prop.steps} steps later: {response}"
     for one in cases(prop):
         yield f"It speaks of {one.words}."

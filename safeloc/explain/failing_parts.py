@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from safeloc.errors import PropertyError
-from safeloc.language.expr import Bool, Expr, Lit, Num, Var
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
 from safeloc.language.interpret import Program, start, step
 from safeloc.language.nodes import And, ChooseBool, Compare, Node, Not, Or, Value
 from safeloc.language.render import infix
 from safeloc.language.spec import Property, StepReading, step_reading
-from safeloc.language.terms import in_order, variables
+from safeloc.language.terms import Sharing, in_order, variables
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 
@@ -39,12 +39,17 @@ class Part:
 def failing_parts(trace: Trace, prop: Property) -> list[Part]:
     """Return why the property fails in the last step of the run.
 
-    Of `within`, the parts are those of the response that did not come. PropertyError for `reachable`, which no run violates.
+    Of `within`, the parts are those of the response that did not come. Outputs are shown by their names. PropertyError for `reachable`, which no run violates.
     """
     if prop.kind == "reachable":
         raise PropertyError(f"{prop.src}: {prop.name!r} is reachable in some run; no run violates it.")
+    share = Sharing()
+    names = {
+        share(term): name for name, term in trace.system.outputs.items() if not isinstance(term, (NumVar, BoolVar))
+    }
+    prop = replace(prop, term=share.bool(prop.term), response=share.bool(prop.response))
     term = prop.response if prop.kind == "within" else prop.term
-    return list(_Tree(_values(trace, prop, term), {}).parts(term, wanted=True, depth=0))
+    return list(_Tree(_values(trace, prop, term), names).parts(term, wanted=True, depth=0))
 
 
 def parts_of(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.catalogue import Target
-from safeloc.language.expr import boolean, maximum, number, optional
+from safeloc.language.expr import boolean, ite, maximum, number, optional
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Property, always, before, never, once, reachable, within
 from safeloc.language.system import lower
@@ -18,7 +18,7 @@ machine = Machine(
     modes=(OFF, ON, COOL),
     inputs=[go, extra],
     state={strokes: 0, counted: 0, hot: False, label: ANY},
-    outputs={"strokes": strokes},
+    outputs={"strokes": strokes, "left": ite(hot, 9 - strokes, 0)},
     transitions=[
         Transition("begin", OFF, ON, go, {strokes: 0, counted: 0, hot: True}),
         Transition("count", ON, ON, strokes < 9, {strokes: strokes + 1, counted: counted + 1}, rank=0),
@@ -35,6 +35,7 @@ FALLS = always("strokes never fall", is_on.implies(strokes >= before(strokes)) &
 KEPT = never("cold while on", is_on & ~hot, requirements=("MRK-1",))
 OPEN = never("counted too high", counted > 20)
 COMES = reachable("cools", machine.mode.eq(COOL))
+FEW_LEFT = always("six left", machine.output("left") >= 6)
 AT_FIRST = never("label 7", label.eq(7))
 
 

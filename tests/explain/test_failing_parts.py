@@ -12,7 +12,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated
-from tests.explain.pump import AT_FIRST, COMES, FALLS, LATE, TOO_MANY, target
+from tests.explain.pump import AT_FIRST, COMES, FALLS, FEW_LEFT, LATE, TOO_MANY, target
 
 GO: dict[str, Value] = {"go": True}
 WAIT: dict[str, Value] = {"go": False}
@@ -69,6 +69,18 @@ def test_an_implication_shows_condition_and_conclusion() -> None:
 def test_the_response_that_did_not_come() -> None:
     """Of `within`, its response in the last step in time."""
     assert told(failing_parts(broken(LATE, GO, *[WAIT] * 5), LATE)) == [(0, False, "mode = OFF", {"mode": "ON"})]
+
+
+def test_an_output_is_shown_by_its_name() -> None:
+    """Its computation is left out: the reader knows what it is."""
+    again = [GO, *[WAIT] * 5]
+    trace = run(target().system, again)
+    verdict = check(trace, FEW_LEFT)
+    assert isinstance(verdict, Violated)
+    assert verdict.trace is not None
+    assert told(failing_parts(verdict.trace, FEW_LEFT)) == [(0, False, "6 count ≤ left", {"left": "0"})]
+    later = Trace(trace.system, trace.initial, trace.steps[:5])
+    assert [one[3] for one in told(failing_parts(later, FEW_LEFT))] == [{"left": "5"}]
 
 
 def test_a_first_state_that_violates() -> None:

@@ -31,7 +31,7 @@ def test_what_is_set_counts_for_one_step() -> None:
     assert stepper.take().fired == {"fired": "begin"}
     assert stepper.inputs == {"go": "false"}
     assert stepper.state["mode"] == "ON"
-    assert stepper.outputs == {"strokes": "0"}
+    assert stepper.outputs == {"strokes": "0", "left": "9"}
 
 
 def test_rows_say_what_fires_and_what_keeps_the_others() -> None:
