@@ -25,7 +25,7 @@ from safeloc.language.terms import in_order
 from safeloc.target import Target
 
 _PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
-_NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Property: {"helper"}}
+_NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into", "in_a_step"}, Property: {"helper"}}
 """Fields on which no finding depends, and fields whose content enters the digest in another way below."""
 
 
@@ -99,6 +99,7 @@ class _Digest:
             alone = thing.alone
             terms = [*alone.state, *alone.inputs, *alone.fired, *alone.lemmas.values(), *alone.outputs.values()]
             yield from self._each(map(thing.into, terms))
+            yield from self._each(map(thing.in_a_step, [*alone.state, *alone.inputs]))
 
     def _term(self, term: Expr) -> Iterator[str]:
         """Yield the nodes of a term, operands first, without recursion, since terms are deep; each node once per digest."""
