@@ -171,6 +171,8 @@ class _Shell(cmd.Cmd):
         broken = self._stepper.broken()
         for name, at in broken.items():
             print_line(f"broken at step {at}: {name}")
+        for at, names in _by_step(self._stepper.without_assumption()).items():
+            print_line(f"claim nothing since step {at}, which broke their assumption: {', '.join(names)}")
         if not broken:
             print_line("no property is broken so far")
 
@@ -200,6 +202,10 @@ class _Shell(cmd.Cmd):
         if word and not chosen:
             raise InputError(f"no name of {what} has {word!r} in it.")
         print_line(f"{what}: {_joined(chosen)}" if what else f"      {_joined(chosen)}")
+
+
+def _by_step(names: dict[str, int]) -> dict[int, list[str]]:
+    return {at: [name for name, step in names.items() if step == at] for at in sorted(set(names.values()))}
 
 
 def _joined(values: dict[str, str]) -> str:

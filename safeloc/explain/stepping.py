@@ -13,7 +13,7 @@ from safeloc.language.expr import Bool, Expr, NumVar, Var
 from safeloc.language.first_values import Any_
 from safeloc.language.interpret import admitted, evaluate, fired_names, holds, named, outputs, read_inputs, start, step
 from safeloc.language.machine import Machine
-from safeloc.language.monitor import Broken, Monitor
+from safeloc.language.monitor import Broken, Monitor, Status, Undecided
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import observe
@@ -116,16 +116,20 @@ class Stepper:
 
     def broken(self) -> dict[str, int]:
         """Return the properties that the run has broken, each with the step that did."""
-        found: dict[str, int] = {}
+        return {name: one.at for name, one in self._statuses() if isinstance(one, Broken)}
+
+    def without_assumption(self) -> dict[str, int]:
+        """Return the properties that claim nothing any more, each with the step that broke their assumption."""
+        return {name: one.at for name, one in self._statuses() if isinstance(one, Undecided)}
+
+    def _statuses(self) -> Iterator[tuple[str, Status]]:
+        """Yield each property that no single run shows, with its status after the run so far."""
         for prop in self.target.properties:
-            if prop.kind == "reachable":
-                continue
-            monitor = Monitor(observe(self.system, prop), self.first)
-            for inputs in self._inputs:
-                monitor.step(inputs)
-            if isinstance(monitor.status, Broken):
-                found[prop.name] = monitor.status.at
-        return found
+            if prop.kind != "reachable":
+                monitor = Monitor(observe(self.system, prop), self.first)
+                for inputs in self._inputs:
+                    monitor.step(inputs)
+                yield prop.name, monitor.status
 
     # -------------------------------------------------------------- what is done
 

@@ -57,6 +57,7 @@ def test_a_session(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> No
         "no proof speaks of what follows",
         "mode=ON",
         "mode=ON  uses_left=8",
+        "claim nothing since step 1, which broke their assumption: worn",
         "no property is broken so far",
         "mode=OFF  uses_left=9",
         "state: mode=OFF  uses=0",
