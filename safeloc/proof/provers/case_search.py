@@ -38,6 +38,11 @@ class CaseSearch:
         self._shown: Mapping[int, antecedents.Outcome] | None = None
         self._search_asked = False
 
+    @property
+    def known_runs(self) -> list[Recording]:
+        """The recordings and the shipped witnesses of the whole system."""
+        return [*self._recordings, *self._witnesses.get(self._system.name, ())]
+
     def begin_known_runs(self, queue: Queue) -> None:
         """Add the look through known runs, unless all cases are known from an earlier search."""
         if antecedents.all_known(self._system, self._properties, self._limits, len(self._recordings)):

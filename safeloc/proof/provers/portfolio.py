@@ -33,7 +33,7 @@ from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.recheck import ENGINE
-from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import spacer
@@ -81,12 +81,17 @@ _QUICK = _ENGINES[:2]
 """Engines that are asked about a composition of a claim that one of its machines breaks by itself: its run is what a reader needs."""
 
 
-def _reach(goal: Goal, limits: Limits) -> Verdict:
-    """Return a witness, or a proof that there is none. What is left of the time goes into longer runs than the depth limit."""
+def _reach(goal: Goal, limits: Limits, recordings: Sequence[Recording] = ()) -> Verdict:
+    """Return a witness, or a proof that there is none: of a short run, then of a recorded one, then of longer ones.
+
+    What is left of the time goes into longer runs than the depth limit.
+    """
     ends = deadline(limits.seconds)
     found = search(goal, replace(limits, seconds=limits.seconds / 2))
     if not isinstance(found, Exhausted):
         return _witnessed(found)
+    if goal in (recorded := shown([goal], recordings)):
+        return replace(_witnessed(recorded[goal]), engine="recorded")
     never = kinduction(goal, replace(limits, seconds=limits.seconds / 2))
     if isinstance(never, Proved):
         return Violated(None, never.engine, f"no run reaches it: proved by {never.engine}")
@@ -167,7 +172,7 @@ class Proving:
         if dropped:
             queue.add(_search(self._system, [*dropped.values()], self._limits), partial(self._receive_search, dropped))
         for index, prop in enumerate(self._properties, len(facts)):
-            claim = _property_claim(self._system, prop)
+            claim = _property_claim(self._system, prop, self._cases.known_runs)
             queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
 
     def _receive_search(self, dropped: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
@@ -254,7 +259,9 @@ class _Claim:
     prover: Callable[[Goal, Limits], Verdict]
 
 
-def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
+def _property_claim(system: TransitionSystem, prop: Property, recordings: Sequence[Recording]) -> _Claim:
+    if prop.kind == "reachable":
+        return _Claim(observe(system, prop), partial(_reach, recordings=recordings))
     return _Claim(observe(system, prop), prove_one if prop.kept_by is None else _kept_by_a_machine)
 
 

@@ -13,6 +13,7 @@ from safeloc.language.verdict import Proved, word
 from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting, shown
 from safeloc.proof.results import Finding
 
@@ -102,3 +103,21 @@ def test_a_deep_mode_is_witnessed_by_a_recording() -> None:
 
 def _named(findings: list[Finding]) -> dict[str, Finding]:
     return {finding.id.split("/", 2)[2]: finding for finding in findings}
+
+
+def test_a_reachable_property_beyond_the_search_is_shown_by_a_recording() -> None:
+    """A short search does not come to it; a recording that breaks the assumption first does not count."""
+    made, prop = system(), reachable("full", COUNTER.mode.eq(FULL))
+    limits = Limits(depth=5, seconds=1)
+
+    def verdict(*recordings: Recording) -> Finding:
+        [found] = prove(made, [prop], limits, recordings=recordings)
+        return found
+
+    shown_ = verdict(recording(*[9] * 60), recording(*[7] * 50))
+    assert isinstance(shown_.result, Proved)
+    assert shown_.result.witness is not None
+    assert (shown_.result.engine, len(shown_.result.witness.steps)) == ("recorded", DEEP + 1)
+    assert shown_.method == "recorded, re-checked by interpreter"
+    early = verdict(recording(*[7] * 3))
+    assert not isinstance(early.result, Proved) or early.result.engine == "bmc"
