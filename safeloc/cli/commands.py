@@ -102,7 +102,9 @@ COMMANDS: Mapping[str, Known] = {
         "Run a machine step by step: set inputs, see which transition fires and what refuses the others, go back, save the run.",
     ),
     "report": Known(
-        "report", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
+        "report",
+        "report",
+        "Render the page of a report folder again, unpack its certificates and traces, or compare it with an earlier report.",
     ),
     "mutate": Known(
         "mutate",

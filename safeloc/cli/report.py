@@ -1,4 +1,4 @@
-"""The command `safeloc report`: render the page of a report folder again, or unpack its certificates and traces."""
+"""The command `safeloc report`: render the page of a report folder again, unpack it, or compare it with an earlier one."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from typing import Annotated
 
 import typer
 
-from safeloc.cli.console import err
+from safeloc.cli.console import err, print_line
 from safeloc.cli.options import SingleOption
+from safeloc.cli.show import EXIT_CODES
+from safeloc.report.changes import changes
 from safeloc.report.extract import extract
 from safeloc.report.folder import render_folder
+from safeloc.report.stored import read_for_page
 
 
 def report(
@@ -22,8 +25,21 @@ def report(
             "--extract", help="instead of the page, write certificates as .smt2 and runs as .jsonl into this folder"
         ),
     ] = None,
+    earlier: Annotated[
+        Path | None,
+        typer.Option(
+            "--diff", help="instead of the page, print what changed since the report in this folder", file_okay=False
+        ),
+    ] = None,
 ) -> None:
-    """Render the page of a report folder again, or unpack the report's certificates and traces."""
+    """Render the page of a report folder again, unpack its certificates and traces, or compare it with an earlier report.
+
+    With --diff: exit code 1 if a verdict is worse than before, a new result is neither proved nor held, or a result is gone.
+    """
+    if earlier is not None:
+        if single or to is not None:
+            raise typer.BadParameter("--diff writes nothing; leave out --single-file and --extract.")
+        raise typer.Exit(_compared(earlier, folder))
     if to is None:
         err.print(f"report: {render_folder(folder, single=single)}", markup=False)
     elif single:
@@ -31,3 +47,11 @@ def report(
     else:
         texts, runs = extract(folder, to)
         err.print(f"{to}: {texts} certificates, {runs} traces", markup=False)
+
+
+def _compared(earlier: Path, folder: Path) -> int:
+    """Print what changed, and return the exit code."""
+    found = changes(read_for_page(earlier), read_for_page(folder))
+    for line in found.lines:
+        print_line(line)
+    return EXIT_CODES["violated" if found.worse else "held"]
