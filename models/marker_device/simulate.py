@@ -27,8 +27,10 @@ FOLDER, SEED, FIX_EVERY_MS = Path(__file__).with_name("recordings"), 5, 400
 KINDS = Kinds("a receiver", {**plain("silent", "across"), "jump": {"by_mm": 180_000}})
 """Faults by cycle: no fix; a fix on a course across the way, 90 m off; a fix `by_mm` along the way."""
 ACROSS_MM, ACROSS_MRAD = 90_000, 600
-SHARED, REMARK = "true_step_nm", "truth_mm"
-"""Names of odometry's own steps: the movement is that of the whole; its remark says what a ghost of the whole has."""
+SHARED = "true_step_nm"
+"""The movement in odometry's own steps is that of the whole."""
+LEFT_OUT = ("truth_mm", *odometry_streams.NO_SATELLITES)
+"""Names of odometry's own steps: a remark that says what a ghost of the whole has, and inputs that the guard gives."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def simulate(config: MarkerDeviceConfig, scene: Scene, *, seed: int) -> Steps:
 
 
 def _named(step: Mapping[str, int | bool]) -> dict[str, Cell]:
-    own = {key: cell for key, cell in step.items() if key != REMARK}
+    own = {key: cell for key, cell in step.items() if key not in LEFT_OUT}
     return {key if key == SHARED else f"odometry.{key}": cell for key, cell in own.items()}
 
 

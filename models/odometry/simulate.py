@@ -23,6 +23,9 @@ from safeloc.simulation.sensors import Distances, Reading, measure, read_markers
 Steps = list[dict[str, int | bool]]
 _NO_MARKERS = {f"{name}_{what}": nothing for name in READERS for what, nothing in (("spot_nm", 0), ("stray", False))}
 
+NO_SATELLITES = {"satellite_margin_below_mm": 0, "satellite_margin_above_mm": 0}
+"""Inputs of a machine that takes positions of satellites, in a cycle without one."""
+
 
 def vehicle_of(config: OdometryConfig) -> VehicleConfig:
     """Return a vehicle that stays within the configured limits."""
@@ -89,6 +92,7 @@ def _steps(
     for number in range(len(true)):
         step: dict[str, int | bool] = {"true_step_nm": int(true[number])}
         step |= {"true_length_nm": config.vehicle_length_mm * NM_PER_MM, **_NO_MARKERS}
+        step |= NO_SATELLITES if config.satellite_markers else {}
         for unit in distances:
             if unit.present[number]:
                 step[f"{unit.name}_mm"] = int(unit.step_mm[number])

@@ -18,6 +18,7 @@ from safeloc.models.odometry import cycle
 from safeloc.models.odometry.cycle import Judgement
 from safeloc.models.odometry.marker_reading import ACCEPTED, NONE, NOT_BETTER, Fix
 from safeloc.models.odometry.satellite_reading import SatelliteReader
+from safeloc.models.odometry.simulate import NO_SATELLITES, simulate
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.odometry.world import SATELLITES
 from tests.models.test_odometry import PLAIN, label, marker, on_board, step
@@ -26,8 +27,6 @@ from tests.models.test_odometry_wrong_edits import refuted
 GIVEN = PLAIN.model_copy(update={"satellite_markers": True, "trust_first_marker": False})
 TRUSTING = GIVEN.model_copy(update={"trust_first_marker": True})
 DEFAULTS = OdometryConfig(satellite_markers=True)
-NO_MARGINS = {"satellite_margin_below_mm": 0, "satellite_margin_above_mm": 0}
-"""Of a cycle without a position of satellites."""
 Patch = pytest.MonkeyPatch
 
 
@@ -41,7 +40,7 @@ def satellites(place: int, margin: int = 8_000, **more: int) -> dict[str, int]:
 
 def course(*stream: Mapping[str, int], config: OdometryConfig = GIVEN) -> Trace:
     """What the machine makes of these cycles; without a distance of their own the vehicle stands."""
-    return run(on_board(config), [{**step(0, config), **NO_MARGINS, **one} for one in stream])
+    return run(on_board(config), [{**step(0, config), **NO_SATELLITES, **one} for one in stream])
 
 
 def verdicts(trace: Trace) -> list[str]:
@@ -163,6 +162,16 @@ def test_without_the_option_nothing_is_heard_of_satellites() -> None:
     plain = lower(odometry.machine(OdometryConfig()))
     assert [] == [var.name for var in (*plain.inputs, *plain.state) if "satellite" in var.name]
     assert SATELLITES not in odometry.machine(OdometryConfig()).world.clauses
+
+
+def test_a_simulated_run_gives_no_position_of_satellites() -> None:
+    """It has every input that the machine needs, and between markers the machine runs as without satellites."""
+    found = []
+    for config in (DEFAULTS, OdometryConfig()):
+        stream = simulate(config, seed=1, seconds=60)
+        told = [{key: cell for key, cell in one.items() if key != "truth_mm"} for one in stream]
+        found.append([one.outputs for one in run(lower(odometry.machine(config)), told).steps])
+    assert found[0] == found[1]
 
 
 # ------------------------------------------------------------------ wrong edits
