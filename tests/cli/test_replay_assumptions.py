@@ -89,6 +89,6 @@ def test_what_does_not_go_with_it(call: Call, tmp_path: Path) -> None:
     """A report has no place for it, nor have rows."""
     for more in (("--out", str(tmp_path / "drawn")), ("--format", "jsonl")):
         done = call("replay", "turn_off", LAWFUL, "--assumptions", *more)
-        assert done.code == 2 and "--assumptions excludes --out and --format" in " ".join(
+        assert done.code == 2 and "--assumptions excludes --out, --to and --format" in " ".join(
             done.err.replace("│", " ").split()
         )
