@@ -7,6 +7,7 @@ from safeloc.models.guard.variables import GuardConfig
 
 NEVER = {
     "models/guard/box.py: self.slow <= self.fast from box.possible": "the box of a first fix has every speed; live of the box that is carried on",
+    "models/guard/variables.py: truth is None": "only a composition hands in a true place of its own: marker_device, in which its claims are proved",
 }
 """Case splits that no configuration makes live, and why."""
 CONFIGURATIONS = Configurations(
