@@ -77,6 +77,11 @@ class LocalizerConfig(Config):
     def _one_vehicle(self) -> LocalizerConfig:
         if not self.sources or len(set(self.sources)) != len(self.sources):
             raise ValueError(f"sources {list(self.sources)} must be at least one of {list(SOURCES)}, each once.")
+        if self.odometry.satellite_markers:
+            raise ValueError(
+                "odometry.satellite_markers must be false: nothing here checks such positions. `satellite` is a source of its "
+                "own; marker_device has the guard that checks them."
+            )
         checked = self.motion.check is not None
         wanted = {
             "period_ms": self.motion.period_ms,

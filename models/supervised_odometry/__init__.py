@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.errors import InputError
 from safeloc.language.composition import Composition, compose
 from safeloc.language.expr import Expr, Var
 from safeloc.language.machine import Machine
@@ -25,8 +26,12 @@ class Supervised:
 
 
 def compose_machines(config: OdometryConfig | None = None) -> Supervised:
-    """Wire odometry to the delocalized machine; both share one truth."""
+    """Wire odometry to the delocalized machine; both share one truth. InputError for positions of satellites, which nothing here checks."""
     config = config or OdometryConfig()
+    if config.satellite_markers:
+        raise InputError(
+            "satellite_markers must be false here: nothing checks such positions; marker_device has the guard that does."
+        )
     source = odometry.build(parts(config))
     own = delocalized.parts(
         delocalized.DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.position_limit_mm)

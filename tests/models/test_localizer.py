@@ -16,6 +16,7 @@ from safeloc.language.units import MM
 from safeloc.language.verdict import Proved
 from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite.world import SELECTED
 from safeloc.proof.provers.limits import Limits
@@ -108,6 +109,8 @@ def test_arbitration_is_the_one_that_is_proved_by_itself() -> None:
 def test_what_is_said_of_one_vehicle_is_said_once() -> None:
     """A way of locating that is told another greatest acceleration would exclude what the others allow."""
     slower = SatelliteConfig(period_ms=100, coast_limit_cycles=20, max_acceleration_mm_s2=1_500)
+    with pytest.raises(ValidationError, match=r"odometry\.satellite_markers must be false: nothing here checks"):
+        LocalizerConfig(odometry=OdometryConfig(satellite_markers=True))
     with pytest.raises(ValidationError, match=r"satellite\.max_acceleration_mm_s2 is 1500, but the vehicle's is 2500"):
         LocalizerConfig(satellite=slower)
 

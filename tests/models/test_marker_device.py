@@ -19,7 +19,7 @@ from safeloc.language.system import environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.units import MM, NM_PER_MM
-from safeloc.models import guard, marker_device
+from safeloc.models import guard, marker_device, supervised_odometry
 from safeloc.models.guard import box
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.models.marker_device import MarkerDevice, compose_machines
@@ -307,3 +307,9 @@ def test_the_first_state_is_that_of_a_vehicle_at_rest() -> None:
     """The antenna is behind end A, where the guard's world has it too."""
     first = first_state(CONFIG)
     assert first["antenna_nm"] == first["truth_nm"] - CONFIG.antenna_mm * NM_PER_MM
+
+
+def test_without_the_guard_no_position_of_satellites_is_taken() -> None:
+    """The composition without a receiver refuses the option, with the one that checks them."""
+    with pytest.raises(InputError, match="satellite_markers must be false here: .*marker_device has the guard"):
+        supervised_odometry.compose_machines(OdometryConfig(satellite_markers=True))
