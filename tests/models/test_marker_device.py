@@ -311,5 +311,5 @@ def test_the_first_state_is_that_of_a_vehicle_at_rest() -> None:
 
 def test_without_the_guard_no_position_of_satellites_is_taken() -> None:
     """The composition without a receiver refuses the option, with the one that checks them."""
-    with pytest.raises(InputError, match="satellite_markers must be false here: .*marker_device has the guard"):
+    with pytest.raises(InputError, match=r"satellite_markers must be false here: .*marker_device has the guard"):
         supervised_odometry.compose_machines(OdometryConfig(satellite_markers=True))
