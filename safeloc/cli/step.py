@@ -107,9 +107,10 @@ class _Shell(cmd.Cmd):
         """End."""
         return True
 
-    def do_help(self, _: str) -> None:
-        """List the commands."""
-        for line in _HELP.splitlines():
+    def do_help(self, arg: str) -> None:
+        """List the commands, or those with a word in their line."""
+        every = _HELP.splitlines()
+        for line in [one for one in every if arg in one] or every:
             print_line(line)
 
     # -------------------------------------------------------------- commands

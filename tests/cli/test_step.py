@@ -109,3 +109,5 @@ def test_help_lists_every_command(call: Call, lamp: str, monkeypatch: pytest.Mon
     called = typed(call, monkeypatch, lamp, lines="help\n")
     for name in ("step", "set", "rows", "inputs", "state", "outputs", "watch", "broken", "back", "save", "quit"):
         assert name in called.out
+    called = typed(call, monkeypatch, lamp, lines="help save\n")
+    assert called.out == "save FILE             write the run as a stream for `safeloc replay`\n"
