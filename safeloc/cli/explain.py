@@ -58,9 +58,9 @@ def explain(
     [finding] = [one for one in findings if one.kind == "property"]
     find_core = partial(_core, loaded, limits, jobs, store, fresh)
     told = explained(loaded, prop, finding, limits, find_core=find_core, shown_by=_strengths(store, loaded, prop))
+    _print(told, finding, as_json=as_json)
     if test is not None:
         _write_test(test, loaded, prop, told, config)
-    _print(told, finding, as_json=as_json)
     raise typer.Exit(code([finding]))
 
 
@@ -85,7 +85,8 @@ def _strengths(store: Store, target: Target, prop: Property) -> Sequence[str]:
 
 def _write_test(path: Path, target: Target, prop: Property, told: Explanation, config: Path | None) -> None:
     if told.run is None:
-        raise InputError(f"{prop.name!r} has no run that violates it; --pytest {path} is not written.")
+        err.print(f"no run that violates {prop.name!r} was found; {path} is not written.", markup=False)
+        return
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(pytest_file(target, prop, told.run, config))

@@ -20,8 +20,8 @@ from safeloc.runtime.streams.steps import StepStream, read_steps
 from safeloc.target import Target, find_recording
 
 _HELP = """\
-ENTER, step [N]       take one step, or N
-set NAME=VALUE ...    inputs of the next step: 12, true, a label, absent
+ENTER, step [N]       take one step, or N; an empty line of a script takes none
+set NAME=VALUE ...    inputs of the next step: 12, true, a label, absent; after it they are recorded ones, or at rest
 rows                  the transitions of this mode: which fires, and what keeps the others from it
 inputs  state  outputs  [WORD]   their values now; with a word, those that have it in their name
 watch NAME ...        show these after every step; `watch` alone: nothing
@@ -67,7 +67,7 @@ class _Shell(cmd.Cmd):
         super().__init__()
         self.use_rawinput = prompting
         self._stepper, self._prompting, self._watched = stepper, prompting, list[str]()
-        self._broken_laws = list[str]()
+        self._broken_laws, self._told_end, self._line = list[str](), False, 0
         self.failed = False
         self._prompt()
 
@@ -77,11 +77,12 @@ class _Shell(cmd.Cmd):
     # -------------------------------------------------------------- the loop
 
     def onecmd(self, line: str) -> bool:
-        """Run one command; an error of the user is told."""
+        """Run one command; an error of the user is told, in a script with its line."""
+        self._line += 1
         try:
             return bool(super().onecmd(line))
         except InputError as error:
-            print_line(f"safeloc: {error}")
+            print_line(f"safeloc: {'' if self._prompting else f'line {self._line}: '}{error}")
             self.failed = True
             return not self._prompting
         finally:
@@ -118,12 +119,23 @@ class _Shell(cmd.Cmd):
     def do_step(self, text: str) -> None:
         """Take steps."""
         for _ in range(_number(text, "step")):
+            if self._ends_here():
+                break
             broken = self._stepper.broken_laws()
             made = self._stepper.take()
             print_line(f"{self._stepper.number:4}  {', '.join(made.fired.values())}")
             if broken != self._broken_laws:
                 self._tell_laws(broken)
         self.show()
+
+    def _ends_here(self) -> bool:
+        """Say once that the recording has ended, and whether it ends here: no step is then taken with invented inputs."""
+        recorded = len(self._stepper.recorded)
+        if not recorded or self._told_end or self._stepper.number < recorded:
+            return False
+        self._told_end = True
+        print_line(f"the recording ends at step {recorded}; further steps take what you set, and all else is at rest")
+        return True
 
     def _tell_laws(self, broken: list[str]) -> None:
         self._broken_laws = broken
@@ -186,7 +198,10 @@ class _Shell(cmd.Cmd):
         """Write the run."""
         if not text:
             raise InputError("save needs the name of a file.")
-        self._stepper.save(Path(text))
+        try:
+            self._stepper.save(Path(text))
+        except OSError as error:
+            raise InputError(f"{text}: cannot be written: {error.strerror}.") from error
         print_line(f"{self._stepper.number} steps: {text}")
 
     # -------------------------------------------------------------- showing

@@ -97,7 +97,7 @@ def _says(target: Target, prop: Property) -> Iterator[str]:
         response = infix(share(prop.response), _LONGEST, names, deepest=_DEEPEST)
         yield f"    response, in the same step or at most {prop.steps} steps later: {response}"
     for one in cases(prop):
-        yield f"It speaks of {one.words}."
+        yield f"It requires something only in {one.words}."
     yield f"declared at {prop.src}"
     yield f"requirements: {', '.join(prop.requirements) or 'none named'}"
 
@@ -112,10 +112,11 @@ def _assumes(target: Target, prop: Property) -> Iterator[str]:
         yield "nothing about the world: it is claimed for all inputs in range"
     else:
         names = [f"{machine.name}: {name}" for machine in target.machines for name in machine.world.clauses]
-        yield from (f"{name}" for name in names)
-        if not names:
+        yield from names
+        if names:
+            yield f"`safeloc list assumptions {_address(target)}` lists each law with its figures, source and owner"
+        else:
             yield "no law of a world is declared: it is claimed for all inputs in range"
-        yield f"`safeloc list assumptions {_address(target)}` lists each law with its figures, source and owner"
     if prop.further_assumption is not TRUE:
         yield f"besides, in every step: {infix(prop.further_assumption, _LONGEST, deepest=_DEEPEST)}"
 
@@ -179,10 +180,13 @@ def _rests_on(target: Target, found: Core) -> Iterator[str]:
         ("row", "transitions"),
     ):
         names = [f"{one.machine}: {one.name}" for one in found.rests_on if one.kind == kind]
-        yield f"{heading}: {'; '.join(names) or 'none'}"
-    yield "None of them can be left out" + (
-        f", but for {len(found.open_)} that no solver decided." if found.open_ else "."
-    )
+        if names:
+            yield f"{heading}: {'; '.join(names)}"
+    if not found.rests_on:
+        yield "nothing but the declared ranges: no law, lemma or transition is needed"
+    else:
+        open_ = f", but for {len(found.open_)} that no solver decided" if found.open_ else ""
+        yield f"The proof needs each of these{open_}."
 
 
 def _violation(run: Trace, prop: Property) -> Iterator[Section]:
@@ -214,7 +218,10 @@ def _values(values: Mapping[str, str]) -> str:
 
 
 def _part(part: Part) -> str:
-    text = f"{'  ' * part.depth}{'true ' if part.holds else 'false'} {part.text}"
+    if part.depth:
+        text = f"{'  ' * part.depth}{'true ' if part.holds else 'false'} {part.text}"
+    else:
+        text = f"{'true, but must not be' if part.holds else 'false, but must be true'}: {part.text}"
     more = f" and {part.left_out} more" if part.left_out else ""
     values = ", ".join(f"{name} = {value}" for name, value in part.values.items())
     return f"{text}    {values}{more}".rstrip()

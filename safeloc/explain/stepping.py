@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -201,10 +202,7 @@ def _rest(system: TransitionSystem) -> dict[str, object]:
 def _value(text: str) -> object:
     if text.lower() in _TRUTHS:
         return _TRUTHS[text.lower()]
-    try:
-        return int(text.replace("_", ""))
-    except ValueError:
-        return text
+    return int(text) if re.fullmatch(r"[+-]?[0-9]+", text) else text
 
 
 # ------------------------------------------------------------------ rows

@@ -11,13 +11,15 @@ from safeloc.language.verdict import WORST_FIRST
 
 _Data = Mapping[str, Any]
 _GOOD = ("proved", "held")
+NOT_ASKED = "not asked"
+"""The verdict of what a quick run leaves out: nothing got better or worse by it, but evidence is missing."""
 
 
 @dataclass(frozen=True)
 class Changes:
     """The changes, as lines by heading; headings without a change are left out.
 
-    worse  whether a verdict is worse than it was, a new result is neither proved nor held, or a result is gone
+    worse  whether a verdict is worse than it was or not asked any more, a new result is neither proved nor held, or a result is gone
     """
 
     sections: Mapping[str, tuple[str, ...]]
@@ -37,14 +39,16 @@ def changes(old: _Data, new: _Data) -> Changes:
     """Compare two reports, each with its machines' data."""
     before, after = ({row["id"]: row for row in report["results"]} for report in (old, new))
     changed = {key: (before[key], after[key]) for key in after if key in before}
-    worse = [key for key, (was, now) in changed.items() if _rank(now) < _rank(was)]
-    better = [key for key, (was, now) in changed.items() if _rank(now) > _rank(was)]
+    unasked = [key for key, (was, now) in changed.items() if was["verdict"] != now["verdict"] == NOT_ASKED]
+    worse = [key for key, (was, now) in changed.items() if _rank(now) < _rank(was) and key not in unasked]
+    better = [key for key, (was, now) in changed.items() if _rank(now) > _rank(was) and key not in unasked]
     bad = [row for key, row in after.items() if key not in before and row["verdict"] not in _GOOD]
     gone = [row for key, row in before.items() if key not in after]
     sections = {
         "verdict": [] if old["verdict"] == new["verdict"] else [f"{old['verdict']} -> {new['verdict']}"],
         "worse": [_verdicts(*changed[key]) for key in worse],
         "new, and neither proved nor held": [f"{row['verdict']}  {row['id']}" for row in bad],
+        "not asked any more": [_verdicts(*changed[key]) for key in unasked],
         "better": [_verdicts(*changed[key]) for key in better],
         "gone": _counted(gone, whole=_names(old) - _names(new)),
         "new": _counted(
@@ -52,6 +56,7 @@ def changes(old: _Data, new: _Data) -> Changes:
             whole=_names(new) - _names(old),
         ),
         "other statement": [key for key, (was, now) in changed.items() if was["statement"] != now["statement"]],
+        "other source lines": [*_other_lines(old, new)],
         "requirements": [*_named_values(_requirements(old), _requirements(new))],
         "laws": [*_laws(old, new)],
         "figures": [*_named_values(_figures(old), _figures(new))],
@@ -59,7 +64,7 @@ def changes(old: _Data, new: _Data) -> Changes:
         "made with": [*_named_values(_made_with(old), _made_with(new))],
     }
     told = {heading: tuple(lines) for heading, lines in sections.items() if lines}
-    return Changes(told, worse=bool(worse or bad or gone))
+    return Changes(told, worse=bool(worse or unasked or bad or gone))
 
 
 def _rank(row: _Data) -> int:
@@ -101,6 +106,22 @@ def _named_values(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[st
             yield f"gone: {name} = {old[name]}"
         elif old[name] != new[name]:
             yield f"{name}: {old[name]} -> {new[name]}"
+
+
+def _other_lines(old: _Data, new: _Data) -> Iterator[str]:
+    """Yield the properties whose declaration reads otherwise: they may claim something else under the same name."""
+    before, after = _declared(old), _declared(new)
+    yield from (name for name, text in after.items() if name in before and before[name] != text)
+
+
+def _declared(report: _Data) -> dict[str, str]:
+    return {
+        f"{machine['name']}/{one[0]}/{one[-1]}": excerpt["text"]
+        for machine in report["machines"]
+        for excerpt in machine["declared"]
+        for one in excerpt["of"]
+        if one[0] == "property"
+    }
 
 
 def _requirements(report: _Data) -> dict[str, str]:

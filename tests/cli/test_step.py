@@ -80,6 +80,24 @@ def test_a_recording_is_gone_through(call: Call, lamp: str, monkeypatch: pytest.
     assert "   2  off" in called.out
 
 
+def test_a_recording_ends(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No step is taken with invented inputs before the user is told; then they are his."""
+    Path("run.jsonl").write_text('{"go": true}\n', encoding="utf-8")
+    called = typed(call, monkeypatch, lamp, "run.jsonl", lines="step 5\nstep\n")
+    assert called.code == 0
+    told = "the recording ends at step 1; further steps take what you set, and all else is at rest"
+    assert called.out.count(told) == 1
+    assert "   2  off" in called.out
+    assert "   3  " not in called.out
+
+
+def test_a_file_that_cannot_be_written(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Says why, with the line of the script."""
+    called = typed(call, monkeypatch, lamp, lines="step\n\nsave none/run.jsonl\n")
+    assert called.code == 2
+    assert "safeloc: line 3: none/run.jsonl: cannot be written: No such file or directory." in called.out
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

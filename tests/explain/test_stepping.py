@@ -86,6 +86,8 @@ def test_a_recording_goes_on_until_something_is_set() -> None:
         ("go", "absent", "input 'go' is never absent"),
         ("go", "3", "go: expected true or false"),
         ("extra", "4", "extra: 4 count is outside 0..3"),
+        ("extra", "1_0", "extra: expected a whole number"),
+        ("extra", "\u0663", "extra: expected a whole number"),
         ("extra", "much", "extra: expected a whole number"),
         ("extra.present", "true", "pump has no input"),
     ],

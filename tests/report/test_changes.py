@@ -51,6 +51,17 @@ def better(data: Data) -> None:
     row(data, "lamp/property/later")["verdict"] = "proved"
 
 
+def unasked(data: Data) -> None:
+    """A quick run leaves a property out; that is no progress, also where it was violated."""
+    row(data, "lamp/property/wears & tears")["verdict"] = "not asked"
+
+
+def other_lines(data: Data) -> None:
+    """A property is declared otherwise, under its name and without other words."""
+    [one] = [one for one in data["machines"][0]["declared"] if one["of"][0][-1] == "new"]
+    one["text"] += " # wider"
+
+
 def gone(data: Data) -> None:
     """A property is gone."""
     data["results"].remove(row(data, "lamp/property/new"))
@@ -99,6 +110,8 @@ def another_version(data: Data) -> None:
         (gone, ["gone", "  proved  lamp/property/new"], True),
         (added("proved"), ["new", "  proved  lamp/property/added"], False),
         (added("vacuous"), ["new, and neither proved nor held", "  vacuous  lamp/property/added"], True),
+        (unasked, ["not asked any more", "  violated -> not asked  lamp/property/wears & tears"], True),
+        (other_lines, ["other source lines", "  lamp/property/new"], False),
         (restated, ["other statement", "  lamp/property/new"], False),
         (another_law, ["laws", "  other terms: lamp: lamp: assumption", "  new: lamp: lamp: second"], False),
         (
