@@ -52,7 +52,8 @@ def listed(project: Path, machines: str, more: str = "") -> None:
 
 def ran(project: Path, *arguments: str) -> tuple[int, str]:
     """Exit code and output of pytest in the project."""
-    command = [sys.executable, "-m", "pytest", "-p", "safeloc.pytest_plugin", "-p", "no:cacheprovider", *arguments]
+    loaded = ("-p", "no:safeloc", "-p", "safeloc.pytest_plugin")  # whether or not it is installed
+    command = [sys.executable, "-m", "pytest", *loaded, "-p", "no:cacheprovider", *arguments]
     environment = {**os.environ, "SAFELOC_CACHE": str(project / "kept"), "PYTHONDONTWRITEBYTECODE": "1"}
     environment["PYTHONPATH"] = str(Path(__file__).parents[1])
     run = subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True, check=False)
