@@ -5,6 +5,7 @@ A target is a system with its properties, recordings and pictures; an entry make
 
 from __future__ import annotations
 
+import glob
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -144,6 +145,10 @@ def find_recording(target: Target, name: Path) -> Path:
     known = {recording_name(path): path for path in target.streams}
     if str(name) in known:
         return known[str(name)]
+    if len(name.parts) == 1 and any(MODELS.glob(f"*/recordings/{glob.escape(name.name)}.jsonl.gz")):
+        raise InputError(
+            f"{name}: a recording of another machine, {str(name).partition('-')[0]}; {target.name} cannot take it."
+        )
     shipped = f"shipped with {target.name} are {', '.join(known)}" if known else f"none ships with {target.name}"
     raise InputError(f"{name}: no such file, and no recording of that name; {shipped}.{hint(str(name), known)}")
 

@@ -110,6 +110,10 @@ def test_list_properties(call: Call) -> None:
             "no_such.jsonl: no such file, and no recording of that name; shipped with",
         ),
         (["replay", "odometry", "odometry-servise"], "Did you mean 'odometry-service'?"),
+        (
+            ["replay", "delocalized", "odometry-service"],
+            "odometry-service: a recording of another machine, odometry; delocalized",
+        ),
         (["replay", DOOR, "none.jsonl"], "no recording of that name; none ships with door"),
         (["replay", DOOR, "x.jsonl", "--format", "xml"], "choose table or jsonl"),
         (["export", DOOR, "--to", "pdf"], "choose one of python, mermaid"),
