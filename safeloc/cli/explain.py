@@ -92,6 +92,8 @@ def _write_test(path: Path, target: Target, prop: Property, told: Explanation, c
             file.write(pytest_file(target, prop, told.run, config))
     except FileExistsError:
         raise InputError(f"{path} exists; give another file, since its content would be lost.") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}.") from error
     err.print(f"test: {path}", markup=False)
 
 

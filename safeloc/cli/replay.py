@@ -13,6 +13,7 @@ from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err, out, print_json, print_line
 from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, code, findings_table
+from safeloc.errors import InputError
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.assumptions import Judged, judge_recording
 from safeloc.proof.verification.replay import Row, as_table, replay_stream
@@ -80,7 +81,10 @@ def replay(
     write = None if written is None else format_of(written)
     rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
     if written is not None and write is not None:
-        write(written, _columns(loaded, findings, period))
+        try:
+            write(written, _columns(loaded, findings, period))
+        except OSError as error:
+            raise InputError(f"{written}: cannot be written: {error.strerror}.") from error
         err.print(f"run: {written}", markup=False)
     if folder is not None:
         page = write_folder(folder, findings, [loaded], made=made_by(sys.argv[1:], {}))

@@ -13,7 +13,7 @@ from safeloc.cli.show import EXIT_CODES
 from safeloc.report.changes import changes
 from safeloc.report.extract import extract
 from safeloc.report.folder import render_folder
-from safeloc.report.stored import read_for_page
+from safeloc.report.stored import DATA, checked, read_for_page
 
 
 def report(
@@ -51,7 +51,8 @@ def report(
 
 def _compared(earlier: Path, folder: Path) -> int:
     """Print what changed, and return the exit code."""
-    found = changes(read_for_page(earlier), read_for_page(folder))
+    old, new = read_for_page(earlier), read_for_page(folder)
+    found = checked(folder / DATA, lambda: changes(old, new))
     for line in found.lines:
         print_line(line)
     return EXIT_CODES["violated" if found.worse else "held"]

@@ -16,7 +16,8 @@ from safeloc.cli.options import ConfigOption, TargetArgument
 from safeloc.errors import InputError
 from safeloc.explain.failing_parts import Part
 from safeloc.explain.stepping import RowView, Stepper
-from safeloc.runtime.streams.steps import StepStream, read_steps
+from safeloc.proof.verification.replay import read_recording
+from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target, find_recording
 
 _HELP = """\
@@ -43,7 +44,7 @@ def step(
 ) -> None:
     """Run a machine step by step: set inputs, see which transition fires and what refuses the others, go back, save the run."""
     loaded = load_target(target, config)
-    recording = None if stream is None else read_steps(find_recording(loaded, stream))
+    recording = None if stream is None else read_recording(loaded, find_recording(loaded, stream))[0]
     stepper = Stepper(loaded) if recording is None else Stepper(loaded, recording.first, _inputs(recording, loaded))
     typed = sys.stdin.isatty()
     shell = _Shell(stepper, prompting=typed)

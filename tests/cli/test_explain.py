@@ -68,6 +68,8 @@ def test_an_existing_file_is_not_written_over(call: Call, lift: str) -> None:
     called = call("explain", lift, "level 4", "--pytest", "mine.py")
     assert (called.code, Path("mine.py").read_text(encoding="utf-8")) == (2, "mine")
     assert "mine.py exists; give another file" in called.err
+    called = call("explain", lift, "level 4", "--pytest", "none/test_lift.py")
+    assert (called.code, "none/test_lift.py: cannot be written" in called.err) == (2, True)
     called = call("explain", lift, "runs", "--pytest", "other.py")
     assert called.code == 0
     assert "The run that shows it" in called.out

@@ -34,3 +34,6 @@ def test_wrong_use(call: Call, tmp_path: Path) -> None:
     assert called.code == 2
     assert "--assumptions excludes" in called.err
     assert not (tmp_path / "run.csv").exists()
+    called = call("replay", "odometry", "odometry-reversal", "--to", str(tmp_path / "none" / "run.csv"))
+    assert called.code == 2
+    assert "run.csv: cannot be written: No such file or directory." in called.err

@@ -80,6 +80,14 @@ def test_a_recording_is_gone_through(call: Call, lamp: str, monkeypatch: pytest.
     assert "   2  off" in called.out
 
 
+def test_a_stream_of_another_machine_is_refused(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its inputs would be left out, and each step be one without any."""
+    head = '{"schema": "safeloc-stream/1", "machine": "torch", "first": {}}'
+    Path("run.jsonl").write_text(f'{head}\n{{"go": true}}\n', encoding="utf-8")
+    called = typed(call, monkeypatch, lamp, "run.jsonl", lines="step\n")
+    assert (called.code, "torch" in called.err) == (2, True)
+
+
 def test_a_recording_ends(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """No step is taken with invented inputs before the user is told; then they are his."""
     Path("run.jsonl").write_text('{"go": true}\n', encoding="utf-8")

@@ -20,7 +20,7 @@ _KINDS = {"number": "integer", "truth": "wire", "label": "string"}
 def write_vcd(path: Path, run: RunColumns) -> None:
     """Write the run as VCD: a scope for the machine, one in it for inputs, transitions, state and outputs each.
 
-    InputError without pyvcd.
+    InputError without pyvcd, and for names that VCD cannot tell apart.
     """
     package = _vcd(path)
     per_step = run.period_ms or 1
@@ -29,22 +29,25 @@ def write_vcd(path: Path, run: RunColumns) -> None:
         path.open("w", encoding="utf-8") as file,
         package.VCDWriter(file, timescale="1 ms", comment=f"{run.machine}, {words}", date="") as writer,
     ):
-        variables = [(one, _registered(writer, run.machine, one)) for one in run.columns]
+        variables = [(one, _registered(path, writer, run.machine, one)) for one in run.columns]
         for number in range(run.steps):
             for column, variable in variables:
                 writer.change(variable, (number + 1) * per_step, _value(column, column.values[number]))
         writer.close((run.steps + 1) * per_step)
 
 
-def _registered(writer: Any, machine: str, column: Column) -> Any:
-    """Register a variable; letters that the format does not allow in a name are replaced."""
+def _registered(path: Path, writer: Any, machine: str, column: Column) -> Any:
+    """Register a variable; letters that the format does not allow in a name are replaced. InputError if two names become equal."""
     scope = ".".join((_plain(machine), column.group))
     size = 1 if column.kind == "truth" else _BITS
     first = "" if column.kind == "label" else _ABSENT
     name = _plain(column.heading.removeprefix(f"{column.group}."))
-    return writer.register_var(
-        scope, name, _KINDS[column.kind], size=None if column.kind == "label" else size, init=first
-    )
+    try:
+        return writer.register_var(
+            scope, name, _KINDS[column.kind], size=None if column.kind == "label" else size, init=first
+        )
+    except KeyError as error:
+        raise InputError(f"{path}: two variables would be called {name!r} in VCD; write .csv.") from error
 
 
 def _value(column: Column, cell: Cell) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -163,3 +164,14 @@ def test_without_the_package_the_message_says_what_to_install(
     monkeypatch.setitem(__import__("sys").modules, package, None)
     with pytest.raises(InputError, match=r"install safeloc\[traces\], or write \.csv"):
         FORMATS[ending](tmp_path / f"run{ending}", columns())
+
+
+def test_names_that_vcd_cannot_tell_apart_are_refused(tmp_path: Path) -> None:
+    """A point and an underscore are the same there; other forms keep both."""
+    made = columns()
+    [go_column, *_] = made.columns
+    pair = tuple(replace(go_column, name=name) for name in ("a.b", "a_b"))
+    with pytest.raises(InputError, match=r"two variables would be called 'a_b' in VCD; write \.csv"):
+        FORMATS[".vcd"](tmp_path / "run.vcd", replace(made, columns=pair))
+    FORMATS[".csv"](tmp_path / "run.csv", replace(made, columns=pair))
+    assert (tmp_path / "run.csv").read_text(encoding="utf-8").startswith("step,input.a.b,input.a_b\n")
