@@ -14,7 +14,7 @@ from safeloc.report.plot import LEFT, WIDTH, StepScale, broken_at, line_of_text
 _Data = Mapping[str, Any]
 _TOP, _ROW, _BAR = 8, 22, 16
 MOST_LANES = 6
-"""Machines of a composition whose modes are drawn: those that change mode in the run, the first ones."""
+"""Machines of a composition whose modes are drawn: those that change mode in the run, the first ones; how many more there are is said."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,8 @@ def mode_lanes(trace: _Data, signals: _Data) -> str:
 
     Of a composition only machines that change mode have a lane, at most MOST_LANES.
     """
-    lanes = _lanes(trace, signals)
+    every = _lanes(trace, signals)
+    lanes, left_out = every[:MOST_LANES], len(every[MOST_LANES:])
     if not lanes or not trace["steps"]:
         return ""
     length = len(trace["steps"]) + 1
@@ -49,7 +50,7 @@ def mode_lanes(trace: _Data, signals: _Data) -> str:
     mark = broken_at(scale, length - 1, 0, height)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" aria-label="modes" class="chart">'
-        f"{rows}{mark}</svg>"
+        f"{rows}{mark}</svg>" + (f"<p>{left_out} more machines change mode.</p>" if left_out else "")
     )
 
 
@@ -59,7 +60,7 @@ def _lanes(trace: _Data, signals: _Data) -> list[Lane]:
         Lane(name, [trace["first"][name], *(step["state"][name] for step in trace["steps"])], signals[name]["members"])
         for name in names
     ]
-    return lanes if len(lanes) == 1 else [lane for lane in lanes if len(set(lane.modes)) > 1][:MOST_LANES]
+    return lanes if len(lanes) == 1 else [lane for lane in lanes if len(set(lane.modes)) > 1]
 
 
 def _row(lane: Lane, scale: StepScale, top: float) -> str:

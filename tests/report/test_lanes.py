@@ -74,6 +74,8 @@ def test_only_machines_that_change_mode_have_a_lane() -> None:
     assert [name for name in names if f">{name}<" in svg] == ["m1.mode", "m3.mode", "m5.mode", "m7.mode"]
     every = mode_lanes(run_of({name: [0, 1] for name in names}), signals)
     assert sum(f">{name}<" in every for name in names) == MOST_LANES
+    assert every.endswith(f"<p>{len(names) - MOST_LANES} more machines change mode.</p>")
+    assert "more machines" not in svg
 
 
 def test_a_long_name_is_shortened() -> None:
