@@ -54,6 +54,15 @@ CORE_SECONDS = 10.0
 _CORES: weakref.WeakKeyDictionary[Query[Any], Sequence[int]] = weakref.WeakKeyDictionary()
 """Numbers of the hypotheses that z3's proof of a query used. A proposal only: the second solver decides from these hypotheses."""
 
+_TEXTS: weakref.WeakKeyDictionary[Query[Any], str] = weakref.WeakKeyDictionary()
+
+
+def text_of(query: Query[Key]) -> str:
+    """Return the query as text, under which its answers are cached; written once for each query."""
+    if query not in _TEXTS:
+        _TEXTS[query] = to_smtlib(query)
+    return _TEXTS[query]
+
 
 def parts_of(query: Query[Key]) -> list[Bool]:
     """Return the hypotheses, conjunct by conjunct, each once."""
@@ -75,7 +84,7 @@ def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Fail
     """Return the goals, by key, that do not follow or are undecided within `seconds` for all goals together."""
     if not keeping():
         return _failures(query, seconds, seed)
-    text = to_smtlib(query)
+    text = text_of(query)
     if proved_before("z3", text):
         return {}
     with alone_in_asking("z3", text):

@@ -7,14 +7,15 @@ find them, and even where z3 finds one by itself, cvc5 does not.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from safeloc.codegen.smtlib import Key, Query, to_smtlib
-from safeloc.language.expr import Bool
+from safeloc.codegen.smtlib import Key, Query
+from safeloc.language.expr import Bool, Expr
 from safeloc.language.nodes import Mul
-from safeloc.language.terms import in_order, variables
+from safeloc.language.terms import children, in_order, variables
 from safeloc.proof.cache.answers import keep_needed, keeping, needed_before
-from safeloc.proof.provers.implication import CORE_SECONDS, core_of, find_core, parts_of
+from safeloc.proof.provers.implication import CORE_SECONDS, core_of, find_core, parts_of, text_of
 
 
 def only_needed(query: Query[Key], seconds: float = CORE_SECONDS) -> Query[Key]:
@@ -23,7 +24,7 @@ def only_needed(query: Query[Key], seconds: float = CORE_SECONDS) -> Query[Key]:
     All hypotheses stay, conjunct by conjunct, if z3 does not prove the goals within the seconds of effort.
     """
     parts = parts_of(query)
-    text = to_smtlib(replace(query, hypotheses=parts, witnesses={})) if keeping() else ""
+    text = text_of(query) if keeping() else ""
     numbers = core_of(query)
     if numbers is None and text:
         numbers = needed_before(text, len(parts))
@@ -34,10 +35,15 @@ def only_needed(query: Query[Key], seconds: float = CORE_SECONDS) -> Query[Key]:
     if numbers is None:
         return replace(query, hypotheses=parts)
     named = set(variables([*(parts[number] for number in numbers), *query.goals.values()]))
-    products = {n for n, part in enumerate(parts) if _of_products(part) and named.issuperset(variables([part]))}
+    multiply = _of_products(parts)
+    products = {n for n, part in enumerate(parts) if part in multiply and named.issuperset(variables([part]))}
     return replace(query, hypotheses=[parts[number] for number in sorted(products.union(numbers))])
 
 
-def _of_products(part: Bool) -> bool:
-    """Return whether the term multiplies two numbers of which none is a constant."""
-    return any(isinstance(node, Mul) and not node.by_constant for node in in_order([part]))
+def _of_products(parts: Sequence[Bool]) -> set[Expr]:
+    """Return every term in these parts that multiplies two numbers of which none is a constant."""
+    found = set[Expr]()
+    for node in in_order(parts):  # operands first
+        if (isinstance(node, Mul) and not node.by_constant) or not found.isdisjoint(children(node)):
+            found.add(node)
+    return found

@@ -35,6 +35,7 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Wi
 from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
 from safeloc.proof.provers.workers import Lost, Queue, Task, Then
 from safeloc.proof.results import Finding
+from safeloc.proof.runs.quick import Again
 
 Check = Callable[[TransitionSystem, Limits], Iterator[Obligation]]
 CHECKS: dict[str, Check] = {
@@ -188,9 +189,9 @@ def _packed(check: Callable[[], Iterator[Obligation]]) -> list[Packed]:
 def _unpacked(system: TransitionSystem, check: str, packed: list[Packed] | Lost) -> list[Obligation]:
     if isinstance(packed, Lost):
         return [Obligation(check, f"obligations of kind {check!r}", Unknown(packed.reason), "ended by the clock")]
-    free = replace(system, assume=TRUE, init=first_without_the_world(system))
+    free, again = replace(system, assume=TRUE, init=first_without_the_world(system)), Again()
     # a run may have been found without the assumption
-    return [Obligation(name, text, unpack(data, free, free), method) for name, text, data, method in packed]
+    return [Obligation(name, text, unpack(data, free, free, again), method) for name, text, data, method in packed]
 
 
 def _distinct(made: Sequence[Obligation]) -> Iterator[Obligation]:

@@ -7,22 +7,23 @@ assumption; the interpreter replays it.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from itertools import chain
+from dataclasses import dataclass
+from itertools import islice
 from types import MappingProxyType
 
 from safeloc.errors import EngineError, InputError
 from safeloc.language.expr import Bool, BoolVar, Var
-from safeloc.language.interpret import Program, Values, named, read_inputs, start, taken
+from safeloc.language.interpret import Values, holds, named, read_inputs, start, step, taken
 from safeloc.language.nodes import Value
-from safeloc.language.spec import Goal, Watch, watch
+from safeloc.language.spec import Goal, watch
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.trace import Step, Trace
 from safeloc.language.units import Enumeration
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.runs.allowed import compiled_terms
+from safeloc.proof.runs.quick import run_again
 
 
 @dataclass(frozen=True)
@@ -41,37 +42,52 @@ NO_WITNESSES: Witnesses = MappingProxyType({})
 def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, Trace]:
     """Return the shortest recorded run for each goal that some recording reaches; all goals are of one system.
 
-    Generated code finds the steps, the interpreter makes the runs. EngineError if the two differ.
+    Generated code finds the steps and makes the runs; the interpreter makes the step that reaches each goal, and a sampled share of
+    the others. EngineError if the two differ.
     """
     found: dict[Goal, Trace] = {}
     if not goals or not recordings:
         return found
-    shortest = _shortest(goals, recordings)
+    replay = Replay(goals[0].plain, dict(enumerate(goals)))
+    shortest = _shortest(replay, recordings)
     for number, recording in enumerate(recordings):
-        wanted = {goal: steps for goal, (steps, where) in shortest.items() if where == number}
+        wanted = {goals[goal]: steps for goal, (steps, where) in shortest.items() if where == number}
         if wanted:
-            found |= _interpreted(wanted, recording)
+            found |= _confirmed(replay, wanted, recording)
     return found
 
 
-def _shortest(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, tuple[int, int]]:
+def _shortest(replay: Replay, recordings: Sequence[Recording]) -> dict[int, tuple[int, int]]:
     """Return, for each goal that some recording reaches, the fewest steps and the number of that recording."""
-    replay, met = Replay(goals[0].plain, dict(enumerate(goals))), dict[int, tuple[int, int]]()
+    met = dict[int, tuple[int, int]]()
     for number, recording in enumerate(recordings):
         for goal, steps in replay.first_times(recording).items():
             met[goal] = min(met.get(goal, (steps, number)), (steps, number))
-    return {goals[goal]: place for goal, place in met.items()}
+    return met
 
 
-def _interpreted(wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal, Trace]:
-    """Run the recording in the interpreter up to each goal; EngineError if that takes other numbers of steps."""
-    watched = watch(next(iter(wanted)).plain, list(wanted))
-    first = replace(recording, steps=recording.steps[: max(wanted.values())])
-    found = dict(_first_times(watched, first))
-    wrong = [goal.prop.name for goal, steps in wanted.items() if goal not in found or len(found[goal].steps) != steps]
-    if wrong:
-        raise EngineError(f"the interpreter does not reach {wrong[0]!r} in the step in which generated code does.")
-    return found
+def _confirmed(replay: Replay, wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal, Trace]:
+    """Run the recording up to each goal; EngineError if the interpreter does not come to it in the last of these steps."""
+    system, most = replay.system, max(wanted.values())
+    rows = list(_own_inputs(system, recording.steps[:most]))
+    run = run_again(system, rows, first=known_first(system, recording))
+    states = [state for state, _ in islice(replay.states(recording), most + 1)]
+    for goal, steps in wanted.items():
+        reached = start(replay.watched, known_first(system, recording))
+        if steps:
+            reached = _stepped(replay, goal, states[steps - 1], rows[steps - 1])
+        if list(reached.values()) != states[steps] or holds(goal.good, reached):
+            raise EngineError(
+                f"the interpreter does not reach {goal.prop.name!r} in the step in which generated code does."
+            )
+    return {goal: Trace(system, run.initial, run.steps[:steps]) for goal, steps in wanted.items()}
+
+
+def _stepped(replay: Replay, goal: Goal, state: Sequence[Value], row: Mapping[str, object]) -> Values:
+    """Return the state after one step in the interpreter; nothing if the step breaks the assumption of the goal."""
+    before, inputs = dict(zip(replay.watched.state, state, strict=True)), read_inputs(replay.system, row)
+    lawful = holds(environment(goal.plain), {**before, **inputs})
+    return step(replay.watched, before, inputs)[0] if lawful else {}
 
 
 def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: int) -> Trace | None:
@@ -81,9 +97,9 @@ def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: in
             state = start(system, _known(system, recording.first))
         except InputError:
             continue
-        kept = [one for one, _ in _admissible(system, state, recording)]
-        if len(kept) >= steps:
-            return Trace(system, named(state), tuple(kept[:steps]))
+        kept = tuple(islice(_admissible(system, state, recording), steps))
+        if len(kept) == steps:
+            return Trace(system, named(state), kept)
     return None
 
 
@@ -93,32 +109,22 @@ def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[st
         state = start(system, _known(system, recording.first))
     except InputError:
         return {}, []
-    stream = [one.inputs for one, _ in _admissible(system, state, recording)]
+    stream = [one.inputs for one in _admissible(system, state, recording)]
     return named(state), stream
 
 
-def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
-    """Yield each goal with the run up to the step in which the recording first reaches it."""
-    system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
-    state = start(system, _known(original, recording.first))
-    initial, left, steps = named(state, hidden), list(watched.goals), list[Step]()
-    goods = Program([goal.good for goal in watched.goals])
-    for one, after in chain([(None, state)], _admissible(system, state, recording, hidden)):
-        steps += [] if one is None else [one]
-        for goal, good in zip(watched.goals, goods(after), strict=True):
-            if not good and goal in left:
-                left.remove(goal)
-                yield goal, Trace(original, initial, tuple(steps))
-
-
-def _admissible(
-    system: TransitionSystem, state: Values, recording: Recording, hidden: Container[Var] = ()
-) -> Iterator[tuple[Step, Values]]:
-    """Yield the steps as long as they are in range and satisfy the assumption, each with the state after it."""
-    names = {var.name for var in system.inputs}
-    stream = ({name: cell for name, cell in record.items() if name in names} for record in recording.steps)
+def _admissible(system: TransitionSystem, state: Values, recording: Recording) -> Iterator[Step]:
+    """Yield the steps as long as they are in range and satisfy the assumption."""
     with suppress(InputError):
-        yield from taken(system, state, stream, while_=environment(system), hidden=hidden)
+        for one, _ in taken(system, state, _own_inputs(system, recording.steps), while_=environment(system)):
+            yield one
+
+
+def _own_inputs(system: TransitionSystem, records: Iterable[Mapping[str, object]]) -> Iterator[dict[str, object]]:
+    """Yield the inputs of each recorded step, without its remarks."""
+    names = {var.name for var in system.inputs}
+    for record in records:
+        yield {name: cell for name, cell in record.items() if name in names}
 
 
 def _known(system: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Value]:
@@ -203,11 +209,10 @@ class Replay:
 
     def _each(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
         """Yield each state, and for each assumption whether the step to it satisfies it, as long as steps are in range."""
-        names = {var.name for var in self.system.inputs}
         values = start(self.watched, _known(self.system, recording.first))
         yield [values[var] for var in self.watched.state], [True] * self._relied
-        for record in recording.steps:
-            inputs = read_inputs(self.system, {name: cell for name, cell in record.items() if name in names})
+        for record in _own_inputs(self.system, recording.steps):
+            inputs = read_inputs(self.system, record)
             values |= inputs
             admissible, *rest = self._step([values[var] for var in self._reads])
             if not admissible:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from typing import Any, assert_never
 
 from safeloc.language.expr import TRUE, Bool, Expr, Var
@@ -19,7 +20,7 @@ from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.implication import Failure
 from safeloc.proof.provers.proved_base import Base
-from safeloc.proof.runs.quick import run_again
+from safeloc.proof.runs.quick import Again
 
 Flat = tuple[Any, ...]
 
@@ -88,14 +89,15 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
     return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), part)
 
 
-def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
+def unpack_trace(packed: PackedTrace | None, system: TransitionSystem, again: Again | None = None) -> Trace | None:
     """Return the run, made again; a run of one machine alone is made without its assumption."""
     if packed is None:
         return None
     of = _by_itself(packed.part, system) if packed.part else system
-    return run_again(of, packed.stream, first=packed.initial)
+    return (again or Again())(of, packed.stream, first=packed.initial)
 
 
+@lru_cache(maxsize=32)
 def _by_itself(name: str, system: TransitionSystem) -> TransitionSystem:
     alone = next(part.alone for part in system.parts if part.name == name)
     return replace(alone, assume=TRUE, init=first_without_the_world(alone))
@@ -121,19 +123,22 @@ def pack(verdict: Verdict) -> Packed:
             assert_never(verdict)
 
 
-def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem) -> Verdict:
-    """Rebuild the verdict: traces are runs of `system`, invariants read the variables of `observed`."""
+def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem, again: Again | None = None) -> Verdict:
+    """Rebuild the verdict: traces are runs of `system`, invariants read the variables of `observed`.
+
+    again  makes the runs of several verdicts, each step only once
+    """
     match packed:
         case ("proved", term, engine, depth, rechecked, certificates, witness, by_construction):
             invariant = None if term is None else unpack_term(term, observed)
-            run_ = unpack_trace(witness, system)
+            run_ = unpack_trace(witness, system, again)
             return Proved(invariant, engine, depth, rechecked, certificates, run_, by_construction)
         case ("violated", trace, engine, reason):
-            return Violated(unpack_trace(trace, system), engine, reason)
+            return Violated(unpack_trace(trace, system, again), engine, reason)
         case ("unknown", reason, depth):
             return Unknown(reason, depth)
         case ("vacuous", reason, trace):
-            return Vacuous(reason, unpack_trace(trace, system))
+            return Vacuous(reason, unpack_trace(trace, system, again))
         case _:
             raise AssertionError(packed)
 

@@ -1,12 +1,13 @@
 """Findings as plain data (what JSON can hold), to be sent between processes and kept in files.
 
-Runs are stored with states and outputs, so that nothing has to be run again; a run that several findings share is stored
-once. The invariant of a proof is left out: the certificates hold it.
+Runs are stored with states and outputs, so that nothing has to be run again. Steps that several runs share, such as those of a
+recording on which many witnesses lie, are stored once, as a course. The invariant of a proof is left out: the certificates
+hold it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeAlias
 
@@ -28,22 +29,50 @@ def pack_findings(findings: Sequence[Finding], system: TransitionSystem) -> Plai
     """Return findings about one system as plain data; ValueError for a run of another system."""
     packing = _Packing(system)
     rows = [packing.finding(one) for one in findings]
-    return {"traces": packing.traces, "replays": packing.replays, "findings": rows}
+    courses = [one.rows for one in packing.courses]
+    return {"courses": courses, "traces": packing.traces, "replays": packing.replays, "findings": rows}
 
 
 def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
     """Rebuild the findings; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
     systems = {"whole": system, "board": without_ghosts(system)}
     systems |= {f"part {part.name}": part.alone for part in system.parts}
-    traces = [_unpacked_trace(one, systems[one["system"]]) for one in packed["traces"]]
+    courses = [tuple(_unpacked_steps(rows)) for rows in packed["courses"]]
+    traces = [
+        Trace(systems[one["system"]], one["initial"], courses[one["course"]][: one["steps"]])
+        for one in packed["traces"]
+    ]
     replays = [Replayed(one["name"], traces[one["trace"]], tuple(one["truth_mm"])) for one in packed["replays"]]
     return [_unpacked(row, traces, replays) for row in packed["findings"]]
+
+
+class _Course:
+    """Steps of runs of which each begins the longest one, and these steps as rows, the names of their values first."""
+
+    def __init__(self, steps: Sequence[Step]) -> None:
+        self._names = [list(getattr(steps[0], each)) for each in _MAPPINGS] if steps else []
+        self._steps: list[Step] = []
+        self.rows: list[Any] = [self._names]
+        self.extend(steps)
+
+    def shares(self, steps: Sequence[Step]) -> bool:
+        """Return whether these steps are the same objects as those of the course, as far as both go."""
+        return all(mine is other for mine, other in zip(self._steps, steps, strict=False))
+
+    def extend(self, steps: Sequence[Step]) -> None:
+        """Add those of the steps that the course lacks."""
+        for step in steps[len(self._steps) :]:
+            self._steps.append(step)
+            columns = zip(_MAPPINGS, self._names, strict=True)
+            self.rows.append([[getattr(step, each)[name] for name in names] for each, names in columns])
 
 
 class _Packing:
     """The runs and replays packed so far, each with its index in the data."""
 
     def __init__(self, system: TransitionSystem) -> None:
+        self.courses: list[_Course] = []
+        self._begun: dict[int, int] = {}  # id of a first step -> the number of its course, which holds the step
         self.traces: list[Plain] = []
         self.replays: list[Plain] = []
         self._names = {
@@ -88,12 +117,23 @@ class _Packing:
             kind = f"part {trace.system.machines[0].name}"
         if kind is None:
             raise ValueError(f"a run of {trace.system.name} with other inputs cannot be packed")
-        names = [list(getattr(trace.steps[0], each)) for each in _MAPPINGS] if trace.steps else []
-        rows = [
-            [[getattr(step, each)[name] for name in columns] for each, columns in zip(_MAPPINGS, names, strict=True)]
-            for step in trace.steps
-        ]
-        return {"system": kind, "initial": dict(trace.initial), "names": names, "rows": rows}
+        return {
+            "system": kind,
+            "initial": dict(trace.initial),
+            "course": self._course(trace.steps),
+            "steps": len(trace.steps),
+        }
+
+    def _course(self, steps: Sequence[Step]) -> int:
+        """Return the number of the course that these steps begin, or of a new one."""
+        begun = self._begun.get(id(steps[0])) if steps else None
+        if begun is not None and self.courses[begun].shares(steps):
+            self.courses[begun].extend(steps)
+            return begun
+        self.courses.append(_Course(steps))
+        if steps:
+            self._begun[id(steps[0])] = len(self.courses) - 1
+        return len(self.courses) - 1
 
 
 def _plain(value: Any) -> Any:
@@ -102,13 +142,10 @@ def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _unpacked_trace(packed: Plain, system: TransitionSystem) -> Trace:
-    names = packed["names"]
-    steps = (
-        Step(*(dict(zip(columns, values, strict=True)) for columns, values in zip(names, row, strict=True)))
-        for row in packed["rows"]
-    )
-    return Trace(system, packed["initial"], tuple(steps))
+def _unpacked_steps(rows: Sequence[Any]) -> Iterator[Step]:
+    names, *steps = rows
+    for row in steps:
+        yield Step(*(dict(zip(columns, values, strict=True)) for columns, values in zip(names, row, strict=True)))
 
 
 def _unpacked(row: Plain, traces: Sequence[Trace], replays: Sequence[Replayed]) -> Finding:

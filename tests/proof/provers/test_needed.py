@@ -16,7 +16,7 @@ from safeloc.proof.cache import answers
 from safeloc.proof.cache.answers import keep_needed, kept_in, needed_before
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers import needed, recheck
-from safeloc.proof.provers.implication import Refuted, core_of, unproved
+from safeloc.proof.provers.implication import Refuted, core_of, text_of, unproved
 from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.recheck import certify
 
@@ -94,7 +94,7 @@ def test_it_is_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_wrong_proposal_proves_nothing(tmp_path: Path, proposed: list[int]) -> None:
     whole = query(ORDERED & (C < 7), A > 3, goal=A < C)
     with kept_in(Store(tmp_path)):
-        keep_needed(_text_of(whole), proposed)
+        keep_needed(text_of(whole), proposed)
         small = only_needed(whole)
         assert len(small.hypotheses) == len(proposed)
         with pytest.raises(Exception, match=r"(yices|cvc5) does not confirm the proof"):
@@ -103,7 +103,7 @@ def test_a_wrong_proposal_proves_nothing(tmp_path: Path, proposed: list[int]) ->
 
 @pytest.mark.parametrize("data", [b"0 99", b"x", b"-1"])
 def test_a_proposal_of_other_hypotheses_is_no_crash(tmp_path: Path, data: bytes) -> None:
-    store, text = Store(tmp_path), _text_of(query(ORDERED, goal=A < C))
+    store, text = Store(tmp_path), text_of(query(ORDERED, goal=A < C))
     with kept_in(store):
         store.put(answers.NEEDED, answers._key("z3", text), data)
         assert needed_before(text, 2) in (None, [])
@@ -115,10 +115,6 @@ def _parts(one: Query[str]) -> list[Bool]:
 
 def _without(one: Query[str], left_out: Bool) -> list[Bool]:
     return [part for part in one.hypotheses if part is not left_out]
-
-
-def _text_of(whole: Query[str]) -> str:
-    return needed.to_smtlib(Query(whole.name, _parts(whole), whole.goals))
 
 
 def test_a_proof_tells_what_it_needs() -> None:
