@@ -19,7 +19,7 @@ from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.never import never, none_happens
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.proved_base import Base, base
-from safeloc.proof.provers.reachability import happens, without_assumption
+from safeloc.proof.provers.reachable_targets import happens, without_assumption
 from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.provers.settle import settled, settled_but
 

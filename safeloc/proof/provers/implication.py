@@ -80,15 +80,20 @@ def find_core(query: Query[Key], seconds: float) -> Sequence[int] | None:
     return core_of(query)
 
 
-def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
-    """Return the goals, by key, that do not follow or are undecided within `seconds` for all goals together."""
+def unproved(
+    query: Query[Key], seconds: float, seed: int = 0, core_seconds: float = CORE_SECONDS
+) -> dict[Key, Failure]:
+    """Return the goals, by key, that do not follow or are undecided within `seconds` for all goals together.
+
+    core_seconds  how much of them, at most half, is for a proof of all goals that tells the hypotheses that it needs
+    """
     if not keeping():
-        return _failures(query, seconds, seed)
+        return _failures(query, seconds, seed, core_seconds)
     text = text_of(query)
     if proved_before("z3", text):
         return {}
     with alone_in_asking("z3", text):
-        failed = {} if proved_before("z3", text) else _failures(query, seconds, seed)
+        failed = {} if proved_before("z3", text) else _failures(query, seconds, seed, core_seconds)
         if not failed:
             keep_proved("z3", text)
     return failed
@@ -102,9 +107,9 @@ def countermodel(query: Query[Key], seconds: float, seed: int = 0) -> dict[Var, 
     return _Asked(query, seed).countermodel(deadline(seconds))
 
 
-def _failures(query: Query[Key], seconds: float, seed: int) -> dict[Key, Failure]:
+def _failures(query: Query[Key], seconds: float, seed: int, core_seconds: float) -> dict[Key, Failure]:
     asked, ends = _Asked(query, seed), deadline(seconds)
-    failed = asked.with_core(deadline(min(CORE_SECONDS, seconds / 2)))
+    failed = asked.with_core(deadline(min(core_seconds, seconds / 2)))
     if len(asked.left) > 1:
         failed |= asked.together(deadline(ends.left / 2))
     if asked.left:

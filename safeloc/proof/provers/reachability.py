@@ -6,62 +6,35 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.expr import Bool, Lit, NumVar, before, was
-from safeloc.language.machine import Machine
-from safeloc.language.spec import Goal, observe, reachable, watch
+from safeloc.language.expr import TRUE, Bool
+from safeloc.language.spec import Goal, watch
 from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
+from safeloc.proof.provers.facts import contract_of
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
 from safeloc.proof.provers.proved_base import Base, base
+from safeloc.proof.provers.reachable_targets import Target, targets_of
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
 from safeloc.proof.provers.relevance import Relevance
 from safeloc.proof.provers.searches import AT_FIRST, first_runs, sparing_runs
 from safeloc.proof.provers.spacer import spacer
 
-EXCLUSION, EXCLUSION_OF_ONE = 0.2, 0.5
-"""Share of the limit for excluding goals that read the same machines, and those of a target of one machine; the goals left after
-it are searched.
+EXCLUSION, EXCLUSION_OF_ONE, EXCLUSION_OF_LAWFUL = 0.2, 0.6, 0.05
+"""Share of the limit for excluding goals that read the same machines, those of one machine, and those of a composition that a run of
+one machine under its assumption reaches: few of these are impossible in the whole. The goals left after it are searched.
 """
 SHALLOW = 3
 """Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
 LEAPS = (3, 6)
 """Steps by which such a search goes on from a run: a few at first, more for what is left."""
-
-# ------------------------------------------------------------------ goals
-
-
-def happens(system: TransitionSystem, name: str, term: Bool) -> Goal:
-    """Return the goal that some step meets `term`, which is over the state before the step and its inputs."""
-    twins = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
-    return observe(system, reachable(name, Substitution(dict(twins)).bool(term)))
-
-
-def without_assumption(goal: Goal) -> Goal:
-    """Return the goal without the assumption: for all inputs in range."""
-    return observe(goal.original, replace(goal.prop, unconditional=True))
-
-
-# ------------------------------------------------------------------ modes and transitions
-
-
-@dataclass(frozen=True, eq=False)
-class _Target:
-    """A mode or else a transition of machine number `part`; `goal` is under the assumption, `free` for all inputs in range."""
-
-    name: str
-    statement: str
-    goal: Goal
-    free: Goal
-    part: int
-    mode: bool
 
 
 def reached(
@@ -88,7 +61,7 @@ def in_known_runs(
 
     This needs no proved fact, so it may run beside the proof of the base. `beyond_known_runs` goes on from what it yields.
     """
-    targets = _targets(system)
+    targets = targets_of(system)
     alone = _shown_alone(system, targets, witnesses)
     runs = _known_runs([one.goal for one in targets], limits, recordings, witnesses, alone).runs
     for one in targets:
@@ -100,13 +73,15 @@ def beyond_known_runs(
     system: TransitionSystem, limits: Limits, known_runs: Sequence[Obligation], witnesses: Witnesses = NO_WITNESSES
 ) -> Iterator[Obligation]:
     """Check the same from what `in_known_runs` has yielded: search what it leaves open, with the proved facts."""
-    targets = _targets(system)
+    targets = targets_of(system)
     known = base(system, seconds=limits.seconds)
     soon = {one: early for one, early in zip(targets, known_runs, strict=True) if isinstance(early.verdict, Proved)}
-    kept = _excluded(_going_on(targets, soon), known.everything, limits)
+    kept = _going_on(targets, soon)
+    members = list(_members(system, targets, kept.left, known, limits, witnesses))
+    kept = _excluded_in_the_whole(kept, members, known.everything, limits)
     kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST) if system.parts else limits)
     unseen = [one for one in targets if one.goal in kept.left]
-    alone, depth = _by_itself(system, targets, unseen, limits, witnesses), kept.depth
+    alone, depth = _by_itself(members, unseen, limits, witnesses), kept.depth
     if system.parts:
         kept = _searched(kept, limits, without={one.goal for one in alone})
     open_ = [one for one in targets if one.goal not in kept.runs]
@@ -132,7 +107,7 @@ def beyond_known_runs(
             yield Obligation(one.name, one.statement, _dead(one.free, broken.depth, limits), "bounded search")
 
 
-def _going_on(targets: Sequence[_Target], soon: Mapping[_Target, Obligation]) -> _Looked:
+def _going_on(targets: Sequence[Target], soon: Mapping[Target, Obligation]) -> _Looked:
     """Return the goals of all targets, with the runs that are known."""
     verdicts = {one: early.verdict for one, early in soon.items()}
     runs = {
@@ -217,8 +192,8 @@ def _without(goals: Sequence[Goal], others: Container[Goal]) -> list[Goal]:
     return [goal for goal in goals if goal not in others]
 
 
-def _excluded(looked: _Looked, facts: Sequence[Bool], limits: Limits) -> _Looked:
-    return replace(looked, excluded=_never(looked.left, facts, limits))
+def _excluded(looked: _Looked, facts: Sequence[Bool], limits: Limits, share: float | None = None) -> _Looked:
+    return replace(looked, excluded=_never(looked.left, facts, limits, share))
 
 
 def _searched(looked: _Looked, limits: Limits, without: Container[Goal] = ()) -> _Looked:
@@ -269,16 +244,17 @@ def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes
     return {goal: run for goal, run in found.items() if goal in set(goals)}
 
 
-def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:
+def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: float | None = None) -> set[Goal]:
     """Return the goals that hold in no first state and after no step from a state with these facts.
 
-    In a composition, goals that read the same machines are asked together, with the facts about these machines.
+    In a composition, goals that read the same machines are asked together, with the facts about these machines; `share` is that of
+    the limit for each such group.
     """
     if not goals:
         return set()
     watched, relevance = watch(goals[0].plain, goals), Relevance(goals[0].original)
-    one = not goals[0].original.parts and not goals[0].original.composition
-    seconds = limits.seconds * (EXCLUSION_OF_ONE if one else EXCLUSION)
+    one = not goals[0].original.parts
+    seconds = limits.seconds * (share or (EXCLUSION_OF_ONE if one else EXCLUSION))
     given = [environment(watched.system), *facts]
     after = Substitution(dict(watched.system.next))
     later = {number: goal.good.implies(after.bool(goal.good)) for number, goal in enumerate(goals)}
@@ -290,7 +266,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[
     for numbers in alike.values():
         wanted = {number: later[number] for number in numbers if number not in possible}
         step = Query("step", relevance.select(given, wanted.values()), wanted)
-        possible |= set(unproved(step, seconds))
+        possible |= set(unproved(step, seconds, core_seconds=seconds / 5))
     return {goal for number, goal in enumerate(goals) if number not in possible}
 
 
@@ -305,7 +281,65 @@ class _Alone:
     run: Trace
 
 
-def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
+@dataclass(frozen=True, eq=False)
+class _Member:
+    """A machine of a composition by itself, with those of its targets that no known run of the composition reaches.
+
+    pairs   its targets, each with that of the composition
+    looked  its shipped and drawn runs, and what is impossible under its assumption
+    kept    whether the composition keeps that assumption: then the same is impossible there
+    """
+
+    alone: TransitionSystem
+    pairs: Sequence[tuple[Target, Target]]
+    looked: _Looked
+    kept: bool
+
+    @property
+    def excluded(self) -> set[Goal]:
+        """The goals of the composition that this machine excludes."""
+        return {theirs.goal for mine, theirs in self.pairs if self.kept and mine.goal in self.looked.excluded}
+
+    @property
+    def lawful(self) -> set[Goal]:
+        """The goals of the composition that a known run of this machine reaches under its assumption."""
+        return {theirs.goal for mine, theirs in self.pairs if mine.goal in self.looked.runs}
+
+
+def _members(
+    system: TransitionSystem,
+    targets: Sequence[Target],
+    left: Sequence[Goal],
+    known: Base,
+    limits: Limits,
+    witnesses: Witnesses,
+) -> Iterator[_Member]:
+    """Yield the machines of a composition that have targets with a goal in `left`."""
+    for number, part in enumerate(system.parts):
+        own = [target for target in targets if target.part == number]
+        pairs = [
+            (mine, theirs) for mine, theirs in zip(targets_of(part.alone), own, strict=True) if theirs.goal in left
+        ]
+        if pairs:
+            looked = _known_runs([mine.goal for mine, _ in pairs], limits, witnesses=witnesses)
+            facts = base(part.alone, seconds=limits.seconds).everything
+            kept = part.name in known.in_range and (part.contract is TRUE or contract_of(part) in known.kept)
+            yield _Member(part.alone, pairs, _excluded(looked, facts, limits), kept)
+
+
+def _excluded_in_the_whole(
+    looked: _Looked, members: Sequence[_Member], facts: Sequence[Bool], limits: Limits
+) -> _Looked:
+    """Exclude what a machine by itself excludes, and by the facts of the composition what they exclude."""
+    excluded = {goal for member in members for goal in member.excluded}
+    lawful = {goal for member in members for goal in member.lawful}
+    left = [goal for goal in looked.left if goal not in excluded]
+    excluded |= _never([goal for goal in left if goal not in lawful], facts, limits)
+    excluded |= _never([goal for goal in left if goal in lawful], facts, limits, EXCLUSION_OF_LAWFUL)
+    return replace(looked, excluded=excluded)
+
+
+def _only_alone(target: Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
     """Report a target that only the machine alone reaches, with the result for the composition."""
     in_composition = (
         "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_composition(depth)
@@ -319,7 +353,7 @@ def _none_of_the_composition(depth: int) -> str:
     return "the whole was not searched in time" if depth < 0 else f"none of the whole in {depth} steps"
 
 
-def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses: Witnesses) -> set[Goal]:
+def _shown_alone(system: TransitionSystem, targets: Sequence[Target], witnesses: Witnesses) -> set[Goal]:
     """Return the goals that a witness of one machine alone reaches: when it was made, random runs of the whole did not."""
     found: set[Goal] = set()
     for number, part in enumerate(system.parts):
@@ -328,7 +362,7 @@ def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses
         wanted = [target.goal for target in targets if target.part == number]
         pairs = {
             one: theirs
-            for mine, theirs in zip(_targets(part.alone), wanted, strict=True)
+            for mine, theirs in zip(targets_of(part.alone), wanted, strict=True)
             for one in (mine.goal, mine.free)
         }
         for free in (False, True):
@@ -338,30 +372,27 @@ def _shown_alone(system: TransitionSystem, targets: Sequence[_Target], witnesses
 
 
 def _by_itself(
-    system: TransitionSystem,
-    targets: Sequence[_Target],
-    open_: Container[_Target],
-    limits: Limits,
-    witnesses: Witnesses,
-) -> dict[_Target, _Alone]:
-    """Find targets that no known run of the composition reaches, but a run of one machine alone; return these runs."""
-    found: dict[_Target, _Alone] = {}
-    for number, part in enumerate(system.parts):
-        wanted = [target for target in targets if target.part == number]
-        pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), wanted, strict=True) if theirs in open_]
-        if pairs:
-            found |= {theirs: _Alone(*shown_) for theirs, shown_ in _runs_alone(part.alone, pairs, limits, witnesses)}
-    return found
+    members: Sequence[_Member], open_: Container[Target], limits: Limits, witnesses: Witnesses
+) -> dict[Target, _Alone]:
+    """Return runs of one machine alone to those of these targets that it reaches."""
+    return {
+        theirs: _Alone(*shown_)
+        for member in members
+        for theirs, shown_ in _runs_alone(member, open_, limits, witnesses)
+    }
 
 
 def _runs_alone(
-    alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits, witnesses: Witnesses
-) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
+    member: _Member, open_: Container[Target], limits: Limits, witnesses: Witnesses
+) -> Iterator[tuple[Target, tuple[str, Trace]]]:
     """Return the targets that the machine reaches alone, each with its description and the run."""
-    known, modes = base(alone, seconds=limits.seconds), [one.free for one in _targets(alone) if one.mode]
-    looked = _known_runs([mine.goal for mine, _ in pairs], limits, witnesses=witnesses)
-    looked = _excluded(looked, known.everything, limits)
-    lawful = _searched(looked, limits)
+    pairs = [(mine, theirs) for mine, theirs in member.pairs if theirs in open_]
+    if not pairs:
+        return
+    known = base(member.alone, seconds=limits.seconds)
+    modes = [one.free for one in targets_of(member.alone) if one.mode]
+    looked = replace(member.looked, goals=[mine.goal for mine, _ in pairs])
+    lawful = _searched_lawfully(looked, {mine.free: mine.goal for mine, _ in pairs}, limits, witnesses)
     free = [mine.free for mine, _ in pairs if mine.goal not in lawful.runs]
     unlawful = _without_assumption(free, list(known.always.values()), limits, lawful, modes, witnesses).runs
     for mine, theirs in pairs:
@@ -373,41 +404,19 @@ def _runs_alone(
             yield theirs, (f"a defence: witness of {len(run.steps)} steps with its assumption broken", run)
 
 
-def _place(src: str) -> str:
-    """Return file name and line, without the folder, which differs between computers."""
-    return src.replace("\\", "/").rpartition("/")[2]
+def _searched_lawfully(looked: _Looked, goals: Mapping[Goal, Goal], limits: Limits, witnesses: Witnesses) -> _Looked:
+    """Search runs of one machine under its assumption, only briefly where a shipped witness breaks it: the search for that witness
+    had found none.
+
+    goals  goal without the assumption -> the same under it
+    """
+    defences = {goals[free] for free in shown(list(goals), witnesses.get(next(iter(goals)).plain.name, ()))}
+    searched = _searched(looked, limits, without=defences)
+    others = set(goals.values()) - defences
+    return _searched(searched, replace(limits, seconds=limits.seconds * AT_FIRST), without=others)
 
 
-def _targets(system: TransitionSystem) -> list[_Target]:
-    """Return modes and transitions of all machines, in order, each with the number of its machine."""
-    if system.parts:
-        return [target for number in range(len(system.parts)) for target in _targets_of_part(system, number)]
-    machine = system.machines[0]
-    return list(_targets_of(system, machine, machine.mode, machine.fired_name))
-
-
-def _targets_of_part(system: TransitionSystem, number: int) -> Iterator[_Target]:
-    part = system.parts[number]
-    mode, fired = part.into(part.machine.mode), part.into(part.machine.fired_name)
-    assert isinstance(mode, NumVar)
-    assert isinstance(fired, NumVar)
-    yield from _targets_of(system, part.machine, mode, fired, number)
-
-
-def _targets_of(
-    system: TransitionSystem, machine: Machine, mode: NumVar, fired: NumVar, part: int = 0
-) -> Iterator[_Target]:
-    for number, label in enumerate(machine.modes):
-        goal = observe(system, reachable(f"mode {number} of machine {part}", mode.eq(label)))
-        name, text = f"mode {machine.name} {label.label}", f"{machine.name} reaches mode {label.label}"
-        yield _Target(name, text, goal, without_assumption(goal), part, mode=True)
-    for number, row in enumerate(machine.transitions, 1):
-        goal = observe(system, reachable(f"row {number} of machine {part}", fired.eq(Lit(number, fired.unit))))
-        name, text = f"transition {machine.name}: {row.name}", f"{machine.name}: {row.name!r} fires ({_place(row.src)})"
-        yield _Target(name, text, goal, without_assumption(goal), part, mode=False)
-
-
-def _dead_in_the_composition(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
+def _dead_in_the_composition(targets: Sequence[Target], known: Base, limits: Limits) -> set[Target]:
     """Return the targets that no run of the composition reaches for any inputs in range, proved without the assumption."""
     dead = _never([target.free for target in targets], list(known.always.values()), limits)
     return {target for target in targets if target.free in dead}

@@ -76,7 +76,8 @@ def _confirmed(replay: Replay, wanted: Mapping[Goal, int], recording: Recording)
         reached = start(replay.watched, known_first(system, recording))
         if steps:
             reached = _stepped(replay, goal, states[steps - 1], rows[steps - 1])
-        if list(reached.values()) != states[steps] or holds(goal.good, reached):
+        found = [reached.get(var) for var in replay.watched.state]
+        if found != states[steps] or holds(goal.good, reached):
             raise EngineError(
                 f"the interpreter does not reach {goal.prop.name!r} in the step in which generated code does."
             )

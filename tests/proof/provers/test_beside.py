@@ -17,7 +17,7 @@ from safeloc.language.world import World
 from safeloc.proof.provers import beside as module
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
-from safeloc.proof.provers.reachability import without_assumption
+from safeloc.proof.provers.reachable_targets import without_assumption
 from safeloc.proof.provers.recorded_witnesses import Recording
 
 DOOR, VAULT, INSIDE, ALARM = modes("DOOR", "VAULT", "INSIDE", "ALARM")

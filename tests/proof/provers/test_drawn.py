@@ -12,7 +12,7 @@ from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held
 from safeloc.language.world import World
 from safeloc.proof.provers.drawn import drawn
-from safeloc.proof.provers.reachability import without_assumption
+from safeloc.proof.provers.reachable_targets import without_assumption
 
 SLOW, FAST, BROKEN = modes("SLOW", "FAST", "BROKEN")
 X = number("x", COUNT, 0, 1000)

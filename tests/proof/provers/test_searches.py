@@ -17,7 +17,8 @@ from safeloc.language.verdict import Proved
 from safeloc.proof.provers import reachability
 from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Deadline, Limits
-from safeloc.proof.provers.reachability import reached, without_assumption
+from safeloc.proof.provers.reachability import reached
+from safeloc.proof.provers.reachable_targets import without_assumption
 from safeloc.proof.provers.searches import TRIES, sparing_runs
 from tests.proof.provers.small import LEVEL, counter, system
 
