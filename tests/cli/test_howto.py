@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
-from tests.cli.calling import Call
+from tests.cli.calling import DOOR_FILE, Call
 
 PAGES = Path(__file__).parents[2] / "docs" / "howto"
 SECONDS = ("--seconds", "5", "--jobs", "1")
@@ -96,3 +97,19 @@ def test_commands_of_the_pages_exist(call: Call) -> None:
         helped = call(command, "--help")
         assert helped.code == 0, command
         assert option in re.sub(r"\x1b\[[0-9;]*m", "", helped.out), (command, option)
+
+
+def test_what_a_job_runs_writes_what_it_hands_over(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both jobs run the same command, and every file of the report that they name is there after it."""
+    page = (PAGES / "ci.md").read_text(encoding="utf-8")
+    jobs = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    commands = {command for job in jobs for command in re.findall(r"- (?:run: )?safeloc (.+)", job)}
+    [command] = commands
+    handed_over = {path for job in jobs for path in re.findall(r"\b(report/[a-z.]+)", job)}
+    assert len(jobs) == 2 and handed_over == {"report/results.sarif", "report/junit.xml"}
+    (tmp_path / "src").mkdir()
+    shutil.copy(DOOR_FILE, tmp_path / "src" / "lamp.py")
+    monkeypatch.chdir(tmp_path)
+    called = call(*command.split())
+    assert called.code == 0, called.out
+    assert all((tmp_path / path).is_file() for path in handed_over)
