@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from safeloc.explain.failing_parts import Part, failing_parts
-from safeloc.explain.induction import escape
 from safeloc.explain.lemma_candidates import tried_lemmas
 from safeloc.explain.mattering_inputs import Row, mattering_rows, open_first, simplest
 from safeloc.language.antecedents import cases
@@ -18,6 +17,7 @@ from safeloc.language.terms import Sharing
 from safeloc.language.trace import Trace, shown
 from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated, word
 from safeloc.proof.cores.cores import Core
+from safeloc.proof.provers.escape import escape
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 from safeloc.target import Target

@@ -62,10 +62,15 @@ class Violated(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class Unknown(_NoTruth):
-    """The property is undecided within the limits; no violation exists up to `depth` steps (-1: no depth was completed)."""
+    """The property is undecided within the limits; no violation exists up to `depth` steps (-1: no depth was completed).
+
+    escape  a counterexample to induction: a run from a state that keeps all that is proved, whose last step breaks the property; no
+            run of the machine need come to that state
+    """
 
     reason: str
     depth: int = -1
+    escape: Trace | None = None
 
     @property
     def searched(self) -> str:

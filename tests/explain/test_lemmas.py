@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from safeloc.explain.induction import escape
+import json
+import pickle
+
+import pytest
+
 from safeloc.explain.lemma_candidates import tried_lemmas
 from safeloc.language.interpret import holds, step
 from safeloc.language.render import infix
 from safeloc.language.spec import observe
+from safeloc.language.verdict import Unknown
+from safeloc.proof.provers import portfolio
+from safeloc.proof.provers.escape import escape
 from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove_one
+from safeloc.proof.provers.verdicts_as_data import pack, unpack
+from safeloc.proof.results import Finding
+from safeloc.proof.verification.plain import pack_findings, unpack_findings
 from tests.explain.pump import KEPT, LATE, OPEN, target
 
 
@@ -44,3 +55,21 @@ def test_no_lemma_proves_what_does_not_hold() -> None:
     tried = tried_lemmas(observe(target().system, LATE), Limits(seconds=5))
     assert tried.needed is None
     assert tried.inductive > 0
+
+
+def test_an_undecided_property_comes_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The verdict holds the run, also when another process sends it and when it is kept as plain data."""
+    here = target()
+    goal = observe(here.system, OPEN)
+    monkeypatch.setattr(portfolio, "_ENGINES", portfolio._QUICK)  # Spacer would prove it
+    verdict = prove_one(goal, Limits(depth=3))
+    assert isinstance(verdict, Unknown) and verdict.escape is not None
+    sent = unpack(pickle.loads(pickle.dumps(pack(verdict))), goal.plain, goal.system)
+    finding = Finding("pump/property/open", here.name, "property", "", verdict, "", 0.0)
+    plain = json.loads(json.dumps(pack_findings([finding], here.system)))
+    [kept] = unpack_findings(plain, here.system)
+    for arrived in (sent, kept.result):
+        assert isinstance(arrived, Unknown) and arrived.escape is not None
+        assert (arrived.reason, arrived.depth) == (verdict.reason, verdict.depth)
+        assert arrived.escape.initial == verdict.escape.initial
+        assert arrived.escape.steps == verdict.escape.steps

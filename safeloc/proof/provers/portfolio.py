@@ -25,6 +25,7 @@ from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
 from safeloc.proof.provers.dropped import Dropped, broken
+from safeloc.proof.provers.escape import escape
 from safeloc.proof.provers.facts import Fact, about, contract_of
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.implication import Undecided
@@ -43,6 +44,8 @@ from safeloc.proof.results import Finding
 
 GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
+ESCAPE_SHARE = 0.2
+"""Share of the limit, on top of it, for a counterexample to induction of a property that no engine decides."""
 DEEPEST = 1_000
 """Steps of the longest runs to an event that are searched while there is time."""
 OnFinding = Callable[[Finding], None]
@@ -54,7 +57,14 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     """
     if goal.prop.kind == "reachable":
         return _reach(goal, limits)
-    return _in_turn(_ENGINES, goal, limits)
+    verdict = _in_turn(_ENGINES, goal, limits)
+    return _with_escape(goal, verdict, limits) if isinstance(verdict, Unknown) else verdict
+
+
+def _with_escape(goal: Goal, verdict: Unknown, limits: Limits) -> Unknown:
+    """Return the verdict with a counterexample to induction, if z3 finds one within a share of the limit."""
+    found = escape(goal, replace(limits, seconds=limits.seconds * ESCAPE_SHARE))
+    return verdict if found is None else replace(verdict, escape=found.run)
 
 
 def _in_turn(engines: Sequence[_Engine], goal: Goal, limits: Limits) -> Verdict:

@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import Any, assert_never
 
 from safeloc.language.expr import TRUE, Bool, Expr, Var
+from safeloc.language.interpret import taken
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import in_order
@@ -103,6 +104,15 @@ def _by_itself(name: str, system: TransitionSystem) -> TransitionSystem:
     return replace(alone, assume=TRUE, init=first_without_the_world(alone))
 
 
+def _unpack_escape(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
+    """Return the run from any state, made again by the interpreter."""
+    if packed is None:
+        return None
+    of = _by_itself(packed.part, system) if packed.part else system
+    state = {var: packed.initial[var.name] for var in of.state}
+    return Trace(of, packed.initial, tuple(one for one, _ in taken(of, state, packed.stream)))
+
+
 Packed = tuple[Any, ...]
 
 
@@ -115,8 +125,8 @@ def pack(verdict: Verdict) -> Packed:
             return ("proved", term, engine, depth, rechecked, dict(certificates), run_, by_construction)
         case Violated(trace, engine, reason):
             return ("violated", pack_trace(trace), engine, reason)
-        case Unknown(reason, depth):
-            return ("unknown", reason, depth)
+        case Unknown(reason, depth, escape):
+            return ("unknown", reason, depth, pack_trace(escape))
         case Vacuous(reason, trace):
             return ("vacuous", reason, pack_trace(trace))
         case _:
@@ -135,8 +145,8 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem,
             return Proved(invariant, engine, depth, rechecked, certificates, run_, by_construction)
         case ("violated", trace, engine, reason):
             return Violated(unpack_trace(trace, system, again), engine, reason)
-        case ("unknown", reason, depth):
-            return Unknown(reason, depth)
+        case ("unknown", reason, depth, escape):
+            return Unknown(reason, depth, _unpack_escape(escape, system))
         case ("vacuous", reason, trace):
             return Vacuous(reason, unpack_trace(trace, system, again))
         case _:

@@ -20,7 +20,7 @@ Plain: TypeAlias = dict[str, Any]
 _RESULTS: Mapping[str, type[Result]] = {
     kind.__name__: kind for kind in (Proved, Violated, Unknown, Vacuous, NotAsked, Held)
 }
-_TRACES = ("witness", "trace")
+_TRACES = ("witness", "trace", "escape")
 _MAPPINGS = ("inputs", "fired", "state", "outputs")
 _OWN = ("result", "replayed")
 

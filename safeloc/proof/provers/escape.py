@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from safeloc.language.expr import NumVar, Var
-from safeloc.language.interpret import taken
+from safeloc.language.interpret import named, taken
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.system import canonical
@@ -50,14 +50,14 @@ def _run(goal: Goal, values: Mapping[Var, Value], steps: int) -> Trace:
     state = {var: values.get(var, _rest(var)) for var in system.state}
     stream = []
     for number in range(steps):
-        named = {var: numbered_input(var, number) if number else var for var in system.inputs}
-        given = {var: values.get(one, _rest(var)) for var, one in named.items()}
+        numbered = {var: numbered_input(var, number) if number else var for var in system.inputs}
+        given = {var: values.get(one, _rest(var)) for var, one in numbered.items()}
         for option in system.optionals:
             if not given[option.present]:
                 given[option.value] = _rest(option.value)
         stream.append({var.name: value for var, value in given.items()})
     made = tuple(one for one, _ in taken(system, state, stream, hidden=hidden))
-    return Trace(goal.plain, {var.name: value for var, value in state.items() if var not in hidden}, made)
+    return Trace(goal.plain, named(state, hidden), made)
 
 
 def _rest(var: Var) -> Value:
