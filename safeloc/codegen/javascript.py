@@ -1,0 +1,59 @@
+"""A machine as a script for a browser, or for node: it runs step by step, and explains each step.
+
+    javascript(system)  ->  '(()=>{"use strict"; ... safelocMachine("odometry", machineOf(...))})()'
+
+The script is classic (no module, no import) and needs one function, `safelocMachine(name, machine)`, which whoever loads it has
+defined before. It stands in a page as it is, and is ASCII. docs/export.md tells what the machine does.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+from safeloc.codegen.javascript_code import moving, shown, state_names, values_of
+from safeloc.codegen.javascript_parts import Parts
+from safeloc.codegen.javascript_tables import tables
+from safeloc.errors import InputError
+from safeloc.language.nodes import Past
+from safeloc.language.ranges import beyond_int64
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.terms import in_order
+
+_HERE = Path(__file__).parent
+
+
+def javascript(system: TransitionSystem) -> str:
+    """Return the text of the script, with ghosts and laws of the world if the system has them.
+
+    A system whose terms might exceed 64 bits is not refused: its step throws an Error where one does.
+    InputError for past operators, and for a composition without its parts.
+    """
+    terms = [*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init]
+    if any(isinstance(node, Past) for node in in_order(terms)):
+        raise InputError(f"{system.name}: past operators cannot run; `observe` the property first.")
+    if len(system.machines) > 1 and not system.parts:
+        raise InputError(f"{system.name}: a composition without its parts cannot be explained; use on_board(system).")
+    checked, parts = bool(beyond_int64(terms)), Parts(system)
+    data = json.dumps(tables(system, parts), separators=(",", ":")).replace("<", "\\u003c")
+    functions = (
+        moving(system, checked=checked),
+        shown(system, checked=checked),
+        f"s=>{values_of([system.init], state_names(system))}",
+        parts.function(),
+    )
+    name = json.dumps(system.name).replace("<", "\\u003c")
+    made = f"machineOf({data},{','.join(functions)})"
+    return f'(()=>{{"use strict";\n{_machine()}safelocMachine({name},{made})}})();\n'
+
+
+def on_board(system: TransitionSystem) -> TransitionSystem:
+    """Return the system that runs on board, with its parts: guards and named terms read no ghosts."""
+    return replace(without_ghosts(system), parts=system.parts)
+
+
+def _machine() -> str:
+    """Return what every machine needs, without remarks and indentation."""
+    lines = (line.strip() for line in (_HERE / "machine.js").read_text(encoding="utf-8").splitlines())
+    return "".join(f"{line}\n" for line in lines if line and not line.startswith("//"))
