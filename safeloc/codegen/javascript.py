@@ -9,6 +9,7 @@ defined before. It stands in a page as it is, and is ASCII. docs/export.md tells
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,9 @@ from safeloc.codegen.javascript_code import moving, shown, state_names, values_o
 from safeloc.codegen.javascript_parts import Parts
 from safeloc.codegen.javascript_tables import tables
 from safeloc.errors import InputError
-from safeloc.language.nodes import Past
+from safeloc.language.first_values import Any_
+from safeloc.language.interpret import start
+from safeloc.language.nodes import Past, Value
 from safeloc.language.ranges import beyond_int64
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.terms import in_order
@@ -24,19 +27,23 @@ from safeloc.language.terms import in_order
 _HERE = Path(__file__).parent
 
 
-def javascript(system: TransitionSystem) -> str:
+def javascript(system: TransitionSystem, *, first: Mapping[str, Value] | None = None) -> str:
     """Return the text of the script, with ghosts and laws of the world if the system has them.
 
+    first  values for variables whose first value is open, which its `first()` takes where its caller chooses none; without
+           them those nearest to zero, which `initially` may exclude
+
     A system whose terms might exceed 64 bits is not refused: its step throws an Error where one does.
-    InputError for past operators, and for a composition without its parts.
+    InputError for past operators, for a composition without its parts, and for a first value that is refused.
     """
+    chosen = {} if first is None else _open_values(system, first)
     terms = [*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init]
     if any(isinstance(node, Past) for node in in_order(terms)):
         raise InputError(f"{system.name}: past operators cannot run; `observe` the property first.")
     if len(system.machines) > 1 and not system.parts:
         raise InputError(f"{system.name}: a composition without its parts cannot be explained; use on_board(system).")
     checked, parts = bool(beyond_int64(terms)), Parts(system)
-    data = json.dumps(tables(system, parts), separators=(",", ":")).replace("<", "\\u003c")
+    data = json.dumps(tables(system, parts, chosen), separators=(",", ":")).replace("<", "\\u003c")
     functions = (
         moving(system, checked=checked),
         shown(system, checked=checked),
@@ -51,6 +58,12 @@ def javascript(system: TransitionSystem) -> str:
 def on_board(system: TransitionSystem) -> TransitionSystem:
     """Return the system that runs on board, with its parts: guards and named terms read no ghosts."""
     return replace(without_ghosts(system), parts=system.parts)
+
+
+def _open_values(system: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the first values of those variables whose first value is open."""
+    values = start(system, first)
+    return {var.name: value for var, value in values.items() if isinstance(system.initial[var], Any_)}
 
 
 def _machine() -> str:

@@ -9,6 +9,7 @@ from safeloc.codegen.javascript_parts import Guards, Member, Parts, laws, member
 from safeloc.language.absence import stand_in_of, value_while_present
 from safeloc.language.expr import Expr, Lit, Num, NumVar, Var
 from safeloc.language.first_values import Any_
+from safeloc.language.nodes import Value
 from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
 from safeloc.language.system import TransitionSystem, canonical
@@ -20,14 +21,17 @@ from safeloc.language.units import Enumeration
 Table = dict[str, Any]
 
 
-def tables(system: TransitionSystem, parts: Parts) -> Table:
-    """Return all tables, as JSON holds them; what they need the value of gets a place in `parts`."""
+def tables(system: TransitionSystem, parts: Parts, first: Mapping[str, Value]) -> Table:
+    """Return all tables, as JSON holds them; what they need the value of gets a place in `parts`.
+
+    first  first values of variables whose first value is open, instead of those nearest to zero
+    """
     every = members(system)
     rows = [_Rows(parts, member) for member in every]
     return {
         "name": system.name,
         "machines": [member.machine.name for member in every],
-        "variables": [*_state(system), *_inputs(system), *_outputs(system)],
+        "variables": [*_state(system, first), *_inputs(system), *_outputs(system)],
         "inputs": [var.name for var in system.inputs],
         "fired": [_labels(var) for var in system.fired],
         "transitions": [row for one in rows for row in one.transitions()],
@@ -43,8 +47,8 @@ def tables(system: TransitionSystem, parts: Parts) -> Table:
 # ------------------------------------------------------------------ variables
 
 
-def _state(system: TransitionSystem) -> list[Table]:
-    return [{**_variable(system, var, "state"), **_first(system, var)} for var in system.state]
+def _state(system: TransitionSystem, first: Mapping[str, Value]) -> list[Table]:
+    return [{**_variable(system, var, "state"), **_first(system, var, first)} for var in system.state]
 
 
 def _inputs(system: TransitionSystem) -> list[Table]:
@@ -93,13 +97,15 @@ def _labels(term: Num) -> list[str]:
     return list(term.unit.members)
 
 
-def _first(system: TransitionSystem, var: Var) -> Table:
+def _first(system: TransitionSystem, var: Var, chosen: Mapping[str, Value]) -> Table:
     """Return the first value as text, or as truth value, and whether it is open."""
     declared = system.initial[var]
+    is_open = isinstance(declared, Any_)
     if isinstance(declared, Any_):
-        return {"first": str(canonical(var)) if isinstance(var, NumVar) else False, "open": True}
-    value = declared.value if isinstance(declared, Lit) else declared
-    return {"first": str(value) if isinstance(var, NumVar) else value, "open": False}
+        value = chosen.get(var.name, canonical(var) if isinstance(var, NumVar) else False)
+    else:
+        value = declared.value if isinstance(declared, Lit) else declared
+    return {"first": str(int(value)) if isinstance(var, NumVar) else value, "open": is_open}
 
 
 def _place(declared: str) -> str:

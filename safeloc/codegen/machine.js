@@ -117,11 +117,12 @@ function machineOf(data, moves, outputs, first, values) {
   }
 
   function fromJson(given) {
+    // what it cannot read it leaves as it is, and the step refuses it
     const read = ([name, value]) => {
-      const { kind } = byName.state[name] ?? byName.input[name] ?? {};
-      if (kind !== "integer") return [name, value];
-      if (Number.isSafeInteger(value)) return [name, BigInt(value)];
-      return [name, typeof value === "string" && /^-?[0-9]+$/.test(value) ? BigInt(value) : value];
+      const { kind, values: members } = byName.state[name] ?? byName.input[name] ?? {};
+      if (kind === "integer" && Number.isSafeInteger(value)) return [name, BigInt(value)];
+      if (kind === "integer" && typeof value === "string" && /^-?[0-9]+$/.test(value)) return [name, BigInt(value)];
+      return [name, typeof value === "number" && kind !== "integer" ? (members?.[value] ?? value) : value];
     };
     return Object.fromEntries(Object.entries(given).map(read));
   }

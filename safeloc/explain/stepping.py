@@ -105,15 +105,11 @@ class Stepper:
 
     def broken_laws(self) -> list[str]:
         """Return the laws of the world, each with its machine, that the next step breaks; no proof speaks of what follows."""
-        values = {**self._states[-1], **self._next_inputs()}
-        return [name for name, term in _laws(self.system).items() if not holds(term, values)]
+        return laws_broken(self.system, self._states[-1], self._next_inputs())
 
     def rows(self) -> list[RowView]:
         """Return the transitions of each machine's present mode, in the order in which they are tried."""
-        values = {**self._states[-1], **self._next_inputs()}
-        _, fired = step(self.system, self._states[-1], self._next_inputs())
-        taken = fired_names(fired)
-        return [row for part in _parts(self.system) for row in part.rows(values, taken)]
+        return rows_at(self.system, self._states[-1], self._next_inputs())
 
     def broken(self) -> dict[str, int]:
         """Return the properties that the run has broken, each with the step that did."""
@@ -206,6 +202,18 @@ def _value(text: str) -> object:
 
 
 # ------------------------------------------------------------------ rows
+
+
+def rows_at(system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]) -> list[RowView]:
+    """Return the transitions of each machine's present mode, in the order in which they are tried."""
+    taken = fired_names(step(system, state, inputs)[1])
+    return [row for part in _parts(system) for row in part.rows({**state, **inputs}, taken)]
+
+
+def laws_broken(system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]) -> list[str]:
+    """Return the laws of the world, each with its machine, that a step breaks."""
+    values = {**state, **inputs}
+    return [name for name, term in _laws(system).items() if not holds(term, values)]
 
 
 @dataclass(frozen=True, eq=False)
