@@ -79,7 +79,7 @@ class Parts:
         self._values: dict[Expr, int] = {}
         self._share = Sharing()
         self._twins = {var: replace(var, name=f"{var.name} after") for var in system.state}
-        moved = reversed(system.next.items())
+        moved = reversed(list(system.next.items()))
         self._cut = Substitution({}, [(term, self._twins[var]) for var, term in moved if is_cut(var, term)])
         self._names = {**state_names(system), **input_names(system)}
         self._names |= {self._twins[var]: place for var, place in state_names(system, "o").items()}

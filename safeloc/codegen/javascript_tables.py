@@ -79,7 +79,14 @@ def _outputs(system: TransitionSystem) -> list[Table]:
 def _variable(system: TransitionSystem, var: Var, role: str) -> Table:
     low, high = (var.low, var.high) if isinstance(var, NumVar) else (0, 1)
     ghost = {"ghost": True} if var in system.ghosts else {}
-    return {"name": var.name, "role": role, **_kind(var, low, high), "optional": False, "text": _place(var.src), **ghost}
+    return {
+        "name": var.name,
+        "role": role,
+        **_kind(var, low, high),
+        "optional": False,
+        "text": _place(var.src),
+        **ghost,
+    }
 
 
 def _kind(term: Expr, low: int, high: int) -> Table:
