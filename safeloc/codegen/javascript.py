@@ -9,7 +9,7 @@ defined before. It stands in a page as it is, and is ASCII. docs/export.md tells
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,13 +25,17 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.terms import in_order
 
 _HERE = Path(__file__).parent
+STREAM_SCHEMA = "safeloc-stream/1"
+"""The form of the streams that the machine writes; `safeloc.runtime.streams.steps` reads it."""
 
 
-def javascript(system: TransitionSystem, *, first: Mapping[str, Value] | None = None) -> str:
+def javascript(system: TransitionSystem, *, first: Mapping[str, Value] | None = None, test: Sequence[str] = ()) -> str:
     """Return the text of the script, with ghosts and laws of the world if the system has them.
 
     first  values for variables whose first value is open, which its `first()` takes where its caller chooses none; without
            them those nearest to zero, which `initially` may exclude
+    test   the text of a test file in four pieces, between which first values, steps and fired transitions come
+           (`safeloc.explain.pytest_file.run_file_pieces`); without it the machine writes no tests
 
     A system whose terms might exceed 64 bits is not refused: its step throws an Error where one does.
     InputError for past operators, for a composition without its parts, and for a first value that is refused.
@@ -43,7 +47,8 @@ def javascript(system: TransitionSystem, *, first: Mapping[str, Value] | None = 
     if len(system.machines) > 1 and not system.parts:
         raise InputError(f"{system.name}: a composition without its parts cannot be explained; use on_board(system).")
     checked, parts = bool(beyond_int64(terms)), Parts(system)
-    data = json.dumps(tables(system, parts, chosen), separators=(",", ":")).replace("<", "\\u003c")
+    every = {**tables(system, parts, chosen), "test": list(test), "schema": STREAM_SCHEMA}
+    data = json.dumps(every, separators=(",", ":")).replace("<", "\\u003c")
     functions = (
         moving(system, checked=checked),
         shown(system, checked=checked),

@@ -33,6 +33,7 @@ def tables(system: TransitionSystem, parts: Parts, first: Mapping[str, Value]) -
         "machines": [member.machine.name for member in every],
         "variables": [*_state(system, first), *_inputs(system), *_outputs(system)],
         "inputs": [var.name for var in system.inputs],
+        "recorded": _recorded(system),
         "fired": [_labels(var) for var in system.fired],
         "transitions": [row for one in rows for row in one.transitions()],
         "rows": _home(system, rows),
@@ -63,6 +64,13 @@ def _inputs(system: TransitionSystem) -> list[Table]:
             table |= {"present": present[var], "absent": str(canonical(var))}
         found.append(table)
     return found
+
+
+def _recorded(system: TransitionSystem) -> list[str]:
+    """Return the inputs in the order in which the interpreter reads and recordings hold them: those that may be absent first."""
+    optional = [option.value.name for option in system.optionals]
+    flags = [option.present.name for option in system.optionals]
+    return [*optional, *(var.name for var in system.inputs if var.name not in {*optional, *flags})]
 
 
 def _outputs(system: TransitionSystem) -> list[Table]:

@@ -257,8 +257,54 @@ function machineOf(data, moves, outputs, first, values) {
     return data.laws.filter((one) => !of[one.place]).map((one) => one.name);
   }
 
+  // ---------------------------------------------------------------- a run as a file
+
+  function written(text) {
+    // JSON in ASCII, as Python writes it
+    const escape = (letter) => `\\u${letter.charCodeAt(0).toString(16).padStart(4, "0")}`;
+    return JSON.stringify(text).replace(/[\u007f-\uffff]/g, escape);
+  }
+
+  const literal = (entries, truths) =>
+    `{${entries.map(([name, one]) => `${written(name)}: ${truths[one] ?? one}`).join(", ")}}`;
+
+  function recorded(rows, chosen) {
+    if (!rows.length) throw new RangeError("no step was taken; there is no run to save.");
+    const begin = stateOf(start(chosen));
+    const steps = rows.map(inputsOf);
+    const isThere = (one, list) => !one.optional || list[places[one.present]];
+    const read = data.recorded.map((name) => byName.input[name]);
+    const named = (list) => read.filter((one) => isThere(one, list)).map((one) => [one.name, list[places[one.name]]]);
+    const open = state.flatMap((one, place) => (one.open ? [[one.name, begin[place]]] : []));
+    return { begin, steps, open, rows: steps.map(named) };
+  }
+
+  function asStream(rows, chosen = {}) {
+    const run = recorded(rows, chosen);
+    const first = literal(run.open, {});
+    const header = `{"schema": ${written(data.schema)}, "machine": ${written(data.name)}, "first": ${first}}`;
+    return [header, ...run.rows.map((row) => literal(row, {}))].map((line) => `${line}\n`).join("");
+  }
+
+  function asTest(rows, chosen = {}) {
+    if (!data.test.length) throw new Error(`${data.name}: this script was made without the text of a test.`);
+    const run = recorded(rows, chosen);
+    const truths = { true: "True", false: "False" };
+    const fired = [];
+    run.steps.reduce((s, i) => {
+      const made = moved(s, i);
+      fired.push(`[${made.fired.map(written).join(", ")}]`);
+      return made.after;
+    }, run.begin);
+    const listed = (lines) => lines.map((line) => `    ${line},\n`).join("");
+    const steps = listed(run.rows.map((row) => literal(row, truths)));
+    const [head, beforeSteps, beforeFired, tail] = data.test;
+    return `${head}${literal(run.open, truths)}${beforeSteps}${steps}${beforeFired}${listed(fired)}${tail}`;
+  }
+
   return {
     name: data.name, machines: data.machines, variables: data.variables, transitions, named: data.named,
     laws: data.laws.map((one) => one.name), first: start, step, explain, values: namedValues, broken, fromJson, toJson,
+    asStream, asTest,
   };
 }

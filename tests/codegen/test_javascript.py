@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import random
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,8 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.codegen.compiled import compile_system
-from safeloc.codegen.javascript import javascript, on_board
+from safeloc.codegen.javascript import STREAM_SCHEMA, javascript, on_board
 from safeloc.errors import InputError
+from safeloc.explain.pytest_file import run_file, run_file_pieces
+from safeloc.explain.stepping import Stepper
 from safeloc.language.expr import (
     TRUE,
     Bool,
@@ -34,14 +40,17 @@ from safeloc.language.expr import (
     optional,
     product,
 )
-from safeloc.language.interpret import evaluate, fired_names, outputs, read_inputs, start, step
+from safeloc.language.interpret import evaluate, fired_names, outputs, read_inputs, run, start, step
 from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Past, Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import COUNT, MM, ONE
 from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import drawn_run, recorded_run
+from safeloc.proof.verification.replay import read_recording
+from safeloc.runtime.streams.steps import SCHEMA, write_steps
 from safeloc.shipped import ENTRIES
+from safeloc.target import Target
 from tests.codegen.explained import broken, explained
 from tests.codegen.in_node import Node, NodeError, as_json, expected, loaded, needs_node, node, state_told, told
 from tests.examples import EXAMPLES, Example
@@ -118,8 +127,8 @@ def test_shipped_machines_run_as_interpreted(node: Node, name: str) -> None:
     board = on_board(target.system)
     loaded(node, board, first_state(board, random.Random(0)))
     runs = [recorded_run(board, path, 15) for path in target.streams[:1]]
-    for run in [*runs, drawn_run(board, 1, 15, lawful=False)]:
-        assert_same_run(node, board, run.steps, dict(run.first or {}))
+    for one in [*runs, drawn_run(board, 1, 15, lawful=False)]:
+        assert_same_run(node, board, one.steps, dict(one.first or {}))
     whole, first = target.system, first_state(target.system, random.Random(0))
     loaded(node, whole, first)
     assert_same_run(node, whole, _with_ghosts(whole), first)
@@ -560,3 +569,89 @@ def test_a_machine_with_open_values_is_declared_so() -> None:
     (on,) = table = modes("ON")
     text = javascript(lower(Machine("open", table, [], {left: ANY}, {}, [Transition("go", on, on)])))
     assert '"first":"2","open":true' in text
+
+
+# ------------------------------------------------------------------ a run as a file
+
+
+def saved_run(node: Node, target: Target) -> tuple[Stepper, list[dict[str, object]]]:
+    """A run that was made by hand, and its inputs as JSON; the script of the machine is in the process."""
+    first = first_state(target.system, random.Random(0))
+    test = run_file_pieces(target, None)
+    node.load(javascript(target.system, first=first, test=test), target.name)
+    rows = [as_json(inputs) for inputs in _with_ghosts(target.system)]
+    stepper = Stepper(target, first, [dict(row) for row in rows])
+    for _ in rows:
+        stepper.take()
+    return stepper, rows
+
+
+@needs_node
+@pytest.mark.parametrize("name", ["train_order", "sections"])
+def test_a_saved_stream_is_the_one_of_the_terminal(node: Node, name: str, tmp_path: Path) -> None:
+    """Byte for byte what `safeloc step` saves of the same run; and `safeloc replay` reads it."""
+    entry = ENTRIES[name]
+    target = entry.make(entry.config())
+    stepper, rows = saved_run(node, target)
+    stepper.save(tmp_path / "terminal.jsonl")
+    text = node.ask("raw", f"machine.asStream({json.dumps(rows)}.map(machine.fromJson))")
+    assert text == (tmp_path / "terminal.jsonl").read_text(encoding="utf-8")
+    path = tmp_path / "page.jsonl"
+    path.write_text(text, encoding="utf-8")
+    recording, _ = read_recording(target, path)
+    trace = run(target.system, recording.steps, first=recording.first)
+    assert [list(one.fired.values()) for one in trace.steps] == [
+        list(one.fired.values()) for one in stepper.trace.steps
+    ]
+    assert any(one.fired != {"fired": "(stay)"} for one in trace.steps)
+
+
+@needs_node
+def test_a_saved_test_is_the_one_of_python(node: Node, tmp_path: Path) -> None:
+    """The same text as `run_file`; the file runs, passes, and fails where the machine moves otherwise."""
+    entry = ENTRIES["train_order"]
+    target = entry.make(entry.config())
+    stepper, rows = saved_run(node, target)
+    text = node.ask("raw", f"machine.asTest({json.dumps(rows)}.map(machine.fromJson))")
+    assert text == run_file(target, stepper.trace, None)
+    fired = sorted({name for one in stepper.trace.steps for name in one.fired.values()})
+    spoiled = text.replace(f'    ["{fired[-1]}"],\n]', '    ["(stay)"],\n]')
+    assert spoiled != text
+    for name, content, passed in (("test_made.py", text, True), ("test_spoiled.py", spoiled, False)):
+        (tmp_path / name).write_text(content, encoding="utf-8")
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path), name]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (done.returncode == 0) is passed, done.stdout
+        assert ("2 passed" if passed else "1 failed, 1 passed") in done.stdout
+
+
+@needs_node
+def test_a_run_without_steps_is_no_run(node: Node) -> None:
+    """And a script without the text of a test writes none; rows are checked as in a step."""
+    loaded(node, without_ghosts(example("odometer").system))
+    for text, message in (
+        ("machine.asStream([])", r"RangeError: no step was taken; there is no run to save\."),
+        (
+            "machine.asStream([{movement: 1}])",
+            r"RangeError: movement: expected a whole number of mm as BigInt, got 1\.",
+        ),
+        ("machine.asTest([{movement: 1n}])", r"Error: odometer: this script was made without the text of a test\."),
+    ):
+        with pytest.raises(NodeError, match=f"^{message}$"):
+            node.ask("raw", text)
+
+
+@needs_node
+def test_a_stream_holds_64_bits_and_letters_beyond_ascii(node: Node, tmp_path: Path) -> None:
+    """Numbers as digits, whatever their size, and names as Python's JSON writes them."""
+    wide, heard = number("weit ✓ 𝒳", MM, INT64_MIN, INT64_MAX), optional("gehört", MM, -9, 9)
+    loaded(node, one_row([wide, heard], {}, {}))
+    rows = "[{'weit ✓ 𝒳': 9223372036854775807n}, {'weit ✓ 𝒳': -1n, 'gehört': -9n}]"
+    path = tmp_path / "python.jsonl"
+    write_steps(path, [{wide.name: INT64_MAX}, {wide.name: -1, "gehört": -9}], machine="by_hand")
+    assert node.ask("raw", f"machine.asStream({rows})") == path.read_text(encoding="utf-8")
+
+
+def test_the_schema_is_the_one_that_is_read() -> None:
+    """A stream that a page writes names the form that `safeloc replay` reads."""
+    assert STREAM_SCHEMA == SCHEMA
