@@ -9,9 +9,10 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.explain.failing_parts import Part, parts_of, value_text
+from safeloc.explain.mattering_inputs import open_first
+from safeloc.explain.pytest_file import run_file
 from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.expr import Bool, Expr, NumVar, Var
-from safeloc.language.first_values import Any_
 from safeloc.language.interpret import admitted, evaluate, fired_names, holds, named, outputs, read_inputs, start, step
 from safeloc.language.machine import Machine
 from safeloc.language.monitor import Broken, Monitor, Status, Undecided
@@ -51,11 +52,13 @@ class Stepper:
 
     first     values of variables whose first value is open
     recorded  inputs of a recording, which the next steps take as long as nothing else is set
+    config    file of the target's configuration, which a saved test loads it with; None for the defaults
     """
 
     target: Target
     first: Mapping[str, Value] = field(default_factory=dict)
     recorded: Sequence[Mapping[str, object]] = ()
+    config: Path | None = None
     _set: dict[str, object] = field(default_factory=dict, init=False)
     _inputs: list[dict[str, object]] = field(default_factory=list, init=False)
     _states: list[dict[Var, Value]] = field(default_factory=list, init=False)
@@ -165,15 +168,18 @@ class Stepper:
         self._set.clear()
 
     def save(self, path: Path) -> None:
-        """Write the run as a step stream, which `safeloc replay` reads. InputError for an existing file and for no steps."""
+        """Write the run as a step stream, which `safeloc replay` reads, or as a test file if the path ends in `.py`.
+
+        InputError for an existing file and for no steps.
+        """
         if path.exists():
             raise InputError(f"{path} exists; give another file, since its content would be lost.")
         if not self._inputs:
             raise InputError("no step was taken; there is no run to save.")
-        first = {
-            var.name: value for var, value in self._states[0].items() if isinstance(self.system.initial[var], Any_)
-        }
-        write_steps(path, self.trace.stream(), machine=self.target.name, first=first)
+        if path.suffix == ".py":
+            path.write_text(run_file(self.target, self.trace, self.config), encoding="utf-8")
+        else:
+            write_steps(path, self.trace.stream(), machine=self.target.name, first=open_first(self.trace))
 
     # -------------------------------------------------------------- inputs
 

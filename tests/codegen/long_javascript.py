@@ -17,7 +17,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.codegen.javascript import on_board
 from safeloc.language.expr import Var
 from safeloc.language.interpret import outputs, step
+from safeloc.language.machine import STAY_NAME
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import present_inputs
@@ -58,12 +59,13 @@ class Bench:
 
 @dataclass
 class Outcome:
-    """What was seen in a block; `complaint` is the first difference, "" if there is none."""
+    """What was seen in a block; `complaint` is the first difference, "" if there is none. `fired` holds each transition once."""
 
     steps: int = 0
     interpreted: int = 0
     explained: int = 0
     complaint: str = ""
+    fired: list[str] = field(default_factory=list)
 
 
 @lru_cache(maxsize=1)
@@ -152,6 +154,7 @@ def block(on: Bench, number: int, seed: int, steps: int = A_BLOCK) -> Outcome:
     source = Source(on, left, draw, faithful=number < len(on.target.streams))
     loaded(on.node, on.system, first_state(on.system, random.Random(0)))
     on.node.ask("put", as_json(dict(zip(on.code.state_names, state, strict=True))))
+    fired: dict[tuple[str, str], None] = {}
     interpreted, explains = draw.randrange(INTERPRETED_EVERY), draw.randrange(EXPLAINED_EVERY)
     for at in range(steps):
         row = source.row(state)
@@ -165,9 +168,11 @@ def block(on: Bench, number: int, seed: int, steps: int = A_BLOCK) -> Outcome:
         complaint = complaint or _differs(on, state, row)
         if complaint:
             outcome.complaint = f"{on.system.name}, block {number}, step {at}: {complaint}"
-            return outcome
-        state, _ = on.code.step(state, row)
+            break
+        state, numbers = on.code.step(state, row)
+        fired |= dict.fromkeys(on.code.fired(numbers).items())
         outcome.steps += 1
+    outcome.fired = sorted(f"{machine.removesuffix('.fired')}: {name}" for machine, name in fired if name != STAY_NAME)
     return outcome
 
 
@@ -245,6 +250,7 @@ def _add(total: Outcome, verdicts: Counter[bool], line: Mapping[str, Any]) -> No
     total.steps += line["steps"]
     total.interpreted += line["interpreted"]
     total.explained += line["explained"]
+    total.fired = sorted({*total.fired, *(f"{line['machine']}: {one}" for one in line["fired"])})
     verdicts[not line["complaint"]] += 1
     if line["complaint"]:
         print(line["complaint"], flush=True)
@@ -259,6 +265,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, required=True, help="a line a block; read again to go on")
     asked = parser.parse_args(arguments)
     total, passed, failed = search(asked.machine or list(ENTRIES), asked.steps, asked.seed, asked.out)
+    print(f"{len(total.fired)} transitions fired")
     print(
         f"{total.steps} steps, {total.interpreted} with the interpreter as well, {total.explained} with their reasons"
     )

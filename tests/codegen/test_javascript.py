@@ -648,7 +648,7 @@ def test_a_stream_holds_64_bits_and_letters_beyond_ascii(node: Node, tmp_path: P
     loaded(node, one_row([wide, heard], {}, {}))
     rows = "[{'weit ✓ 𝒳': 9223372036854775807n}, {'weit ✓ 𝒳': -1n, 'gehört': -9n}]"
     path = tmp_path / "python.jsonl"
-    write_steps(path, [{wide.name: INT64_MAX}, {wide.name: -1, "gehört": -9}], machine="by_hand")
+    write_steps(path, [{wide.name: INT64_MAX}, {"gehört": -9, wide.name: -1}], machine="by_hand")
     assert node.ask("raw", f"machine.asStream({rows})") == path.read_text(encoding="utf-8")
 
 
