@@ -189,7 +189,7 @@ def test_a_wrong_generator_is_noticed(node: Node, wrong: str) -> None:
     text = javascript(system).replace(" % ", "%").replace(" < ", "<").replace(" - ", "-").replace(" ? ", "?")
     text = text.replace(" : ", ":")
     assert old in text
-    node.load(text.replace(old, new), name)
+    node.load(text.replace(old, new))
     with pytest.raises(AssertionError):
         assert_same_drawn_runs(node, system)
 
@@ -578,7 +578,7 @@ def saved_run(node: Node, target: Target) -> tuple[Stepper, list[dict[str, objec
     """A run that was made by hand, and its inputs as JSON; the script of the machine is in the process."""
     first = first_state(target.system, random.Random(0))
     test = run_file_pieces(target, None)
-    node.load(javascript(target.system, first=first, test=test), target.name)
+    node.load(javascript(target.system, first=first, test=test))
     rows = [as_json(inputs) for inputs in _with_ghosts(target.system)]
     stepper = Stepper(target, first, [dict(row) for row in rows])
     for _ in rows:
