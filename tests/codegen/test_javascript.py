@@ -45,6 +45,7 @@ from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Past, Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import COUNT, MM, ONE
+from safeloc.models.emitter import EmitterConfig
 from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import drawn_run, recorded_run
 from safeloc.proof.verification.replay import read_recording
@@ -377,6 +378,18 @@ def test_a_composition_reads_what_earlier_machines_moved(node: Node) -> None:
     run = drawn_run(system, 3, 40, lawful=False)
     assert_same_run(node, on_board(system), run.steps, dict(run.first or {}))
     assert len(node.ask("step", run.steps[0])["fired"]) == 2
+
+
+@needs_node
+def test_the_configuration_reaches_the_script(node: Node) -> None:
+    """A pattern that is due after 3 cycles has failed to come in the fourth step; one due after 20 has not."""
+    for due, by_hand in ((3, "pattern does not come"), (20, "wait for the first pattern")):
+        config = EmitterConfig(due_cycles=due, window_cycles=1, answer_cycles=2)
+        loaded(node, on_board(ENTRIES["emitter"].make(config).system))
+        node.ask("first", {})
+        made = [node.ask("step", {"test_requested": False}) for _ in range(4)]
+        assert [one["fired"] for one in made] == [["wait for the first pattern"]] * 3 + [[by_hand]]
+        assert [one["outputs"]["next_due_in_cycles"] for one in made[:3]] == [str(due - at) for at in (1, 2, 3)]
 
 
 @needs_node
