@@ -108,6 +108,16 @@ class Stepper:
             for name, value in present_inputs(self.system, named(values)).items()
         }
 
+    @property
+    def given(self) -> frozenset[str]:
+        """The names of the inputs that are set for the next step."""
+        return frozenset(self._set)
+
+    @property
+    def input_variables(self) -> list[Var]:
+        """The inputs that can be set, without presence flags."""
+        return [var for var in self.system.inputs if var.name not in self._flags]
+
     def broken_laws(self) -> list[str]:
         """Return the laws of the world, each with its machine, that the next step breaks; no proof speaks of what follows."""
         return laws_broken(self.system, self._states[-1], self._next_inputs())
@@ -137,7 +147,7 @@ class Stepper:
 
     def give(self, name: str, text: str) -> None:
         """Set an input of the next step: a whole number, true, false, a label, or `absent`. InputError for anything else."""
-        known = {var.name: var for var in self.system.inputs if var.name not in self._flags}
+        known = {var.name: var for var in self.input_variables}
         if name not in known:
             raise InputError(f"{self.system.name} has no input {name!r}; it has {', '.join(known)}.{hint(name, known)}")
         if text.lower() in ABSENT:
