@@ -189,8 +189,7 @@ class _Shell(cmd.Cmd):
 
     def do_watch(self, text: str) -> None:
         """Choose what is shown after every step."""
-        known = {**self._stepper.state, **self._stepper.outputs}
-        refuse_unknown(words(text), known)
+        refuse_unknown(words(text), self._stepper.watchable)
         self._watched = words(text)
         self.show()
 
@@ -225,7 +224,7 @@ class _Shell(cmd.Cmd):
         """Show the modes and what is watched."""
         state = self._stepper.state
         modes = {name: value for name, value in state.items() if name.split(".")[-1] == "mode"}
-        known = {**state, **self._stepper.outputs}
+        known = self._stepper.watchable
         self._values("", {**modes, **{name: known[name] for name in self._watched}}, "")
 
     def _values(self, what: str, values: dict[str, str], word: str) -> None:

@@ -17,12 +17,11 @@ from textual.widgets import DataTable, Footer, Input, Static
 
 from safeloc.cli.step_lines import assignments, number_of_steps, quoted, refuse_unknown, row_lines, words
 from safeloc.errors import InputError
-from safeloc.explain.stepping import Stepper
+from safeloc.explain.stepping import ABSENT, Stepper
 from safeloc.language.expr import NumVar, Var
 from safeloc.language.units import Enumeration
 
 _HELP = "set NAME=VALUE ...   step N   back N   watch NAME ...   filter WORD   broken   save FILE   quit"
-_ABSENT = "absent"
 _STYLES = {"fires": "bold green", "enabled": "green", "refused": "dim"}
 
 
@@ -33,9 +32,9 @@ class StepWindow(App[None]):
     CSS = """
     #head { padding: 0 1; background: $panel; }
     #tables { height: 1fr; }
-    #inputs { width: 30%; border: round $primary; }
-    #values { width: 30%; border: round $primary; }
-    #transitions { width: 40%; border: round $primary; padding: 0 1; }
+    #inputs { width: 33%; border: round $primary; }
+    #values { width: 35%; border: round $primary; }
+    #transitions { width: 32%; border: round $primary; padding: 0 1; }
     #told { padding: 0 1; max-height: 8; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -159,7 +158,7 @@ class StepWindow(App[None]):
                     f"the recording ends at step {recorded}; further steps take what you set, and all else is at rest"
                 )
                 return
-            self._before = self._known()
+            self._before = self.stepper.watchable
             made = self.stepper.take()
             self._tell(f"step {self.stepper.number}: {', '.join(made.fired.values())}")
 
@@ -168,7 +167,7 @@ class StepWindow(App[None]):
         self._before = {}
 
     def _watch(self, text: str) -> None:
-        refuse_unknown(words(text), self._known())
+        refuse_unknown(words(text), self.stepper.watchable)
         self.watched = words(text)
 
     def _filter(self, text: str) -> None:
@@ -189,9 +188,6 @@ class StepWindow(App[None]):
         self._tell(f"{self.stepper.number} steps: {text}")
 
     # -------------------------------------------------------------- showing
-
-    def _known(self) -> dict[str, str]:
-        return {**self.stepper.state, **self.stepper.outputs}
 
     def _tell(self, text: str, *, style: str = "") -> None:
         self.query_one("#told", Static).update(Text(text, style))
@@ -218,15 +214,15 @@ class StepWindow(App[None]):
         rest = "recorded" if self.stepper.number < len(self.stepper.recorded) else "rest"
         for var in self.stepper.input_variables:
             if self._word in var.name:
-                yield var.name, values.get(var.name, _ABSENT), "set" if var.name in given else rest, _range(var)
+                yield var.name, values.get(var.name, ABSENT[0]), "set" if var.name in given else rest, _range(var)
 
     def _value_rows(self) -> Iterable[tuple[str, ...]]:
-        known = self._known()
+        known = self.stepper.watchable
         others = [name for name in known if name not in self.watched and self._word in name]
         for name in sorted([*self.watched, *others], key=self._rank):
             before = self._before.get(name, "")
             mark = "★ " if name in self.watched else ""
-            yield name, f"{mark}{known.get(name, _ABSENT)}", before if before != known.get(name) else ""
+            yield name, f"{mark}{known[name]}", before if before != known[name] else ""
 
     def _rank(self, name: str) -> int:
         """Return the place of a value: what is watched first, then modes, then all else as declared."""

@@ -100,6 +100,12 @@ class Stepper:
         }
 
     @property
+    def watchable(self) -> dict[str, str]:
+        """The present state and all outputs by name, as text; an output may be `absent`."""
+        outputs = self.outputs
+        return {**self.state, **{name: outputs.get(name, ABSENT[0]) for name in self.system.outputs}}
+
+    @property
     def inputs(self) -> dict[str, str]:
         """The inputs of the next step by name, as text; absent ones are left out."""
         values = self._next_inputs()

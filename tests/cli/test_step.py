@@ -88,6 +88,13 @@ def test_a_run_is_saved_as_a_test(call: Call, lamp: str, monkeypatch: pytest.Mon
         Path("lamp.py").write_text(weak, encoding="utf-8")
 
 
+def test_an_absent_output_is_watched(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Odometry has no position before its first marker; the output is there, and absent."""
+    called = typed(call, monkeypatch, "odometry", lines="watch position_mm\nstep\n")
+    assert called.code == 0
+    assert called.out.splitlines()[-1].strip() == "mode=DELOCALIZED  position_mm=absent"
+
+
 def test_a_recording_is_gone_through(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its remarks are left out."""
     Path("run.jsonl").write_text('{"go": true, "truth_mm": 3}\n{"go": false}\n', encoding="utf-8")
