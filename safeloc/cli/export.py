@@ -15,7 +15,7 @@ from safeloc.codegen.compiled import to_python
 from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table_text
 from safeloc.errors import InputError
 from safeloc.language.system import without_ghosts
-from safeloc.proof.exported import c_folder, fmi_unit
+from safeloc.proof.exported import c_folder, fmi_unit, script
 from safeloc.proof.provers.proved_base import base
 
 _TEXTS: Mapping[str, Callable[[Target], str]] = {
@@ -25,6 +25,7 @@ _TEXTS: Mapping[str, Callable[[Target], str]] = {
     "svg": lambda target: "".join(map(to_svg, target.machines)),
     "table": lambda target: to_table_text(target.machines),
     "smtlib": lambda target: "\n".join(base(target.system).certificates.values()),
+    "javascript": script,
 }
 _FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
     "c": lambda target: c_folder(target, _say),
