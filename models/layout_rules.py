@@ -137,7 +137,7 @@ def view_zone_in_range(view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig)
 # ------------------------------------------------------------------ neighbours (RFL-8, RFL-10)
 
 
-def zones_overlap(spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num) -> Bool:
+def _zones_overlap(spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num) -> Bool:
     """Return whether the next reflector comes into view before the previous one leaves it."""
     return spacing_mm <= next_view_from_mm - previous_view_to_mm
 
@@ -168,7 +168,7 @@ def distinguishable(
     Their models differ; or they are separable by distance and, with an odometry zone between their view zones, the search
     window holds only one of them.
     """
-    overlap = zones_overlap(spacing_mm, next_view_from_mm, previous_view_to_mm)
+    overlap = _zones_overlap(spacing_mm, next_view_from_mm, previous_view_to_mm)
     alone = alone_in_search_window(spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
     return distinguishable_across_tracks(same_model, spacing_mm, layout) & (~same_model | overlap | alone)
 

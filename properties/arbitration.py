@@ -15,7 +15,7 @@ from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.properties.no_interval import no_interval
 
-SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
+_SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
 REQUIREMENTS = ("RFL-13", "RFL-14")
 
 
@@ -38,7 +38,7 @@ def _safety(model: Arbitration) -> Iterator[Property]:
         given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         statement="the reported interval contains the true position of the front end",
         requirements=REQUIREMENTS,
-        assumption=SOURCES_ARE_TRUE,
+        assumption=_SOURCES_ARE_TRUE,
     )
     most = own.config.tolerance_mm
     tolerable = (machine.output("margin_below_mm") <= most) & (machine.output("margin_above_mm") <= most)
@@ -265,7 +265,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
         given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
         statement="the front end is never behind the reported min safe front end",
         requirements=REQUIREMENTS,
-        assumption=SOURCES_ARE_TRUE,
+        assumption=_SOURCES_ARE_TRUE,
     )
     yield _advances_with_distance(model)
     yield _free(

@@ -14,7 +14,7 @@ from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, TOLERANCE
 from safeloc.properties.no_interval import no_interval
 
-SOURCE_IS_TRUE = "a valid source interval holds the truth"
+_SOURCE_IS_TRUE = "a valid source interval holds the truth"
 for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
@@ -38,7 +38,7 @@ def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]
         mode.eq(localized).implies(between(centre - exact_to(below, NM), truth, centre + exact_to(above, NM))),
         statement="a position that is passed on contains the true position",
         requirements=("MRK-D1",),
-        assumption=SOURCE_IS_TRUE,
+        assumption=_SOURCE_IS_TRUE,
     )
     yield for_all_inputs(
         "tolerance",

@@ -10,12 +10,12 @@ from safeloc.language.machine import Machine
 from safeloc.language.terms import Substitution
 
 
-def in_step(machine: Machine, term: Bool) -> Bool:
+def _in_step(machine: Machine, term: Bool) -> Bool:
     """Return a truth-valued term with its value in the step."""
     return _before(machine).bool(term)
 
 
-def num_in_step(machine: Machine, term: Num) -> Num:
+def _num_in_step(machine: Machine, term: Num) -> Num:
     """Return a numeric term with its value in the step."""
     return _before(machine).num(term)
 

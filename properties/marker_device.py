@@ -23,8 +23,8 @@ from safeloc.properties.odometry import LAW as MARKERS
 
 LAW = f"{MARKERS}; {RECEIVER}; the antenna is where the vehicle's data say"
 REQUIREMENTS = ("MRK-1", "MRK-5", "MRK-D6")
-OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection")
-OF_ODOMETRY = ("margin never shrinks", "satellites alone end no loss", "a position of satellites is inside the window")
+_OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection")
+_OF_ODOMETRY = ("margin never shrinks", "satellites alone end no loss", "a position of satellites is inside the window")
 """What these machines keep by themselves, said of the whole; the second of odometry is none where the first reference is believed."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
@@ -100,8 +100,8 @@ def _antenna(whole: MarkerDevice) -> Property:
 def _kept(whole: MarkerDevice) -> Iterator[Property]:
     """What odometry and the restrictive state are proved to keep by themselves, whatever they are given."""
     of_restrictive = delocalized.properties(whole.restrictive, restrictive_config(whole.config))
-    yield from _named(whole, whole.restrictive, of_restrictive, OF_THE_RESTRICTIVE_STATE)
-    yield from _named(whole, whole.source.machine, odometry.properties(whole.source), OF_ODOMETRY)
+    yield from _named(whole, whole.restrictive, of_restrictive, _OF_THE_RESTRICTIVE_STATE)
+    yield from _named(whole, whole.source.machine, odometry.properties(whole.source), _OF_ODOMETRY)
 
 
 def _named(

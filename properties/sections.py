@@ -20,7 +20,7 @@ LAW = (
     "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
     "whole; top speed; no vehicle passes another"
 )
-DETECTED = (
+_DETECTED = (
     "detection is clear over nobody, and nobody comes in past a side that is clear; trains report when they come in, at the latest when entry_report_delay_ms ends; "
     "trusted reports contain the train, its rear end only if it is whole; top speed; no vehicle passes another"
 )
@@ -34,7 +34,7 @@ def properties(model: Sections) -> list[Property]:
     found = _all(model)
     if model.area.own.followers is None:
         return found
-    return [replace(prop, assumption=DETECTED) if prop.assumption == LAW else prop for prop in found]
+    return [replace(prop, assumption=_DETECTED) if prop.assumption == LAW else prop for prop in found]
 
 
 def _all(model: Sections) -> list[Property]:

@@ -27,7 +27,7 @@ from safeloc.target import Simulate, Target
 if TYPE_CHECKING:
     from safeloc.railway.pictures import Picture
 
-NEARLY = ("properties", "property", "props")
+_NEARLY = ("properties", "property", "props")
 """Names that look like a misspelt `properties`."""
 
 
@@ -131,7 +131,7 @@ def _other_name(module: ModuleType) -> str:
             return name
     alone = [name for name, value in members.items() if isinstance(value, Property)]
     callables = [name for name, value in members.items() if isinstance(value, (list, tuple)) or isfunction(value)]
-    close = [name for name in callables if difflib.get_close_matches(name.casefold(), NEARLY, n=1, cutoff=0.8)]
+    close = [name for name in callables if difflib.get_close_matches(name.casefold(), _NEARLY, n=1, cutoff=0.8)]
     return (close or alone or [""])[0]
 
 

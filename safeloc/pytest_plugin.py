@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from safeloc.proof.verification.one import Work
     from safeloc.target import Target
 
-INI = "safeloc_machine"
+_INI = "safeloc_machine"
 _MOST_STEPS = 30
 """Steps of a run that a failure prints."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the list of machines and the limits."""
-    parser.addini(INI, "machines to verify: file.py:name or package.module:name, one a line", type="linelist")
+    parser.addini(_INI, "machines to verify: file.py:name or package.module:name, one a line", type="linelist")
     group = parser.getgroup("safeloc")
     group.addoption("--safeloc-seconds", type=float, default=30.0, help="limit of effort for each property (30)")
     group.addoption("--safeloc-examples", type=int, default=60, help="runs of the property tests (60)")
@@ -38,7 +38,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """Collect the machines that the file declares, if the list names some."""
-    named = [address for address in parent.config.getini(INI) if _file_of(address, parent.config) == file_path]
+    named = [address for address in parent.config.getini(_INI) if _file_of(address, parent.config) == file_path]
     return _Machines.of(parent, file_path, named) if named else None
 
 
@@ -53,10 +53,10 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     if chosen or session.testsfailed:
         return
     collected = {item.machine.address for item in session.items if isinstance(item, _Claim)}
-    missing = [address for address in config.getini(INI) if address not in collected]
+    missing = [address for address in config.getini(_INI) if address not in collected]
     if missing:
         raise pytest.UsageError(
-            f"{INI}: {missing[0]} is in no folder that pytest looks in; add the folder of its file to `testpaths`."
+            f"{_INI}: {missing[0]} is in no folder that pytest looks in; add the folder of its file to `testpaths`."
         )
 
 
@@ -66,7 +66,7 @@ def _file_of(address: str, config: pytest.Config) -> Path:
     found = config.rootpath / place if place.endswith(".py") else _module_file(place)
     if not name or found is None or not found.is_file():
         raise pytest.UsageError(
-            f"{INI}: {address!r}: no such file or module; write file.py:name or package.module:name."
+            f"{_INI}: {address!r}: no such file or module; write file.py:name or package.module:name."
         )
     return found.resolve()
 

@@ -48,7 +48,7 @@ def _installed(search_path: str) -> tuple[str, str] | None:
     return None if printed.returncode or number is None else (path, number.group())
 
 
-def goals_of(text: str) -> tuple[str, list[str]]:
+def _goals_of(text: str) -> tuple[str, list[str]]:
     """Split a certificate into what all its goals share, and the text of each goal up to its `check-sat`."""
     start, *groups = text.split(_GROUP)
     return start, [group.split(_ENDS)[0] for group in groups]
@@ -63,7 +63,7 @@ def answers(text: str, seconds: float, alone_seconds: float) -> list[str]:
 
     An answer is `unsat`, `sat` or `unknown`, or the message by which yices refuses the text. yices must be installed.
     """
-    start, groups = goals_of(text)
+    start, groups = _goals_of(text)
     found = _fitting(_run(text, seconds, together=True), len(groups)) if len(groups) > 1 else [UNKNOWN] * len(groups)
     for goal, answer in enumerate(found):
         if answer == UNKNOWN:

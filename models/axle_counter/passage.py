@@ -11,7 +11,7 @@ from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM_S, MS_PER_S, NM, UM, UM_PER_MM, UM_S
 from safeloc.models.axle_head import AXLE, NO_AXLE
 
-FLAW = members(
+_FLAW = members(
     "flaw",
     "NONE",
     "POWER_UP",
@@ -27,7 +27,7 @@ FLAW = members(
 (
     SOUND, POWER_UP, HEAD_FAULT, NO_SPEED, SPEED_CONTRADICTED, TURNED, TOO_MANY, TOO_LONG, LENGTH_UNKNOWN,
     MAYBE_ANOTHER_TRAIN,
-) = FLAW  # fmt: skip
+) = _FLAW  # fmt: skip
 
 
 class AxleCounterConfig(Config):
@@ -127,7 +127,7 @@ class Parts:
         self.came = declared.state(choice("direction", enumeration(AXLE)), first=NO_AXLE)
         self.count = declared.state(number("axles_counted", COUNT, 0, axles), first=0)
         self.pause = declared.state(number("pause_cycles", COUNT, 0, config.pause_cycles), first=0)
-        self.flaw = declared.state(choice("flaw", enumeration(FLAW)), first=POWER_UP)
+        self.flaw = declared.state(choice("flaw", enumeration(_FLAW)), first=POWER_UP)
         self.speed = declared.ghost(number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM), first=ANY)
         self.run = declared.ghost(number("true_run_nm", NM, -(10**15), 10**15), first=0)
         self.length = declared.ghost(number("true_length_nm", NM, -(10**15), 10**15), first=0)

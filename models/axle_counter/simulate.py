@@ -17,9 +17,9 @@ from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
-SPREAD_MM_S = 200  # distance of the reported bounds of an axle's speed from it
-BETWEEN_CYCLES = 300  # the headway
-SLOWEST_MM_S = 12_000  # slower trains may not certainly have passed before another one comes
+_SPREAD_MM_S = 200  # distance of the reported bounds of an axle's speed from it
+_BETWEEN_CYCLES = 300  # the headway
+_SLOWEST_MM_S = 12_000  # slower trains may not certainly have passed before another one comes
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def passed(config: AxleCounterConfig, passages: Sequence[Passage]) -> Steps:
     steps, speed = Steps(), 0
     for passage in passages:
         train = _Train(config, passage).steps()
-        between = [] if passage.begins_at else [_quiet(config, speed, over=True)] * BETWEEN_CYCLES
+        between = [] if passage.begins_at else [_quiet(config, speed, over=True)] * _BETWEEN_CYCLES
         steps += [*between, *train[passage.begins_at :]]
         speed = passage.speeds[-1]
     untrue = any(passage.untrue for passage in passages)
@@ -72,7 +72,7 @@ def simulate(config: AxleCounterConfig, *, seed: int) -> Steps:
     passages = []
     for _ in range(4):
         behind = bogies(rng.randint(1, 5))
-        first, change = rng.randint(SLOWEST_MM_S, 30_000), rng.choice((0, 0, -60, 80))
+        first, change = rng.randint(_SLOWEST_MM_S, 30_000), rng.choice((0, 0, -60, 80))
         passages.append(Passage(behind, _until_passed(config, behind, first, change)))
     return passed(config, passages)
 
@@ -83,7 +83,7 @@ def _until_passed(
     """Return speeds for as long as the passage lasts: until the last axle, and farther than two axles are apart."""
     way, run, speeds = behind_mm[-1] + 2 * config.axle_gap_mm, 0, list[int]()
     while run < way * 1_000:
-        speeds.append(min(max(first_mm_s + change_mm_s * len(speeds), SLOWEST_MM_S), config.max_speed_mm_s))
+        speeds.append(min(max(first_mm_s + change_mm_s * len(speeds), _SLOWEST_MM_S), config.max_speed_mm_s))
         run += speeds[-1] * config.period_ms
     return tuple(speeds)
 
@@ -132,8 +132,8 @@ class _Train:
         most = self._config.max_speed_mm_s
         return {
             "axle": "UP" if speed > 0 else "DOWN", "axles_in_cycle": len(axles), "head_fault": False,
-            "passage_over": False, "axle_speed_low_mm_s": max(abs(speed) - SPREAD_MM_S, 0),
-            "axle_speed_high_mm_s": min(abs(speed) + SPREAD_MM_S, most),
+            "passage_over": False, "axle_speed_low_mm_s": max(abs(speed) - _SPREAD_MM_S, 0),
+            "axle_speed_high_mm_s": min(abs(speed) + _SPREAD_MM_S, most),
         }  # fmt: skip
 
     def _truth(self, cycle: int, before: int, after: int, speed: int) -> dict[str, Cell]:
@@ -150,15 +150,15 @@ class _Train:
 # ------------------------------------------------------------------ named runs
 
 COACHES = bogies(5)
-STEADY_MM_S = 20_000
+_STEADY_MM_S = 20_000
 Passages = Sequence[Passage]
-NOT_TOLD: Mapping[str, Cell | None] = {
+_NOT_TOLD: Mapping[str, Cell | None] = {
     "axle": "NONE", "axles_in_cycle": 1, "axle_speed_low_mm_s": None, "axle_speed_high_mm_s": None
 }  # fmt: skip
 
 
 def _steady(config: AxleCounterConfig) -> Passage:
-    return Passage(COACHES, _until_passed(config, COACHES, STEADY_MM_S))
+    return Passage(COACHES, _until_passed(config, COACHES, _STEADY_MM_S))
 
 
 def _service(config: AxleCounterConfig) -> Passages:
@@ -215,7 +215,7 @@ RUNS: Mapping[str, WorkedRun[AxleCounterConfig]] = {
     ),
     "axle_counter-direction-unknown": _worked(
         "The head does not know the direction of an axle: no record, flaw HEAD_FAULT; the next train has one.",
-        _spoilt({**NOT_TOLD, "head_fault": True}),
+        _spoilt({**_NOT_TOLD, "head_fault": True}),
     ),
     "axle_counter-no-speed": _worked(
         "The speed of an axle does not come: no record, flaw NO_SPEED; the next train has one.",
@@ -233,7 +233,7 @@ ON_DEMAND: Mapping[str, WorkedRun[AxleCounterConfig]] = {
     "axle_counter-miscount": _worked(
         "The head misses an axle without reporting a fault: the record is one axle short. This machine cannot "
         "notice it; the comparison with the fibre's count does.",
-        _spoilt(NOT_TOLD, untrue=True),
+        _spoilt(_NOT_TOLD, untrue=True),
     ),
 }  # fmt: skip
 """Runs that do not ship, by name: another one shows each of their transitions and cases."""

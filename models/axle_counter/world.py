@@ -13,7 +13,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 
-ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
+_ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
 
 
 def world(own: Parts) -> World:
@@ -93,7 +93,7 @@ def _train_laws(own: Parts) -> dict[str, Bool | Law]:
         "the way follows from the speed": Law(
             ite(_first(own), _since_first(own), _since_before(own, low, high)),
             "The run in a part of a cycle lies between those at the least and at the greatest speed of that cycle.",
-            figures=ABILITY,
+            figures=_ABILITY,
             source="[D] kinematics",
             owner="operator",
             check="none needed",
@@ -125,7 +125,7 @@ def _line_laws(own: Parts) -> dict[str, Bool | Law]:
         "the train can stop": Law(
             _can_stop(own, run),
             "A train can come to a stop before the coordinates end.",
-            figures=ABILITY,
+            figures=_ABILITY,
             source="[D] without it the run would have to end with the coordinates",
             owner="operator",
             check="none needed",

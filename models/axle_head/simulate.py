@@ -16,8 +16,8 @@ from safeloc.models.axle_head import AxleHeadConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
-CLEARANCE_MM = 40  # a run begins and ends with both channels free
-BOGIE_MM = 2_500
+_CLEARANCE_MM = 40  # a run begins and ends with both channels free
+_BOGIE_MM = 2_500
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
     rng = Random(seed)
     rolls = []
     for _ in range(8):
-        wheels = (0, BOGIE_MM) if rng.random() < 0.5 else (0, rng.randint(4_000, 9_000))
+        wheels = (0, _BOGIE_MM) if rng.random() < 0.5 else (0, rng.randint(4_000, 9_000))
         rolls.append(through(config, wheels, rng.choice((1, -1)) * rng.randint(5_000, config.max_speed_mm_s)))
     return samples(config, rolls)
 
@@ -60,7 +60,7 @@ def _length_mm(config: AxleHeadConfig) -> int:
 
 def _clearance_mm(config: AxleHeadConfig, speed_mm_s: int) -> int:
     """Return the free rail on either side of the head: at least the run between two samples."""
-    return max(CLEARANCE_MM, abs(speed_mm_s) * config.sample_us // US_PER_S + 1)
+    return max(_CLEARANCE_MM, abs(speed_mm_s) * config.sample_us // US_PER_S + 1)
 
 
 def _places(config: AxleHeadConfig, roll: Roll) -> list[int]:
@@ -92,12 +92,12 @@ def _sample(config: AxleHeadConfig, at_um: int) -> dict[str, Cell]:
 
 
 def _both_ways(config: AxleHeadConfig) -> Steps:
-    up, down = through(config, (0, BOGIE_MM), 20_000), through(config, (0, BOGIE_MM), -36_000)
+    up, down = through(config, (0, _BOGIE_MM), 20_000), through(config, (0, _BOGIE_MM), -36_000)
     return samples(config, [up, down])
 
 
 def _turned_back(config: AxleHeadConfig) -> Steps:
-    onto_both = (CLEARANCE_MM + config.spacing_mm + config.overlap_mm // 2) * 1_000 // 2_000
+    onto_both = (_CLEARANCE_MM + config.spacing_mm + config.overlap_mm // 2) * 1_000 // 2_000
     back = Roll((0,), ((2_000, onto_both), (-2_000, onto_both + 20)))
     return samples(config, [back, through(config, (0,), 5_000)])
 
@@ -106,13 +106,13 @@ def _metal_over_both(config: AxleHeadConfig) -> Steps:
     """Damp both channels in the same sample, as a magnetic rail brake does; then let a vehicle pass."""
     brake: dict[str, Cell] = {"channel_a_damped": True, "channel_b_damped": True}
     free: dict[str, Cell] = {"channel_a_damped": False, "channel_b_damped": False}
-    after = samples(config, [through(config, (0, BOGIE_MM), 25_000)])
+    after = samples(config, [through(config, (0, _BOGIE_MM), 25_000)])
     return _without_truth([*[free] * 10, *[brake] * 30, *[free] * 10, *after])
 
 
 def _sample_lost(config: AxleHeadConfig) -> Steps:
     """Let a wheel pass whose time on both channels was not sampled; then another one."""
-    steps = samples(config, [through(config, (0, BOGIE_MM), 20_000)])
+    steps = samples(config, [through(config, (0, _BOGIE_MM), 20_000)])
     both = [number for number, step in enumerate(steps) if step["channel_a_damped"] and step["channel_b_damped"]]
     first = [number for number in both if number < both[0] + len(steps) // 4]
     return _without_truth([step for number, step in enumerate(steps) if number not in first])

@@ -25,22 +25,22 @@ def world(own: Parts) -> World:
     )
 
 
-def length_um(config: AxleHeadConfig) -> int:
+def _length_um(config: AxleHeadConfig) -> int:
     """Return the distance from the place where a wheel begins to damp A to the one where it no longer damps B, um."""
     return (2 * config.spacing_mm + config.overlap_mm) * UM_PER_MM
 
 
-def over_head(wheel: NumVar, config: AxleHeadConfig) -> Bool:
+def _over_head(wheel: NumVar, config: AxleHeadConfig) -> Bool:
     """Return the condition that the wheel damps some channel."""
-    return between(0, wheel, length_um(config) - 1)
+    return between(0, wheel, _length_um(config) - 1)
 
 
 def _clauses(own: Parts) -> dict[str, Bool | Law]:
     config, then = own.config, own.next_wheel
     reaches = (config.spacing_mm + config.overlap_mm) * UM_PER_MM
-    over_a, over_b = between(0, then, reaches - 1), between(length_um(config) - reaches, then, length_um(config) - 1)
+    over_a, over_b = between(0, then, reaches - 1), between(_length_um(config) - reaches, then, _length_um(config) - 1)
     run = Lit(-(-config.max_speed_mm_s * config.sample_us * UM_PER_MM // US_PER_S), UM)
-    off = ~over_head(own.wheel, config) & ~over_head(then, config)
+    off = ~_over_head(own.wheel, config) & ~_over_head(then, config)
     return {
         "a channel is damped where the wheel is": Law(
             own.a.iff(over_a) & own.b.iff(over_b),
@@ -63,6 +63,6 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
 
 
 def _from_low(own: Parts) -> Bool:
-    comes = ~over_head(own.wheel, own.config) & over_head(own.next_wheel, own.config)
+    comes = ~_over_head(own.wheel, own.config) & _over_head(own.next_wheel, own.config)
     zero: Num = Lit(0, UM)
     return ite(comes, own.wheel < zero, own.from_low)

@@ -14,7 +14,7 @@ from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 SIDES = ("low", "high")
-AXLES_A_CYCLE = 8
+_AXLES_A_CYCLE = 8
 QUIET: Mapping[str, Cell] = {
     "axles_in_low": 0, "axles_in_high": 0, "axles_out_low": 0, "axles_out_high": 0, "head_fault": False,
     "head_damped": False, "reset_requested": False, "sweep_reported_clear": False,
@@ -48,8 +48,8 @@ def quiet(cycles: int) -> Event:
 
 def train(axles: int, way: str, side: str, *, sweeps: bool = False) -> list[Event]:
     """Return a train counted `in` or `out` at the `low` or the `high` side; between its cycles a wheel stands on the head."""
-    full, rest = divmod(axles, AXLES_A_CYCLE)
-    counts = [*[AXLES_A_CYCLE] * full, *([rest] if rest else [])]
+    full, rest = divmod(axles, _AXLES_A_CYCLE)
+    counts = [*[_AXLES_A_CYCLE] * full, *([rest] if rest else [])]
     last = len(counts) - 1
     passages = [
         Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)

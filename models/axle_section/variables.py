@@ -17,10 +17,10 @@ from safeloc.language.units import COUNT
 RESET = members("reset_answer", "NOT_ASKED", "ACCEPTED", "HEAD_DAMPED", "HEAD_FAULT", "AXLES_COUNTED", "AXLE_PASSED")
 NOT_ASKED, ACCEPTED, HEAD_DAMPED, HEAD_FAULT, AXLES_COUNTED, AXLE_PASSED = RESET
 SIDES = ("low", "high")
-SWEEP = members("sweep", "NOBODY", "FROM_LOW", "FROM_HIGH", "RAN_THROUGH", "TURNED_LOW", "TURNED_HIGH")
-NOBODY, FROM_LOW, FROM_HIGH, RAN_THROUGH, TURNED_LOW, TURNED_HIGH = SWEEP
-PASSES = members("sweep_passes", "NO_HEAD", "IN_LOW", "IN_HIGH", "OUT_LOW", "OUT_HIGH")
-NO_HEAD, IN_LOW, IN_HIGH, OUT_LOW, OUT_HIGH = PASSES
+_SWEEP = members("sweep", "NOBODY", "FROM_LOW", "FROM_HIGH", "RAN_THROUGH", "TURNED_LOW", "TURNED_HIGH")
+NOBODY, FROM_LOW, FROM_HIGH, RAN_THROUGH, TURNED_LOW, TURNED_HIGH = _SWEEP
+_PASSES = members("sweep_passes", "NO_HEAD", "IN_LOW", "IN_HIGH", "OUT_LOW", "OUT_HIGH")
+NO_HEAD, IN_LOW, IN_HIGH, OUT_LOW, OUT_HIGH = _PASSES
 
 
 class AxleSectionConfig(Config):
@@ -60,11 +60,11 @@ class Parts:
         self.swept_from = tuple(declared.state(boolean(f"sweep_in_{side}"), first=False) for side in SIDES)
         self.swept_to = tuple(declared.state(boolean(f"sweep_out_{side}"), first=False) for side in SIDES)
         self.axles = declared.ghost(number("true_axles", COUNT, 0, 2 * limit), first=ANY)
-        self.sweep = declared.ghost(choice("true_sweep", enumeration(SWEEP)), first=NOBODY)
+        self.sweep = declared.ghost(choice("true_sweep", enumeration(_SWEEP)), first=NOBODY)
         self.stood = declared.ghost(number("true_axles_before_sweep", COUNT, 0, 2 * limit), first=0)
         self.true_into = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in SIDES)
         self.true_out = tuple(declared.choice(number(f"true_axles_out_{side}", COUNT, 0, most)) for side in SIDES)
-        self.sweep_passes = declared.choice(choice("true_sweep_passes", enumeration(PASSES)))
+        self.sweep_passes = declared.choice(choice("true_sweep_passes", enumeration(_PASSES)))
 
 
 def parts(config: AxleSectionConfig) -> Parts:

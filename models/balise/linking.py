@@ -39,10 +39,10 @@ REACTION = members("reaction", "NONE", "SERVICE_BRAKE", "TRAIN_TRIP")
 NO_REACTION, SERVICE_BRAKE, TRAIN_TRIP = REACTION
 ORDER = members("order", "ADD", "REPLACE", "WITHDRAW")
 ADD, REPLACE, WITHDRAW = ORDER
-ANNOUNCED = members(
+_ANNOUNCED = members(
     "announced", "NONE", "TAKEN", "WITHDRAWN", "MALFORMED", "NOT_LOCATED", "FULL", "KNOWN", "BEHIND", "OUT_OF_ORDER"
 )
-NOTHING, TAKEN, WITHDRAWN, MALFORMED, NOT_LOCATED, FULL, KNOWN, BEHIND, OUT_OF_ORDER = ANNOUNCED
+NOTHING, TAKEN, WITHDRAWN, MALFORMED, NOT_LOCATED, FULL, KNOWN, BEHIND, OUT_OF_ORDER = _ANNOUNCED
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,5 +261,5 @@ def linking(declared: Declared, slots: int, *, last_identity: int, position_limi
     return Linking(
         tuple(slot(declared, name, **bounds) for name in names),
         announcement(declared, **bounds),
-        declared.state(choice("linking_judged", enumeration(ANNOUNCED)), first=NOTHING),
+        declared.state(choice("linking_judged", enumeration(_ANNOUNCED)), first=NOTHING),
     )

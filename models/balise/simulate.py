@@ -26,7 +26,7 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.sensors import Distances, measure
 
-DISPLACED_MM = 40_000
+_DISPLACED_MM = 40_000
 """Displacement of a group beyond twice the tolerance and twice its accuracy."""
 Steps = list[dict[str, Cell]]
 KINDS = Kinds(
@@ -159,7 +159,7 @@ def _spots(
 
 def _displaced_mm(config: BaliseConfig, group: Group, national_mm: int) -> int:
     """Return the distance of a displaced group from its place on the map."""
-    return 2 * (config.tolerance_mm + max(national_mm, group.accuracy_mm or 0)) + DISPLACED_MM
+    return 2 * (config.tolerance_mm + max(national_mm, group.accuracy_mm or 0)) + _DISPLACED_MM
 
 
 def _passages(

@@ -33,11 +33,11 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PPM
 from safeloc.models.vocabulary.interval import Interval
 
-LARGEST_GROUP = 8
+_LARGEST_GROUP = 8
 ORIENTATION = members("orientation", "UNKNOWN", "NOMINAL", "REVERSE")
 UNKNOWN, NOMINAL, REVERSE = ORIENTATION
-LINK = members("link", "LINKED", "UNLINKED")
-LINKED, UNLINKED = LINK
+_LINK = members("link", "LINKED", "UNLINKED")
+LINKED, UNLINKED = _LINK
 CHECK = members("check", "PASSED", "FAILED")
 PASSED, FAILED = CHECK
 
@@ -146,12 +146,12 @@ def _needed(declared: Declared, last_identity: int, age_limit_ms: int) -> _Neede
     """Declare the inputs that belong to every reading."""
     return (
         declared.sensor(optional("telegram_group", COUNT, 1, last_identity)),
-        declared.sensor(chosen("telegram_link", LINK)),
+        declared.sensor(chosen("telegram_link", _LINK)),
         declared.sensor(chosen("telegram_check", CHECK)),
-        declared.sensor(optional("telegram_total", COUNT, 1, LARGEST_GROUP)),
-        declared.sensor(optional("telegram_read", COUNT, 1, LARGEST_GROUP)),
-        declared.sensor(optional("telegram_first", COUNT, 1, LARGEST_GROUP)),
-        declared.sensor(optional("telegram_last", COUNT, 1, LARGEST_GROUP)),
+        declared.sensor(optional("telegram_total", COUNT, 1, _LARGEST_GROUP)),
+        declared.sensor(optional("telegram_read", COUNT, 1, _LARGEST_GROUP)),
+        declared.sensor(optional("telegram_first", COUNT, 1, _LARGEST_GROUP)),
+        declared.sensor(optional("telegram_last", COUNT, 1, _LARGEST_GROUP)),
         declared.sensor(optional("telegram_age_ms", MS, 0, 10 * age_limit_ms)),
     )
 

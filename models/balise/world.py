@@ -262,7 +262,7 @@ def _placed(own: Parts) -> Bool:
     return all_of([read_rightly(own.read), own.read.place.present, ~_against(own, mapped)])
 
 
-def far_off(own: Parts) -> Bool:
+def _far_off(own: Parts) -> Bool:
     """Return whether the group is far from the place that came with it."""
     return _placed(own) & _is_far(own, own.read.place.value, national(own))
 
@@ -280,7 +280,7 @@ def _own_place_law(own: Parts) -> Law:
 
 
 def _rare_law(own: Parts) -> Law:
-    false = far_off(own)
+    false = _far_off(own)
     if own.config.trust_first_group:
         term, statement = (
             ~false,
@@ -302,7 +302,7 @@ def _doubted(own: Parts) -> Num:
     """The identity of the false group, until another one serves; 0: none."""
     group, was = own.read.group.value, own.world.doubted
     clears = _serves(own) & group.ne(was)
-    return ite(far_off(own), group, ite(clears, as_num(0, COUNT), was))
+    return ite(_far_off(own), group, ite(clears, as_num(0, COUNT), was))
 
 
 def _serves(own: Parts) -> Bool:

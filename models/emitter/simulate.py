@@ -13,7 +13,7 @@ from safeloc.models.emitter import EmitterConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
-OTHER_BITS = 0b1010
+_OTHER_BITS = 0b1010
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def _pattern(config: EmitterConfig, heard: Heard, cycle: int, rng: Random) -> di
     if cycle in heard.placeless:
         return {"heard_pattern": config.pattern}
     if cycle in heard.foreign:
-        return {"heard_pattern": config.pattern ^ OTHER_BITS, "heard_place_mm": here}
+        return {"heard_pattern": config.pattern ^ _OTHER_BITS, "heard_place_mm": here}
     return {"heard_pattern": config.pattern, "heard_place_mm": here} if cycle in heard.regular else {}
 
 

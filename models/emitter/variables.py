@@ -11,14 +11,14 @@ from safeloc.language.units import COUNT, MM
 
 HEARD = members("pattern_verdict", "NOTHING", "PASSED", "FOREIGN", "NOT_DUE", "ELSEWHERE", "NO_PLACE")
 NOTHING, PASSED, FOREIGN, NOT_DUE, ELSEWHERE, NO_PLACE = HEARD
-MOST_BITS = 62
+_MOST_BITS = 62
 REQUIREMENTS = ("FVA-8", "FVA-17")
 
 
 class EmitterConfig(Config):
     """One emitter: its pattern, its place, and its times."""
 
-    pattern: int = quantity(0b1011_0010_1110_0011, "bits", 1, 2**MOST_BITS - 1, "[M] its own among all of the line")
+    pattern: int = quantity(0b1011_0010_1110_0011, "bits", 1, 2**_MOST_BITS - 1, "[M] its own among all of the line")
     place_mm: int = quantity(1_000_000, "mm", -1_000_000_000, 1_000_000_000, "[D] where it stands")
     place_tolerance_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] the front end names an emitter within 30 m")
     due_cycles: int = quantity(20, "cycles", 2, 1_000_000, "[M] every 10 s at 500 ms")
@@ -53,7 +53,7 @@ class Parts:
         self.declared = declared = Declared()
         far, silence = 2_000_000_000, config.due_cycles - config.window_cycles - 1
         self.config = config
-        self.pattern = declared.sensor(optional("heard_pattern", COUNT, 0, 2**MOST_BITS - 1))
+        self.pattern = declared.sensor(optional("heard_pattern", COUNT, 0, 2**_MOST_BITS - 1))
         self.place = declared.sensor(optional("heard_place_mm", MM, -far, far))
         self.requested = declared.sensor(boolean("test_requested"))
         self.since = declared.state(number("since_passed_cycles", COUNT, 0, config.due_cycles), first=0)

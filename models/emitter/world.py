@@ -41,12 +41,12 @@ def _pattern_law(own: Parts) -> Law:
     )
 
 
-def may_send(own: Parts) -> Bool:
+def _may_send(own: Parts) -> Bool:
     """Return the condition that the emitter may send in this cycle: its silence is over, or a request is open."""
     return any_of([own.silent.eq(0), own.may_answer > 0])
 
 
-def sends_from_its_place(own: Parts) -> Bool:
+def _sends_from_its_place(own: Parts) -> Bool:
     """Return the condition that the front end reports this emitter's pattern, from within its error around the emitter's place."""
     config = own.config
     there = between(
@@ -56,7 +56,7 @@ def sends_from_its_place(own: Parts) -> Bool:
 
 
 def _comes_through(own: Parts) -> Bool:
-    return may_send(own) & sends_from_its_place(own)
+    return _may_send(own) & _sends_from_its_place(own)
 
 
 def _asked(own: Parts) -> Num:

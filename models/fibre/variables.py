@@ -25,8 +25,8 @@ from safeloc.language.units import COUNT, MM, MS_PER_S, NM, NM_PER_MM, Unit
 from safeloc.models.fibre.ghosts import ghosts
 
 CDB = Unit("cdB")
-BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")
-NORMAL, RAISED, LOWERED = BAND
+_BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")
+NORMAL, RAISED, LOWERED = _BAND
 SIGNAL = members("section_event", "NONE", "POSITION_SIGNAL", "PASSED", "TURNED_BACK")
 NO_SIGNAL, POSITION_SIGNAL, PASSED, TURNED_BACK = SIGNAL
 WHY = members(
@@ -160,10 +160,10 @@ class Parts:
             number("run_unheard_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
         )
         self.forwards = declared.state(boolean("runs_forwards"), first=True)
-        self.band = declared.state(choice("band", enumeration(BAND)), first=NORMAL)
+        self.band = declared.state(choice("band", enumeration(_BAND)), first=NORMAL)
         self.signal = declared.state(choice("event", enumeration(SIGNAL)), first=NO_SIGNAL)
         self.why = declared.state(choice("why", enumeration(WHY)), first=NO_SIGNAL_YET)
-        self.ghosts = ghosts(declared, BAND, limit, step, config.section_limit, config.tolerance_mm)
+        self.ghosts = ghosts(declared, _BAND, limit, step, config.section_limit, config.tolerance_mm)
 
     def next_to(self, forwards: Bool) -> tuple[Bool, Num, Num, Bool, Bool]:
         """Return the map's section that the end meets in this direction: known, near and far edge, rises, long."""

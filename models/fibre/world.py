@@ -36,7 +36,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
 
-ASKED = "the section number with which the host asks the map: the count that the machine reports"
+_ASKED = "the section number with which the host asks the map: the count that the machine reports"
 
 
 def world(own: Parts) -> World:
@@ -57,7 +57,7 @@ def world(own: Parts) -> World:
             **_entered(own, now),
         },
         clauses=_laws(own, now),
-        reads_machine=ASKED,
+        reads_machine=_ASKED,
     )
 
 

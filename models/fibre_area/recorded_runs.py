@@ -38,13 +38,13 @@ TURNED_BACK = Journey(
     cuts_mm=((1_300_000, 1_600_000),),
 )  # fmt: skip
 """It turns at 1.5 km and leaves where it came in."""
-UNTRUSTED_ON_THE_WAY_BACK = replace(TURNED_BACK, counted_every=5, emitter_dead=(213, TURNED_BACK.cycles))
+_UNTRUSTED_ON_THE_WAY_BACK = replace(TURNED_BACK, counted_every=5, emitter_dead=(213, TURNED_BACK.cycles))
 """The emitter fails on the way back, when the low end has led for a count's run: from a counted cycle on nothing is told."""
 NAMED: Mapping[str, Journey] = {
     "late-record": LATE_RECORD,
     "service": SERVICE,
     "split": SPLIT,
-    "turned-back-untrusted": UNTRUSTED_ON_THE_WAY_BACK,
+    "turned-back-untrusted": _UNTRUSTED_ON_THE_WAY_BACK,
     "missed-section": Journey(cycles=90, front_missed=(1,)),
 }
 """The recordings that ship, by the end of their name."""

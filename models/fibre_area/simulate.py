@@ -17,7 +17,7 @@ from safeloc.runtime.streams.steps import Cell
 Steps = list[dict[str, Cell]]
 REMARK = "truth_mm"
 LOST_AXLES = 4
-PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
+_PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class _World:
         self._run_since_mm += abs(self._ran_mm(cycle)) if self._parted(cycle) else 0
         inputs: dict[str, Cell] = {}
         for name, end in (("front", front), ("rear", rear)):
-            hidden = {REMARK, *(PATTERN if self._silent(cycle) else ())}
+            hidden = {REMARK, *(_PATTERN if self._silent(cycle) else ())}
             inputs |= {f"{name}.{key}": value for key, value in end.items() if key not in hidden}
         inputs |= self._emitter(cycle) | self._entry(cycle, low, high)
         inputs |= self._record(cycle, high) | self._seen(cycle, high - low)

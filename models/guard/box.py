@@ -140,7 +140,7 @@ def speed_by_distance(own: Parts, box: Box, anchor: Anchor) -> Held:
     """Return the box and its anchor; once in a window, narrow the speed by the distance since the anchor and set a new anchor."""
     config = own.config
     steps = anchor.steps + ite(own.advance, as_num(1, COUNT), 0)
-    due, duration = due_now(own), config.window_steps * config.period_ms
+    due, duration = _due_now(own), config.window_steps * config.period_ms
     lag = as_num(config.lag_nm(config.window_steps), NM)
     most = with_unit(floor_div(box.high - anchor.low + lag, duration), UM_S)
     least = with_unit(ceil_div(box.low - anchor.high - lag, duration), UM_S)
@@ -151,7 +151,7 @@ def speed_by_distance(own: Parts, box: Box, anchor: Anchor) -> Held:
     )
 
 
-def due_now(own: Parts) -> Bool:
+def _due_now(own: Parts) -> Bool:
     """Return whether this step completes the window since the anchor."""
     return own.advance & own.anchor_steps.eq(own.config.window_steps - 1)
 

@@ -34,7 +34,7 @@ from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM, UM, UM_PER_MM, 
 from safeloc.language.world import Law
 from safeloc.models.guard.variables import FAULT, HALF_TURN_MRAD, NO_FAULT, GuardConfig, Parts
 
-FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
+_FAR_OFF = next(fault for fault in FAULT if fault.label == "OFF_TRACK")
 
 
 def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
@@ -192,7 +192,7 @@ def _row_after(own: Parts) -> Num:
     follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)
     longer = minimum(own.row + 1, own.config.confirmations)
     beside = own.fix.present & own.fault.eq(NO_FAULT) & (own.offset > own.config.offset_limit_mm)
-    off_track = beside | own.fault.eq(FAR_OFF)
+    off_track = beside | own.fault.eq(_FAR_OFF)
     kept = ite(off_track | near(own), as_num(0, COUNT), own.row)
     return ite(_fair(own), ite(follows, longer, as_num(1, COUNT)), kept)
 

@@ -23,8 +23,8 @@ LONGITUDE_DEG, LATITUDE_DEG = 9.0, 48.0
 EARTH_AXIS_M, ECCENTRICITY_2 = 6_378_137.0, 0.00669437999014
 STEM_MM, MAIN_MM, SIDE_MM = 1_000_000, 2_000_000, 900_000
 SECONDS, FASTEST_MM_S, GAIN_MM_S2 = 150, 20_000, 500
-NOISE_MM = 2_500
-KNOT_MM_S = 514.444
+_NOISE_MM = 2_500
+_KNOT_MM_S = 514.444
 FAULTS = {
     range(25, 37): "off track",
     range(52, 55): "displaced",
@@ -86,7 +86,7 @@ def receiver_reports(seed: int = 1) -> Iterator[ReceiverReport]:
     for second in range(SECONDS):
         fault = next((name for when, name in FAULTS.items() if second in when), "")
         truth, speed = _motion_mm(second)
-        place = (truth + random.uniform(-NOISE_MM, NOISE_MM)) / 1_000, random.uniform(-NOISE_MM, NOISE_MM) / 1_000
+        place = (truth + random.uniform(-_NOISE_MM, _NOISE_MM)) / 1_000, random.uniform(-_NOISE_MM, _NOISE_MM) / 1_000
         frozen = frozen if fault == "frozen" else place
         yield ReceiverReport(
             second, truth, _shown(fault, place, frozen), speed + (9_000 if fault == "wrong speed" else 0)
@@ -148,7 +148,7 @@ def _rmc(one: ReceiverReport) -> str:
     if one.place is None:
         return f"GNRMC,{time},V,,,,,,,{day},,,N"
     x, y = degrees(*one.place)
-    return f"GNRMC,{time},A,{_angle(y, 2)},N,{_angle(x, 3)},E,{one.speed_mm_s / KNOT_MM_S:.3f},,{day},,,A"
+    return f"GNRMC,{time},A,{_angle(y, 2)},N,{_angle(x, 3)},E,{one.speed_mm_s / _KNOT_MM_S:.3f},,{day},,,A"
 
 
 def _angle(value: float, digits: int) -> str:

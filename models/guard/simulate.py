@@ -18,7 +18,7 @@ from safeloc.models.guard.variables import FAULT, GuardConfig
 FIX_EVERY_MS = 400
 SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous", "across", "backwards")
 OFF_BY_MM, JUMP_MM, ACROSS_MRAD, BACKWARDS_MRAD = 150_000, 180_000, 600, 3_000
-START_ANEW_MS = 50_000
+_START_ANEW_MS = 50_000
 """Time of the host's new start after the beginning."""
 NO_FIX = next(number for number, fault in enumerate(FAULT) if fault.label == "NO_FIX")
 
@@ -52,7 +52,7 @@ def simulate(config: GuardConfig | None = None, *, seed: int, seconds: int = 240
             spell = spell if spell.fixes else next(spells)
             spell.fixes -= 1
             step |= _delivered(vehicle, config, random, spell)
-        made.append(step | {"start_anew": number == START_ANEW_MS // config.period_ms})
+        made.append(step | {"start_anew": number == _START_ANEW_MS // config.period_ms})
     return made
 
 

@@ -16,8 +16,8 @@ from safeloc.errors import InputError
 Where = Literal["group", "reflector", "stretch", "stop", "run"]
 MACHINES = ("odometry", "balise", "reflector", "stop_point", "route", "turn_off")
 NO_POSITION = "no position from it: nothing is ordered"
-UNWATCHED = "the switch is not watched: no course is stated"
-NOT_VOUCHED_FOR = ("group-early", "group-late", "group-foreign")
+_UNWATCHED = "the switch is not watched: no course is stated"
+_NOT_VOUCHED_FOR = ("group-early", "group-late", "group-foreign")
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ FAULTS: Mapping[str, LineFaultKind] = {
                 "balise": "nothing accepted there; an announced group counts as missed, with its linking reaction",
                 "reflector": "the group gives no position and no self-test: not precise until the next group",
                 "stop_point": NO_POSITION,
-                "turn_off": UNWATCHED,
+                "turn_off": _UNWATCHED,
             },
             {"group": "missed", "reader": "missed"},
         ),
@@ -115,7 +115,7 @@ FAULTS: Mapping[str, LineFaultKind] = {
             "reflector": "the margin grows by the top speed; beyond the gap limit there is no position: SENSOR_FAILURE",
             "stop_point": "position lost: no order, or hold if a stop was pending",
             "route": "the margin grows by the top speed; beyond the gap limit there is no route: SENSOR_FAILURE",
-            "turn_off": UNWATCHED,
+            "turn_off": _UNWATCHED,
         },
                   {"distance": "drop-out"}),
         LineFaultKind("distance-jump", "the odometer counts 50 m in one cycle", "stretch", True, {
@@ -142,19 +142,19 @@ FAULTS: Mapping[str, LineFaultKind] = {
         LineFaultKind("frames-missing", "no radar frames come", "reflector", True, {
             "reflector": "not precise; the reflector counts as lost only after the time limit",
             "stop_point": "no precise position: no confirmation of the stop",
-            "turn_off": UNWATCHED,
+            "turn_off": _UNWATCHED,
         },
                   {"radar": "pause"}),
         LineFaultKind("reflector-hidden", "the radar's frames show no reflector", "reflector", True, {
             "reflector": "not found: not precise there",
             "stop_point": "no precise position: no confirmation of the stop",
-            "turn_off": UNWATCHED,
+            "turn_off": _UNWATCHED,
         },
                   {"radar": "blind"}),
         LineFaultKind("echoes-weak", "all echoes are 20 dB weaker", "reflector", True, {
             "reflector": "below the minimum intensity: not precise there",
             "stop_point": "no precise position: no confirmation of the stop",
-            "turn_off": UNWATCHED,
+            "turn_off": _UNWATCHED,
         },
                   {"radar": "weak"}),
         LineFaultKind("echoes-shifted", "from the middle of the view zone on, the radar measures 20 m too far", "reflector", False, {
@@ -169,7 +169,7 @@ FAULTS: Mapping[str, LineFaultKind] = {
             "reflector": "not found: not precise there",
             "stop_point": "no precise position: no confirmation of the stop",
             "route": "a reflector that is not seen refutes nothing: perhaps undecided, never another route",
-            "turn_off": UNWATCHED,
+            "turn_off": _UNWATCHED,
         }),
         LineFaultKind("model-misread", "the radar recognises a model that is not on this line", "reflector", False,
                   {"route": "no route fits: no report until the next start"}),
@@ -199,7 +199,7 @@ def parse(asked: Sequence[str], machines: Sequence[str], *, trust_first: bool = 
         if not set(FAULTS[name].outcomes) & set(machines):
             having = ", ".join(FAULTS[name].outcomes)
             raise InputError(f"fault {name} is for {having}, but the run is for {', '.join(machines)}.")
-        if trust_first and name in NOT_VOUCHED_FOR:
+        if trust_first and name in _NOT_VOUCHED_FOR:
             raise InputError(
                 f"fault {name} and --trust-first contradict each other: the first group may be the faulty one."
             )

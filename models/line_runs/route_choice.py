@@ -12,7 +12,7 @@ from safeloc.railway.map.routes import Route, routes_between, through_routes
 from safeloc.railway.map.topology import Topology
 
 MOST_ROUTES = 100
-MOST_RIVALS = 16
+_MOST_RIVALS = 16
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,6 @@ def _check_number(found: Sequence[Route], topology: Topology, start: str | None,
 def _rivals(route: Route, every: Sequence[Route]) -> tuple[Route, ...]:
     """Return the routes with the same first direction, or only those with the same first edge if there are too many."""
     same = [one for one in every if one.runs[0].direction == route.runs[0].direction]
-    if len(same) > MOST_RIVALS:
+    if len(same) > _MOST_RIVALS:
         same = [one for one in every if one.runs[0] == route.runs[0]]
     return tuple(same) if any(one.runs == route.runs for one in same) else (*same, route)

@@ -25,7 +25,7 @@ from safeloc.railway.map.topology import Run
 from safeloc.railway.map.walk import Seen, Walk
 from safeloc.simulation.speed_profile import Limit
 
-FARTHEST_CLEAR_MM = 1_000_000
+_FARTHEST_CLEAR_MM = 1_000_000
 """Distance beyond which no machine confuses two reflectors of one model."""
 MODELS = tuple(one.label for one in MODEL if one is not NO_MODEL)
 
@@ -105,7 +105,7 @@ def reflector_route(
 
     A balise's place is that of the front end when the antenna, `antenna_mm` behind it, reads the balise.
     """
-    known, clear = identities(route.topology.line), clear_mm(walk, FARTHEST_CLEAR_MM)
+    known, clear = identities(route.topology.line), clear_mm(walk, _FARTHEST_CLEAR_MM)
     balises = tuple(
         Balise(
             known[group.id],

@@ -14,7 +14,7 @@ ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=2
 """An odometer that errs at standstill, and by its rate above a speed only."""
 CHECKED = MotionConfig(odometer=ERRING, check=RADAR)
 CREEPING = MotionConfig(check=RADAR, creep_mm_s=500)
-DOUBTING = MotionConfig(check=RADAR, standing_believed=False)
+_DOUBTING = MotionConfig(check=RADAR, standing_believed=False)
 DRIFT = "the localizer's odometer is one that balises and reflectors take: it does not drift"
 NEVER = {
     "models/localizer/__init__.py: only_own": "without the sources that ship only where a source of a user's own is proved (--source)",
@@ -50,8 +50,8 @@ CONFIGURATIONS = Configurations(
         ),
         "a standstill that is not believed": LocalizerConfig(
             sources=("odometry", "balise"),
-            motion=DOUBTING,
-            balise=BaliseConfig(odometer=DOUBTING.reported_law, checked_distance=True),
+            motion=_DOUBTING,
+            balise=BaliseConfig(odometer=_DOUBTING.reported_law, checked_distance=True),
         ),
     },
     NEVER,

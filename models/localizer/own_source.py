@@ -27,13 +27,13 @@ from safeloc.models.arbitration import SOURCES
 from safeloc.models.motion import Motion
 from safeloc.models.vocabulary.reasons import LOCATED
 
-FLAGS = ("valid", "reference_accepted")
+_FLAGS = ("valid", "reference_accepted")
 INTERVAL = ("position_mm", "margin_below_mm", "margin_above_mm")
 TAKEN = (
     *SOURCES, "none", "withheld", "motion", "selection", "position", "verification", "downlink", "arbitration", "delocalized", "uplink",
 )  # fmt: skip
 """Names that the localizer's own machines and modes have."""
-SHARED_LAWS = ("the vehicle never exceeds its highest speed", "the vehicle stays on the line")
+_SHARED_LAWS = ("the vehicle never exceeds its highest speed", "the vehicle stays on the line")
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ class OwnSource:
 def vehicle_of(moves: Motion, widest_mm: int) -> Vehicle:
     """Return the vehicle that moves like this."""
     config, seen = moves.own.config, moves.own.ghosts
-    laws = {name: law for name, law in moves.machine.world.laws.items() if name in SHARED_LAWS}
+    laws = {name: law for name, law in moves.machine.world.laws.items() if name in _SHARED_LAWS}
     return Vehicle(
         seen.truth, seen.true_step, config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2,
         config.position_limit_mm, widest_mm, laws,
@@ -119,7 +119,7 @@ def own_source(make: Maker, vehicle: Vehicle) -> OwnSource:
         raise InputError(
             f"{place} returned {type(machine).__name__}; a source is a function of a Vehicle that returns a Machine."
         )
-    for name in (*FLAGS, *INTERVAL, "reason"):
+    for name in (*_FLAGS, *INTERVAL, "reason"):
         _check_output(machine, name, place)
     if vehicle.truth not in machine.world.moves:
         raise InputError(
@@ -143,12 +143,12 @@ def distinct(sources: Sequence[OwnSource]) -> None:
 
 
 def _check_output(machine: Machine, name: str, place: str) -> None:
-    wanted = "a truth value" if name in FLAGS else "a number of mm" if name in INTERVAL else "a member of REASON"
+    wanted = "a truth value" if name in _FLAGS else "a number of mm" if name in INTERVAL else "a member of REASON"
     found = machine.outputs.get(name)
     if found is None:
         raise InputError(f"{place}: machine {machine.name!r} has no output {name!r}; a source states it, {wanted}.")
     unit = MM if name in INTERVAL else LOCATED.unit
-    fits = isinstance(found, Bool) if name in FLAGS else isinstance(found, Num) and found.unit == unit
+    fits = isinstance(found, Bool) if name in _FLAGS else isinstance(found, Num) and found.unit == unit
     if not fits:
         raise InputError(f"{place}: output {name!r} of machine {machine.name!r} must be {wanted}.")
 

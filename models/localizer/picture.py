@@ -12,7 +12,7 @@ PASSED_ON = Reported(
     position="delocalized.position_mm", below="delocalized.margin_below_mm", above="delocalized.margin_above_mm",
     valid="delocalized.restrictive", valid_is=False,
 )  # fmt: skip
-ODOMETERS = ("front_wheel", "front_radar", "rear_wheel", "rear_radar")
+_ODOMETERS = ("front_wheel", "front_radar", "rear_wheel", "rear_radar")
 
 
 def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
@@ -49,7 +49,7 @@ def _of_the_composition() -> Iterator[Refusals]:
 # A fibre's cycle without a block is NOT_ASSOCIATED; that nothing comes for longer shows in downlink.mode.
 _REFUSALS = {
     "odometry": (
-        *(Refusals("odometry", f"odometry.{unit}_judged", ("ADMITTED",)) for unit in ODOMETERS),
+        *(Refusals("odometry", f"odometry.{unit}_judged", ("ADMITTED",)) for unit in _ODOMETERS),
         *(Refusals("odometry", f"odometry.{end}_reading", ("NONE", "ACCEPTED", "CANDIDATE")) for end in ("front", "rear")),
         Refusals("odometry", "odometry.reason", ("NONE",)),
     ),

@@ -1,7 +1,7 @@
 """The error of the distance that motion reports: a figure for the machines that use it, beside the world and not part of it.
 
 The reported distance lies between those of both units, and the difference that the machine has not yet added to its error
-bound (`apart`) is part of its one-off error. So this error follows the machine. It is DEFINED here from the true error of the
+bound (`apart`) is part of its one-off error. So this error follows the machine. It is _DEFINED here from the true error of the
 lawful unit: the clause excludes no course of the world, and the law that the users assume of the distance is proved from it.
 """
 
@@ -15,7 +15,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.motion.unit_check import UnitCheck
 from safeloc.models.motion.world import ODOMETER_LAWFUL, CheckGhosts, Surroundings
 
-DEFINED = "the one-off error of the reported run"
+_DEFINED = "the one-off error of the reported run"
 
 
 def with_reported_error(world: World, own: Surroundings, check: UnitCheck) -> World:
@@ -33,7 +33,7 @@ def with_reported_error(world: World, own: Surroundings, check: UnitCheck) -> Wo
     return replace(
         world,
         moves={**world.moves, seen.reported: seen.next_reported},
-        clauses={**world.clauses, DEFINED: law},
+        clauses={**world.clauses, _DEFINED: law},
         reads_machine="the error of what a machine tells is defined by what it tells; no sensor's law reads the machine",
     )
 
@@ -42,7 +42,7 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
     """Return the lemmas: the reported distance errs as defined, and the machine checks distances as the world does."""
     seen = own.ghosts.units
     assert seen is not None
-    found = {DEFINED: seen.reported.eq(seen.wander + _not_yet_added(seen, check.apart))}
+    found = {_DEFINED: seen.reported.eq(seen.wander + _not_yet_added(seen, check.apart))}
     for unit, ghosts in ((check.odometer, seen.odometer), (check.unit, seen.check)):
         found[f"machine and world agree on the last distance of {unit.step.value.name}"] = unit.gap.eq(
             ghosts.silent

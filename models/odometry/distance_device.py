@@ -100,12 +100,12 @@ class Unit:
         """Return the verdict on the cycle's distance: admitted, or why not. Its limits are configured, never measured."""
         known = self.gap <= self.limits.gap_limit
         allowed = (self.gap + 1) * self.limits.max_step_change_mm
-        jump = known & (abs_(self.step.value - self.last) > as_mm(allowed))
+        jump = known & (abs_(self.step.value - self.last) > _as_mm(allowed))
         too_fast = abs_(self.step.value) > self.limits.max_step_mm
         return ite(~self.step.present, MISSING, ite(too_fast, TOO_FAST, ite(jump, JUMP, ADMITTED)))
 
 
-def as_mm(count_of_mm: Num) -> Num:
+def _as_mm(count_of_mm: Num) -> Num:
     """Return a number of millimetres, given as a count, in mm."""
     return with_unit(count_of_mm, MM)
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def unseen(device: Device) -> NumVar:
     """Make the ghost of what an undetectable fault may have added since the device was set, at most the age limit ago."""
     cycles = device.limits.age_limit_ms // device.limits.period_ms + 2
-    most = unseen_at_reading_nm(device) + cycles * unseen_in_a_cycle_nm(device)
+    most = unseen_at_reading_nm(device) + cycles * _unseen_in_a_cycle_nm(device)
     return number(f"{device.name}_unseen_nm", NM, 0, most)
 
 
@@ -34,7 +34,7 @@ def unseen_at_reading_nm(device: Device) -> int:
     return 2 * abs(first - second)
 
 
-def unseen_in_a_cycle_nm(device: Device) -> int:
+def _unseen_in_a_cycle_nm(device: Device) -> int:
     """Return the most that a fault may add in one cycle undetected: twice the greater law at top speed and full age, nm."""
     limits = device.limits
     farthest, oldest = Lit(limits.max_step_mm, MM), Lit(limits.age_limit_ms, MS)
@@ -66,6 +66,6 @@ def _after(cycle: Judgement, moved: Cycle, hidden: NumVar) -> Num:
 
 def hidden_with_age(device: Device, hidden: NumVar) -> Bool:
     """State the lemma that the undetected part is no more than the device's age allows."""
-    start, most, period = unseen_at_reading_nm(device), unseen_in_a_cycle_nm(device), device.limits.period_ms
+    start, most, period = unseen_at_reading_nm(device), _unseen_in_a_cycle_nm(device), device.limits.period_ms
     within_age = (hidden - start) * period <= with_unit(device.age * most, NM)
     return (hidden >= start) & device.values.alive.implies(within_age)

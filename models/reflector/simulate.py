@@ -26,7 +26,7 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import Distances, measure
 
-CDB_A_DOUBLING = 1_200
+_CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""
 Steps = list[dict[str, Cell]]
 NOWHERE = "NONE"
@@ -317,7 +317,7 @@ class _Run:
 
 def intensity_cdb(range_mm: int, view_from_mm: int, minimum_cdb: int) -> int:
     """Return the intensity: the minimum where the view zone begins, and 12 dB more for each halving of the range."""
-    return minimum_cdb + math.floor(CDB_A_DOUBLING * math.log2(view_from_mm / max(1, range_mm)))
+    return minimum_cdb + math.floor(_CDB_A_DOUBLING * math.log2(view_from_mm / max(1, range_mm)))
 
 
 def _thing(range_mm: int, model: str, intensity: int) -> dict[str, Cell]:

@@ -13,13 +13,13 @@ from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.runtime.streams.steps import Cell
 
-EMPTY_SLOT: Mapping[str, Cell] = {
+_EMPTY_SLOT: Mapping[str, Cell] = {
     "error_mm": 0,
     "model": NO_MODEL.label,
     "intensity_cdb": INTENSITY_FLOOR_CDB,
     "lateral_mm": 0,
 }
-NO_NEXT: Mapping[str, Cell] = {
+_NO_NEXT: Mapping[str, Cell] = {
     "next_model": NO_MODEL.label,
     "next_view_from_mm": 0,
     "next_view_to_mm": 0,
@@ -35,7 +35,7 @@ def completed(config: ReflectorConfig, given: Mapping[str, Cell]) -> dict[str, C
     inputs: dict[str, Cell] = {"frame_present": False, "route_contradicted": False}
     for number in range(1, config.echo_slots + 1):
         if f"echo_{number}_range_mm" not in given:
-            inputs |= {f"echo_{number}_{name}": value for name, value in EMPTY_SLOT.items()}
+            inputs |= {f"echo_{number}_{name}": value for name, value in _EMPTY_SLOT.items()}
     if "next_position_mm" not in given:
-        inputs |= NO_NEXT
+        inputs |= _NO_NEXT
     return {**inputs, **given}

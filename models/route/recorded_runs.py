@@ -22,7 +22,7 @@ from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.motion import Leg
 
 FOLDER, LINE, MOST_ROUTES = Path(__file__).with_name("recordings"), "fig3", 100
-STEADY = [Leg(30_000, 50.0)]
+_STEADY = [Leg(30_000, 50.0)]
 """Up to 30 m/s, 50 s in all."""
 
 
@@ -32,7 +32,7 @@ class Run:
 
     missed  number of the reflector that is never seen, counted from 0
     seed    seed of the drawn errors
-    to_the_end   from standstill to the end of the route, as the line permits; otherwise 50 s of `STEADY`
+    to_the_end   from standstill to the end of the route, as the line permits; otherwise 50 s of `_STEADY`
     """
 
     models: str
@@ -72,7 +72,7 @@ def _driven(walk: Walk, routes: Sequence[Route], taken: int, seed: int) -> Steps
 def _steady(routes: Sequence[Route], taken: int, run: Run) -> Steps:
     ways: list[Way] = [way(number, one) for number, one in enumerate(routes, 1)]
     missed = [] if run.missed is None else [ways[taken].sights[run.missed].identity]
-    return simulate(RouteConfig(), ways, taken + 1, seed=run.seed, legs=STEADY, missed=missed)
+    return simulate(RouteConfig(), ways, taken + 1, seed=run.seed, legs=_STEADY, missed=missed)
 
 
 def write(folder: Path = FOLDER, runs: Mapping[str, Run] = RUNS) -> list[Path]:

@@ -79,7 +79,7 @@ from safeloc.models.satellite_selection import parts as selection_parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
-ASSUMED: dict[Trusted, str] = {
+_ASSUMED: dict[Trusted, str] = {
     "satellites": (
         "the error of a solution is no more than its dilution times the bound of the signals, and the further error reported "
         "with it, if every satellite in it keeps the bound; and the prediction and the clock that signals are compared with are as "
@@ -170,7 +170,7 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
         doc=(
             "Position along the mapped track from usable satellites. Assumed: speed changes by no more than the greatest "
             "acceleration allows, and the vehicle stops before the coordinates end; "
-            f"a reference is within its accuracy; {ASSUMED[trusted]}"
+            f"a reference is within its accuracy; {_ASSUMED[trusted]}"
         ),
     )  # fmt: skip
 

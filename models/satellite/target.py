@@ -16,7 +16,7 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Target, recorded
 
 DOC = "Selection of usable satellites, and position along the track from them alone, in one step."
-DRIFT_DOC = "The same machines, with nothing assumed of any signal: how far false signals can lead the position away."
+_DRIFT_DOC = "The same machines, with nothing assumed of any signal: how far false signals can lead the position away."
 
 
 def target(config: SatelliteConfig) -> Target:
@@ -28,7 +28,7 @@ def target(config: SatelliteConfig) -> Target:
 def drifting(config: SatelliteConfig) -> Target:
     """Make the composition in a world in which only the odometry is trusted."""
     model = satellite.compose_machines(config, trusted="odometry")
-    return _target(model, claims.drift_properties(model), config, DRIFT_DOC, BOUNDED)
+    return _target(model, claims.drift_properties(model), config, _DRIFT_DOC, BOUNDED)
 
 
 def _target(

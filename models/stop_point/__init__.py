@@ -40,7 +40,7 @@ from safeloc.models.stop_point.variables import (
 )
 from safeloc.models.stop_point.world import world
 
-ORDERS = (NO_ORDER, PROCEED, BRAKE, HOLD, HOLD, CREEP, HOLD, REVERSE, HOLD)
+_ORDERS = (NO_ORDER, PROCEED, BRAKE, HOLD, HOLD, CREEP, HOLD, REVERSE, HOLD)
 
 
 def machine(config: StopPointConfig | None = None) -> Machine:
@@ -87,7 +87,7 @@ def build(own: Parts) -> StopPoint:
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:
     order: Num = NO_ORDER
-    for mode, given in zip(table[1:], ORDERS[1:], strict=True):
+    for mode, given in zip(table[1:], _ORDERS[1:], strict=True):
         order = ite(current.eq(mode), given, order)
     slow = current.one_of(table[MODES.index("CREEPING")], table[MODES.index("REPOSITIONING")])
     return {

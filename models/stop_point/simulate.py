@@ -20,12 +20,12 @@ from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 
-WINDOW_MM = 500
+_WINDOW_MM = 500
 SPEED_MM_S, BRAKE_MM_S2, STAND_S = 20_000, 800, 6.0
 
 
 SOURCE = ReflectorConfig(map_accuracy_mm=20, frame_latency_ms=0, balise_latency_ms=0)
-PLATFORM = Scene(replace(FIGURE_2, balises=(Balise(202, 100_000, accuracy_mm=50),)), error_mm=50)
+_PLATFORM = Scene(replace(FIGURE_2, balises=(Balise(202, 100_000, accuracy_mm=50),)), error_mm=50)
 """A stop within half a metre needs a balise known to 5 cm, a radar and a survey as exact, and a front end that brings ranges to
 the cycle's end: what the radar's self-test leaves open has to fit the window ([S] coded balises at platforms: 50 mm)."""
 
@@ -49,11 +49,11 @@ class StopPlace:
     """A stop point of the platform: place of end A of a stopped vehicle, and the window on either side; mm."""
 
     position_mm: int
-    before_mm: int = WINDOW_MM
-    after_mm: int = WINDOW_MM
+    before_mm: int = _WINDOW_MM
+    after_mm: int = _WINDOW_MM
 
 
-FIGURE_2_STOPS = tuple(StopPlace(place) for place in STOPS_MM)
+_FIGURE_2_STOPS = tuple(StopPlace(place) for place in STOPS_MM)
 IN_PLACE, OVERRUN, SHORT = Stop(), Stop(off_mm=3_000, moves=(-3_000,)), Stop(number=2, off_mm=-2_000, moves=(2_000,))
 
 
@@ -62,8 +62,8 @@ def simulate_stop(
 ) -> list[dict[str, Cell]]:
     """Return one drive as steps: inputs, ghost inputs, and the remark `truth_mm`. In the last cycles there is a departure order."""
     motion = _motion(stop, reduced_mm_s, SOURCE.period_ms)
-    given = Platform(FIGURE_2_STOPS, stop.number, bool(stop.moves))
-    return simulate_platform(config, given, motion, source=SOURCE, scene=PLATFORM, seed=seed)
+    given = Platform(_FIGURE_2_STOPS, stop.number, bool(stop.moves))
+    return simulate_platform(config, given, motion, source=SOURCE, scene=_PLATFORM, seed=seed)
 
 
 @dataclass(frozen=True)

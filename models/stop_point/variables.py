@@ -26,7 +26,7 @@ NO_ORDER, PROCEED, BRAKE, HOLD, CREEP, REVERSE = ORDER
 MODES = ("IDLE", "APPROACH", "BRAKING", "STOPPED", "SHORT", "CREEPING", "OVERRUN", "REPOSITIONING", "HELD")
 REASON = members("stop_reason", "NONE", "NO_POSITION", "TOO_FAR", "TOO_COARSE", "NOT_AHEAD", "UNKNOWN_STOP")
 NO_REASON, NO_POSITION, TOO_FAR, TOO_COARSE, NOT_AHEAD, UNKNOWN_STOP = REASON
-MOST_WINDOW_MM = 10_000
+_MOST_WINDOW_MM = 10_000
 
 
 class StopPointConfig(Config):
@@ -98,8 +98,8 @@ class Parts:
         self.departure = declared.sensor(boolean("departure"))
         self.released = declared.sensor(boolean("released"))
         self.stop = declared.state(number("stop_mm", MM, -limit, limit), first=0)
-        self.before = declared.state(number("before_mm", MM, 0, MOST_WINDOW_MM), first=0)
-        self.after = declared.state(number("after_mm", MM, 0, MOST_WINDOW_MM), first=0)
+        self.before = declared.state(number("before_mm", MM, 0, _MOST_WINDOW_MM), first=0)
+        self.after = declared.state(number("after_mm", MM, 0, _MOST_WINDOW_MM), first=0)
         self.pending = declared.state(number("pending_number", COUNT, 0, config.stop_points), first=0)
         self.served = declared.state(number("served_number", COUNT, 0, config.stop_points), first=0)
         self.distance = declared.state(number("to_go_mm", MM, -2 * limit, 2 * limit), first=0)
@@ -126,6 +126,6 @@ def _longest_nm(config: StopPointConfig) -> int:
 def _map_stop(declared: Declared, number_: int, limit_mm: int) -> MapStop:
     return MapStop(
         declared.sensor(optional(f"stop_{number_}_position_mm", MM, -limit_mm, limit_mm)),
-        declared.sensor(number(f"stop_{number_}_before_mm", MM, 0, MOST_WINDOW_MM)),
-        declared.sensor(number(f"stop_{number_}_after_mm", MM, 0, MOST_WINDOW_MM)),
+        declared.sensor(number(f"stop_{number_}_before_mm", MM, 0, _MOST_WINDOW_MM)),
+        declared.sensor(number(f"stop_{number_}_after_mm", MM, 0, _MOST_WINDOW_MM)),
     )

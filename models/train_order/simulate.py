@@ -15,8 +15,8 @@ from safeloc.models.train_order import TrainOrderConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
-HALF_MM = 120_000  # half a pattern: a train with the uncertainty of its ends
-ENDS_MM = (0, 10_000_000)
+_HALF_MM = 120_000  # half a pattern: a train with the uncertainty of its ends
+_ENDS_MM = (0, 10_000_000)
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def simulate(config: TrainOrderConfig, *, seed: int) -> Steps:
 class _World:
     def __init__(self, config: TrainOrderConfig, scene: Scene, rng: Random) -> None:
         self._config, self._scene, self._rng = config, scene, rng
-        self._places = {run.number: ENDS_MM[run.from_above] for run in scene.trains}
+        self._places = {run.number: _ENDS_MM[run.from_above] for run in scene.trains}
         self._inside = list[int]()  # from the low end
 
     def step(self, second: int) -> dict[str, Cell]:
@@ -107,8 +107,8 @@ class _World:
         return inputs
 
     def _leaves(self, number: int) -> dict[str, Cell]:
-        low, high = ENDS_MM
-        if low - HALF_MM <= self._places[number] <= high + HALF_MM:
+        low, high = _ENDS_MM
+        if low - _HALF_MM <= self._places[number] <= high + _HALF_MM:
             return {}
         self._inside.remove(number)
         return {"leaves_low" if self._places[number] < low else "leaves_high": True}
@@ -121,7 +121,7 @@ class _World:
         merged = list[tuple[int, int, int]]()
         for middle, owner in sorted(middles):
             blur = self._rng.randint(0, 20_000)
-            low, high = middle - HALF_MM - blur, middle + HALF_MM + blur
+            low, high = middle - _HALF_MM - blur, middle + _HALF_MM + blur
             if merged and low <= merged[-1][1]:
                 merged[-1] = (merged[-1][0], high, merged[-1][2])
             else:
@@ -132,9 +132,9 @@ class _World:
 # ------------------------------------------------------------------ named runs
 
 FIRST = TrainRun(1, 5, ((5, 40_000),))
-SLOWER = TrainRun(1, 5, ((5, 30_000), (60, 8_000), (160, 30_000)))
-CATCHES_UP = TrainRun(2, 50, ((50, 30_000), (114, 8_000)))
-FROM_ABOVE = TrainRun(3, 100, ((100, -5_000), (120, -30_000), (160, 30_000)), from_above=True)
+_SLOWER = TrainRun(1, 5, ((5, 30_000), (60, 8_000), (160, 30_000)))
+_CATCHES_UP = TrainRun(2, 50, ((50, 30_000), (114, 8_000)))
+_FROM_ABOVE = TrainRun(3, 100, ((100, -5_000), (120, -30_000), (160, 30_000)), from_above=True)
 
 
 def _worked(outcome: str, scene: Scene) -> WorkedRun[TrainOrderConfig]:
@@ -144,7 +144,7 @@ def _worked(outcome: str, scene: Scene) -> WorkedRun[TrainOrderConfig]:
 RUNS: Mapping[str, WorkedRun[TrainOrderConfig]] = {
     "train_order-service": _worked(
         "Two trains follow each other, a third comes from above and goes back: every pattern belongs to its train.",
-        Scene(300, (FIRST, TrainRun(2, 80, ((80, 30_000), (160, 0), (220, 30_000))), FROM_ABOVE)),
+        Scene(300, (FIRST, TrainRun(2, 80, ((80, 30_000), (160, 0), (220, 30_000))), _FROM_ABOVE)),
     ),
     "train_order-counter-fault": _worked(
         "A disturbed counter ends the order; patterns belong to no train until the counters report an empty "
@@ -162,7 +162,7 @@ ON_DEMAND: Mapping[str, WorkedRun[TrainOrderConfig]] = {
     "train_order-close-together": _worked(
         "The second train comes so near to the first that there is one pattern: it belongs to no train; apart "
         "again, each has its own.",
-        Scene(220, (SLOWER, CATCHES_UP)),
+        Scene(220, (_SLOWER, _CATCHES_UP)),
     ),
     "train_order-ghost-pattern": _worked(
         "Three patterns of two trains: none belongs to a train for as long as that lasts.",

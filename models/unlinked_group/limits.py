@@ -10,9 +10,9 @@ from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
 from safeloc.proof.runs.worked import Steps
 from safeloc.runtime.streams.steps import Cell
 
-MEASURED_MM = (0, 50, 50, 0, -50, -50, 0, None, 0)
+_MEASURED_MM = (0, 50, 50, 0, -50, -50, 0, None, 0)
 """Distances of the cycles in which groups are read, from cycle to cycle no farther apart than a vehicle can brake."""
-COUNTED_MM = 2_000
+_COUNTED_MM = 2_000
 PLACE = ("telegram_position_mm", "telegram_orientation")
 
 
@@ -21,7 +21,7 @@ def at_the_limits(config: UnlinkedGroupConfig) -> Steps:
     steps: Steps = []
     wander, half = 0, config.odometer.wander_nm
     for side in (1, -1):
-        for distance in MEASURED_MM:
+        for distance in _MEASURED_MM:
             for read in _readings(config, distance, side):
                 slipped = 0 if distance is None else _towards(side * half, wander)
                 wander += slipped
@@ -51,7 +51,7 @@ def _moved(config: UnlinkedGroupConfig, distance: int | None, side: int, slipped
 
 def _readings(config: UnlinkedGroupConfig, distance: int | None, side: int) -> Iterator[dict[str, Cell]]:
     """Yield readings with a counter, then one of this cycle and an older one without; the run since then without one-off errors."""
-    for since in (COUNTED_MM, -COUNTED_MM):
+    for since in (_COUNTED_MM, -_COUNTED_MM):
         off = side * abs(since) * config.odometer.rate_ppm
         yield _reading(config, side, config.period_ms, since) | {"true_since_nm": since * NM_PER_MM + off}
     for age in (config.period_ms, config.period_ms + 1):

@@ -25,7 +25,7 @@ from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, move, plan
 
-COMMON = (
+_COMMON = (
     "odometer", "period_ms", "max_speed_mm_s", "max_acceleration_mm_s2", "measuring_step_mm", "gap_limit_cycles", "reversal_mm",
     "antenna_mm", "detection_mm", "default_accuracy_mm", "telegram_age_limit_ms", "last_group_identity",
 )  # fmt: skip
@@ -40,7 +40,7 @@ PASSED_ON = ("true_step_nm", "odometer_next_wander_nm", "true_since_nm", "readin
 
 def beside(config: UnlinkedGroupConfig) -> BaliseConfig:
     """Return the configuration of the balise machine of the same vehicle."""
-    return BaliseConfig.model_validate({name: getattr(config, name) for name in COMMON})
+    return BaliseConfig.model_validate({name: getattr(config, name) for name in _COMMON})
 
 
 def mixed_line(first_mm: int = 100_000, spacing_mm: int = 150_000, count: int = 60) -> list[Group]:

@@ -24,7 +24,7 @@ def world(own: Parts) -> World:
     seen = own.world
     received = own.national.received
     moves: dict[Var, Expr] = {
-        seen.distance: distance_after(own),
+        seen.distance: _distance_after(own),
         seen.wander: _wander_after(own),
         seen.national: ite(~received.present, seen.national, received.value),
         **_rolling(own),
@@ -52,7 +52,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
     }
 
 
-def distance_after(own: Parts) -> Num:
+def _distance_after(own: Parts) -> Num:
     """Return the true distance at the end of the cycle: from the group that is read if it can serve, else from the one before."""
     seen = own.world
     anew = exact_to(as_num(own.config.antenna_mm, MM), NM) + seen.detected + seen.true_since
@@ -97,7 +97,7 @@ def _odometer_law(own: Parts) -> Law:
 def _line_law(own: Parts) -> Law:
     truth = own.world.distance
     return Law(
-        between(truth.low, distance_after(own), truth.high),
+        between(truth.low, _distance_after(own), truth.high),
         f"No vehicle gets farther than {LINE_MM // 10**6} km from a group that it read.",
         source="[D] the length of the line",
         owner="infrastructure",

@@ -42,7 +42,7 @@ BELIEVED = (
     "located interval contains the front (proved of the fibre machine). Nothing is assumed of the record beyond "
     "its bounds, of train control data, or of which train a pattern belongs to: the machine verifies these."
 )
-DOUBTED = (
+_DOUBTED = (
     "Verifies one train's fibre parameters against the record of an axle counter. Nothing is assumed of the "
     "fibre's readings: count, length, speed, place and the pattern's identity may be wrong, alone or together, "
     "from any moment on. Assumed: the axle counter's record is true, the data that a neighbour hands over are "
@@ -81,7 +81,7 @@ def build_doubted(own: Parts) -> Verification:
 
     def around(known: Bool, trusted: Bool) -> dict[str, Any]:
         found = without_belief(train, known, trusted)
-        return {"world": doubted_world(train), "lemmas": found, "doc": DOUBTED}
+        return {"world": doubted_world(train), "lemmas": found, "doc": _DOUBTED}
 
     return replace(_built(own, "verification_doubted", around), train=train)
 

@@ -34,7 +34,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, Parts
 
 RECORD = "an axle counter's record is true"
-HANDED_OVER = "a neighbour's record is true"
+_HANDED_OVER = "a neighbour's record is true"
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +187,7 @@ def _records(train: Doubted) -> dict[str, Bool | Law]:
             owner="infrastructure",
             check="the counter's safety case (SIL 4); counts of neighbouring counters compared",
         ),
-        HANDED_OVER: Law(
+        _HANDED_OVER: Law(
             handed.implies(_true_record(own)),
             "The record that the neighbouring area hands over of a train that it trusts is true: axles, bounds "
             "of the length, and bounds of the front as many cycles ago as the record is old.",

@@ -153,7 +153,7 @@ def _kept(model: Fibre) -> Iterator[Property]:
         statement="after too long a silence, or with an interval wider than tolerable, there is neither place nor count",
         requirements=SEEN,
     )
-    calm = ~any_flaw(seen) & ~seen.lost
+    calm = ~_any_flaw(seen) & ~seen.lost
     yield for_all_inputs(
         "a located end stays located",
         (before(mode).eq(located) & calm).implies(mode.eq(located)),
@@ -162,6 +162,6 @@ def _kept(model: Fibre) -> Iterator[Property]:
     )
 
 
-def any_flaw(seen: Seen) -> Bool:
+def _any_flaw(seen: Seen) -> Bool:
     """Return the condition that some input disagrees."""
     return ~all_of(~flaw for flaw in seen.flaws.values())

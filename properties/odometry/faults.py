@@ -8,11 +8,11 @@ from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
 from safeloc.models.odometry import Odometry
 
-ONE_FAULT = (
+_ONE_FAULT = (
     "at most one unit, the same one all the time, breaks its error law; all other admitted distances obey theirs; "
     "accepted readings are true within accuracy; top speed"
 )
-CHECKED = f"{ONE_FAULT}; a distance of the faulty unit is admitted only in cycles in which the other unit's is; no reading is stray"
+CHECKED = f"{_ONE_FAULT}; a distance of the faulty unit is admitted only in cycles in which the other unit's is; no reading is stray"
 SOURCES = ("MRK-4", "MRK-D1")
 
 
@@ -47,7 +47,7 @@ def containment(model: Odometry) -> Property:
         _contained(model, tuple(as_num(0, NM) for _ in model.own.devices)),
         statement="with one faulty unit, whichever, the reported interval holds the true position of end A",
         requirements=SOURCES,
-        assumption=ONE_FAULT,
+        assumption=_ONE_FAULT,
     )
 
 

@@ -139,7 +139,7 @@ def width(own: Parts) -> Num:
     return own.track.below + own.track.above
 
 
-def late_mm(own: Parts) -> int:
+def _late_mm(own: Parts) -> int:
     """Return the farthest that a vehicle gets in the latency of a frame, in whole mm."""
     config = own.config
     return -(-config.max_speed_mm_s * config.frame_latency_ms // 1_000) + config.measuring_step_mm + 1

@@ -33,7 +33,7 @@ def bounds(model: Route, route: Hypothesis) -> tuple[Num, Num]:
     return exact_to(low, NM), exact_to(high, NM)
 
 
-def most_added_error(own: Parts) -> Num:
+def _most_added_error(own: Parts) -> Num:
     """Return the greatest error of the measured distance, nm: the rate counts the part above the knee."""
     law, config, step = own.config.odometer, own.config, own.odometer.step.value
     knee = law.knee_mm_s * config.period_ms // 1_000
@@ -45,8 +45,8 @@ def ran(own: Parts) -> tuple[Num, Num]:
     """Return the least and the greatest travel of the cycle, nm; without a usable distance, the highest speed either way."""
     counts, blind = own.odometer.last_verdict.eq(ADMITTED), own.config.max_speed_mm_s * own.config.period_ms * 1_000
     measured = exact_to(own.odometer.step.value, NM)
-    least = ite(counts, measured - most_added_error(own), as_num(-blind, NM))
-    return least, ite(counts, most_added_error(own) + measured, as_num(blind, NM))
+    least = ite(counts, measured - _most_added_error(own), as_num(-blind, NM))
+    return least, ite(counts, _most_added_error(own) + measured, as_num(blind, NM))
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from safeloc.properties.stop_point.place import (
     width,
 )
 
-ROUNDING_MM = 1
+_ROUNDING_MM = 1
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
@@ -87,7 +87,7 @@ def _no_early_brake(model: StopPoint) -> Iterator[Property]:
     due = any_of(
         (left <= 0)
         | (fastest > 0)
-        & (squared >= (exact_to(left - ROUNDING_MM, UM) - _reaction_um(model)) * (2 * config.brake_mm_s2))
+        & (squared >= (exact_to(left - _ROUNDING_MM, UM) - _reaction_um(model)) * (2 * config.brake_mm_s2))
         for left in (to_stop, to_end)
     )
     yield for_all_inputs(

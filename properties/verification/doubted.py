@@ -30,7 +30,7 @@ ENTRY = ("FVA-3", "FVA-12")
 SAFE = ("FVA-4", "FVA-13")
 COURSE = ("FVA-6", "FVA-15")
 CONTROL = ("FVA-7", "FVA-16")
-whatever_the_fibre_tells = partial(always, requirements=(*CLAIM, *STAY), assumption=LAW)
+_whatever_the_fibre_tells = partial(always, requirements=(*CLAIM, *STAY), assumption=LAW)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def _place(figures: Figures) -> Iterator[Property]:
     """Claim the greatest distance of a trusted interval from the front."""
     own, trusted = figures.own, figures.trusted
     wide = own.record_place_high - own.record_place_low + own.config.place_tolerance_mm
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a place at the counter",
         (figures.at_counter & trusted).implies(
             figures.within(exact_to(wide, NM) + with_unit(own.record_age * figures.runs_nm, NM))
@@ -117,7 +117,7 @@ def _place(figures: Figures) -> Iterator[Property]:
         "record's place, the place tolerance, and two runs at top speed for each cycle that the record is old",
         requirements=(*CLAIM, *ENTRY),
     )
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a place later",
         trusted.implies(figures.within(figures.train.width + figures.tolerance_nm)),
         statement="later a trusted interval is no farther from the front than that and two runs at top speed for each "
@@ -129,14 +129,14 @@ def _place_at_any_time(figures: Figures) -> Iterator[Property]:
     """Claim the same without regard to the record's age."""
     own, trusted = figures.own, figures.trusted
     limit = Lit(own.config.place_doubt_limit_mm * 1_000_000 + figures.tolerance_nm, NM)
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a place at any time",
         trusted.implies(figures.within(limit)),
         statement="a trusted interval is never farther from the front than place_doubt_limit_mm plus the place tolerance, for "
         "every sequence of fibre reports",
     )
     doubt = exact_to(figures.model.machine.output("place_doubt_mm"), NM)
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "the reported doubt holds",
         trusted.implies(figures.within(doubt) & doubt.eq(figures.train.width + figures.tolerance_nm)),
         statement="the machine reports how far from the front a trusted interval can be if the fibre is wrong",
@@ -155,7 +155,7 @@ def _course(figures: Figures) -> Iterator[Property]:
     step = Lit(own.config.jump_mm * 1_000_000 + figures.runs_nm, NM)
     ahead = (low - own.truth) - (last_high - truth_before) <= step
     behind = (own.truth - high) - (truth_before - last_low) <= step
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a place from cycle to cycle",
         (was_trusted & figures.trusted & ~own.due).implies(ahead & behind),
         statement="from one trusted cycle to the next the interval falls behind the front by no more than the far end of "
@@ -171,12 +171,12 @@ def _values(figures: Figures) -> Iterator[Property]:
     """Claim that wrong readings of count, length and ends are withheld."""
     own, trusted = figures.own, figures.trusted
     counted = own.associated & own.seen_count.present
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a wrong count withholds",
         (trusted & counted).implies(own.axles.eq(own.seen_count.value)),
         statement="a wrong count withdraws the position in the same cycle, also if other measurements are wrong",
     )
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a wrong length withholds",
         (trusted & own.associated & own.seen_length.present).implies(_long(figures, own.seen_length.value)),
         statement="a length that is farther from the train's than the tolerance and the spread of the record withholds in the "
@@ -184,7 +184,7 @@ def _values(figures: Figures) -> Iterator[Property]:
     )
     near, far = own.ends_low, own.ends_high
     slack = figures.train.spread + own.config.length_tolerance_mm * 1_000
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a distance of the ends",
         trusted.implies(
             near.present.implies(exact_to(near.value, UM) <= own.length + slack)
@@ -199,7 +199,7 @@ def _control(figures: Figures) -> Iterator[Property]:
     own, trusted = figures.own, figures.trusted
     stated = own.control_count.present.implies(own.axles.eq(own.control_count.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "wrong data by train control withhold",
         trusted.implies(stated & long),
         statement="a count by train control that is not the train's, or a length beyond tolerance and spread, withholds in the "
@@ -210,7 +210,7 @@ def _control(figures: Figures) -> Iterator[Property]:
 
 def _speed(figures: Figures) -> Iterator[Property]:
     own, trusted = figures.own, figures.trusted
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a speed at the counter",
         all_of([figures.at_counter, trusted, own.seen_speed.present]).implies(_fast(figures)),
         statement="in the cycle of a counter's record the fibre's speed is no farther from the train's than the width of "
@@ -240,14 +240,14 @@ def _fast(figures: Figures) -> Bool:
 
 def _cycles(figures: Figures) -> Iterator[Property]:
     own, trusted, train = figures.own, figures.trusted, figures.train
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a fibre without right count or length withholds",
         trusted.implies(train.untold_for <= own.config.currency_cycles),
         statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
         "currency_cycles and one cycle",
     )
     serves = own.config.place_doubt_limit_mm // (2 * figures.added_run_mm)
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a place whose record is old",
         trusted.implies(train.record_ago <= serves),
         statement="a place is withheld from the cycle on in which the last record and the top speed leave more open than "
@@ -263,7 +263,7 @@ def _handed_over(figures: Figures) -> Iterator[Property]:
     machine, own = figures.model.machine, figures.own
     long = (machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm"))
     place = (machine.output("handover_place_low_mm"), machine.output("handover_place_high_mm"))
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a record that is handed over is true",
         machine.flag("handover_trusted").implies(
             all_of(
@@ -283,7 +283,7 @@ def _handed_over(figures: Figures) -> Iterator[Property]:
 def _of_this_train(figures: Figures) -> Iterator[Property]:
     """Claim that the reported place is that of a pattern of this train."""
     machine, own = figures.model.machine, figures.own
-    yield whatever_the_fibre_tells(
+    yield _whatever_the_fibre_tells(
         "a pattern of nobody",
         figures.trusted.implies(
             own.associated & own.located & own.place.present & machine.output("position_mm").eq(own.place.value)

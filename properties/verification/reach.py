@@ -15,31 +15,31 @@ REQUIREMENTS = ("FVA-1", "FVA-10", "FVA-2", "FVA-11")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
-def fastest_um(own: Parts) -> int:
+def _fastest_um(own: Parts) -> int:
     """Return the run of a cycle at top speed, um, rounded up to a millimetre."""
     return (own.config.max_speed_mm_s * own.config.period_ms + 999) // 1_000 * 1_000
 
 
-def reached_um(own: Parts) -> tuple[Num, Num]:
+def _reached_um(own: Parts) -> tuple[Num, Num]:
     """Return bounds of the front, um, from the inputs of a cycle and the state before it."""
-    farther = with_unit(own.record_age * fastest_um(own), UM)
+    farther = with_unit(own.record_age * _fastest_um(own), UM)
     told = exact_to(own.record_place_low, UM) - farther, exact_to(own.record_place_high, UM) + farther
     last = exact_to(before(own.possible_low), UM), exact_to(before(own.possible_high), UM)
     served = last[1] <= last[0] + own.config.place_doubt_limit_mm * 1_000
-    more = ite(served, Lit(fastest_um(own), UM), 0)
+    more = ite(served, Lit(_fastest_um(own), UM), 0)
     return ite(own.due, told[0], last[0] - more), ite(own.due, told[1], last[1] + more)
 
 
-def in_doubt(own: Parts) -> Bool:
+def _in_doubt(own: Parts) -> Bool:
     """Return the condition that the bounds are farther apart than permitted."""
-    low, high = reached_um(own)
+    low, high = _reached_um(own)
     return high > low + own.config.place_doubt_limit_mm * 1_000
 
 
 def beyond_reach(own: Parts) -> Bool:
     """Return the condition that the fibre's interval lies beyond the bounds by more than the tolerance, while these can be used."""
-    (low, high), place, tolerance = reached_um(own), own.place, own.config.place_tolerance_mm * 1_000
-    there = own.associated & own.located & place.present & ~in_doubt(own)
+    (low, high), place, tolerance = _reached_um(own), own.place, own.config.place_tolerance_mm * 1_000
+    there = own.associated & own.located & place.present & ~_in_doubt(own)
     above = exact_to(place.value - own.place_below, UM) > high + tolerance
     return there & (above | (exact_to(place.value + own.place_above, UM) < low - tolerance))
 
@@ -54,7 +54,7 @@ def _bounds(model: Verification) -> Iterator[Property]:
     """Claim the bounds of the front, and their limit."""
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
-    known, (low, high) = machine.mode.one_of(withheld, trusted), reached_um(own)
+    known, (low, high) = machine.mode.one_of(withheld, trusted), _reached_um(own)
     yield for_all_inputs(
         "bounds of the front widen by the fastest run",
         known.implies(exact_to(own.possible_low, UM).eq(low) & exact_to(own.possible_high, UM).eq(high)),
@@ -63,7 +63,7 @@ def _bounds(model: Verification) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a doubtful place is withheld",
-        in_doubt(own).implies(~machine.flag("trusted")),
+        _in_doubt(own).implies(~machine.flag("trusted")),
         statement="if the record and the top speed leave more open than permitted, the train is not trusted",
     )
 

@@ -27,7 +27,7 @@ def docs(
     """List the documentation that is installed with safeloc, or print the path of one page."""
     known = pages(folder())
     if name is not None:
-        path = find_page(known, name)
+        path = _find_page(known, name)
         if as_json:
             print_json({"name": name, "path": str(path)})
         else:
@@ -61,7 +61,7 @@ def _name(path: Path) -> str:
     return (path.with_suffix("") if path.suffix == ".md" else path).as_posix()
 
 
-def find_page(known: Mapping[str, Path], name: str) -> Path:
+def _find_page(known: Mapping[str, Path], name: str) -> Path:
     """Return the file with this name, which may also be written as in a link (docs/language.md). InputError if there is none."""
     asked = name.partition("#")[0].removeprefix("docs/").removesuffix("/").removesuffix(".md").removesuffix("/README")
     if asked not in known:

@@ -25,7 +25,7 @@ class _NoTruth:
         )
 
     def _repr_html_(self) -> str:
-        return as_html(self)  # type: ignore[arg-type] # every verdict is a Result
+        return _as_html(self)  # type: ignore[arg-type] # every verdict is a Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ def word(result: Result) -> str:
             assert_never(result)
 
 
-def as_html(result: Result) -> str:
+def _as_html(result: Result) -> str:
     """Return a verdict as HTML: its word, how it was found or why it is open, and its run."""
     match result:
         case Proved(engine=engine, witness=witness):

@@ -78,7 +78,7 @@ class _Run(RuleBasedStateMachine):  # type: ignore[misc, unused-ignore]
             raise PropertyBroken(self.driver.broken, self.driver.trace())
 
 
-def state_machine(
+def _state_machine(
     system: TransitionSystem, properties: Sequence[Property], *, steps: int = 60, corpus: Sequence[Trace] = ()
 ) -> type[RuleBasedStateMachine]:
     """Return a Hypothesis state machine for the system.
@@ -139,7 +139,7 @@ def state_machine_test(
 
     settings   any Hypothesis settings; by default those of the active profile, without Hypothesis's shrinking
     """
-    run = state_machine(system, properties, steps=steps, corpus=corpus)
+    run = _state_machine(system, properties, steps=steps, corpus=corpus)
     case: type[unittest.TestCase] = run.TestCase
     case.settings = settings or hypothesis.settings(phases=PHASES)  # type: ignore[attr-defined]
     return case
@@ -179,7 +179,7 @@ def _results(
 ) -> Mapping[Property, Result]:
     left, broken = list(properties), dict[Property, Result]()
     while True:
-        run = state_machine(system, left, steps=steps, corpus=corpus)
+        run = _state_machine(system, left, steps=steps, corpus=corpus)
         caught = _caught(run, examples, seed)
         if caught is None:
             break

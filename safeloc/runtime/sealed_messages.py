@@ -22,8 +22,8 @@ from typing import Any
 from safeloc.errors import InputError
 from safeloc.runtime.outside import quoted
 
-LEAST_KEY_BYTES = 32
-MOST_CHARACTERS = 1_000_000
+_LEAST_KEY_BYTES = 32
+_MOST_CHARACTERS = 1_000_000
 _BODY = {"source": str, "destination": str, "session": str, "number": int, "time_ms": int, "content": dict}
 
 
@@ -62,8 +62,8 @@ class Channel:
     clock_error_ms: int = 0
 
     def __post_init__(self) -> None:
-        if len(self.key) < LEAST_KEY_BYTES:
-            raise InputError(f"a key of {len(self.key)} bytes can be guessed; give {LEAST_KEY_BYTES} random bytes.")
+        if len(self.key) < _LEAST_KEY_BYTES:
+            raise InputError(f"a key of {len(self.key)} bytes can be guessed; give {_LEAST_KEY_BYTES} random bytes.")
         if self.clock_error_ms < 0 or self.age_limit_ms <= self.clock_error_ms:
             raise InputError("the limit of age must be above the error of the clocks, and that not negative.")
 
@@ -136,7 +136,7 @@ class Opener:
 
     def _authentic(self, line: str) -> str:
         try:
-            sealed = json.loads(line) if len(line) <= MOST_CHARACTERS else None
+            sealed = json.loads(line) if len(line) <= _MOST_CHARACTERS else None
         except (ValueError, RecursionError):
             sealed = None
         if not isinstance(sealed, dict) or sealed.keys() != {"body", "code"}:

@@ -15,8 +15,8 @@ from safeloc.models.axle_counter import AxleCounterConfig, machine
 from safeloc.models.axle_counter.simulate import Passage, passed
 from safeloc.simulation.fibre.trains import Train
 
-BEYOND_MM = 60_000
-AXLES = AxleCounterConfig()
+_BEYOND_MM = 60_000
+_AXLES = AxleCounterConfig()
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ def record_of(train: Train, *, miscounted: int = 0) -> Record:
     """
     behind = [round(MM_PER_M * place) for place in train.axles_m()]
     speed = round(MM_PER_M * train.course.speeds[0][1])
-    cycles = (behind[-1] - behind[0] + BEYOND_MM) * MM_PER_M // (speed * AXLES.period_ms)
-    steps = passed(AXLES, [Passage(tuple(place - behind[0] for place in behind), (speed,) * cycles)])
+    cycles = (behind[-1] - behind[0] + _BEYOND_MM) * MM_PER_M // (speed * _AXLES.period_ms)
+    steps = passed(_AXLES, [Passage(tuple(place - behind[0] for place in behind), (speed,) * cycles)])
     code = _on_board()
     state, since_first = code.first(), 0
     for step in steps:
@@ -56,7 +56,7 @@ def record_of(train: Train, *, miscounted: int = 0) -> Record:
         outputs = code.named_outputs(state)
         since_first += bool(since_first) or step["axle"] != "NONE"
         if outputs["record_ready"] and outputs["record_sound"]:
-            return _record(outputs, miscounted, (since_first - 1) * AXLES.period_ms)
+            return _record(outputs, miscounted, (since_first - 1) * _AXLES.period_ms)
     raise InputError(f"a train of {train.length_m:.0f} m at {speed} mm/s gives no record at an axle counter.")
 
 
@@ -94,4 +94,4 @@ def _event(ends: Ends, before: Stretch, now: Stretch, inside: bool) -> str:
 @cache
 def _on_board() -> Compiled:
     """Return the counter without its world, compiled once."""
-    return compile_system(without_ghosts(lower(machine(AXLES))))
+    return compile_system(without_ghosts(lower(machine(_AXLES))))

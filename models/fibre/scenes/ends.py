@@ -133,16 +133,16 @@ class _Ghosts:
         edges = [(edge, number) for number, one in enumerate(self._sections, 1) for edge in (one.low_mm, one.high_mm)]
         edge, number = min(edges, key=lambda one: abs(one[0] - truth_mm))
         if enters:
-            self._real = abs(edge - truth_mm) <= REAL_MM
+            self._real = abs(edge - truth_mm) <= _REAL_MM
             self._count = number if self._real else self._count
         self._edge_nm = (edge if self._real else truth_mm) * NM_PER_MM
 
     def _unseen(self, truth_mm: int) -> bool:
         """Return the condition that a section lies behind that was not noticed."""
-        return sum(one.high_mm + REAL_MM < truth_mm for one in self._sections) > self._count
+        return sum(one.high_mm + _REAL_MM < truth_mm for one in self._sections) > self._count
 
 
-REAL_MM = 100_000
+_REAL_MM = 100_000
 "A change of the amplitude that lies farther from any section is a false one."
 
 
@@ -160,13 +160,13 @@ def steps_of(
     state, steps = code.first(), Steps()
     for moment in moments:
         was = code.named_outputs(state)
-        step = host.heard(the_only(moment), moment, was)
+        step = host.heard(_the_only(moment), moment, was)
         state, _ = code.step(state, code.read({name: cell for name, cell in step.items() if name != "truth_mm"}))
         truth = host.ghosts(step, was, code.named_outputs(state)) if ghosts else {}
         steps.append({**step, **truth})
     return steps
 
 
-def the_only(moment: Moment) -> TrainSeen | None:
+def _the_only(moment: Moment) -> TrainSeen | None:
     """Return the only pattern, in scenes with a single train."""
     return moment.trains[0] if len(moment.trains) == 1 else None

@@ -17,7 +17,7 @@ from safeloc.simulation.fibre.trains import LOCOMOTIVE, ORE_WAGON, Course, Train
 
 CONFIG = FibreConfig()
 QUIET_S, SPEED_M_S = 10, 35.0
-COUNTER_MM = 1_000_000
+_COUNTER_MM = 1_000_000
 SPACING_MM = 750_000
 
 
@@ -34,10 +34,10 @@ class EndScene:
     title: str
     says: str
     scene: Scene
-    followed: Followed = Followed(referred_mm=(COUNTER_MM,))
+    followed: Followed = Followed(referred_mm=(_COUNTER_MM,))
     mapped: Sequence[Section] | None = None
     ghosts: bool = True
-    marks: dict[str, int] = field(default_factory=lambda: {"axle counter": COUNTER_MM})
+    marks: dict[str, int] = field(default_factory=lambda: {"axle counter": _COUNTER_MM})
 
 
 def section(low_m: int, *, rises: bool = True, long: bool = False, by_material: bool = False) -> Section:
@@ -51,7 +51,7 @@ def passenger(speed_m_s: float = SPEED_M_S, vehicles: int = 6) -> Train:
     return coaches(vehicles, Course(-speed_m_s * QUIET_S, ((0.0, speed_m_s),)))
 
 
-def ore_train(speed_m_s: float = SPEED_M_S) -> Train:
+def _ore_train(speed_m_s: float = SPEED_M_S) -> Train:
     """Return two locomotives and 40 ore wagons, 800 m."""
     return Train((*(LOCOMOTIVE,) * 2, *(ORE_WAGON,) * 40), Course(-speed_m_s * QUIET_S, ((0.0, speed_m_s),)))
 
@@ -108,10 +108,10 @@ FIGURES = (
             drift=lambda _: Drift(index_ppm=5_000),
             seed=4,
         ),
-        Followed(referred_mm=(COUNTER_MM,), flight=False),
+        Followed(referred_mm=(_COUNTER_MM,), flight=False),
     ),
 )
-TROUBLES = (
+_TROUBLES = (
     EndScene(
         "missed-section",
         "A section is missing",
@@ -141,7 +141,7 @@ TROUBLES = (
         "A train longer than a section: its front",
         "800 m of ore wagons over sections of 150 and 400 m: several are active at once. The front counts each as it "
         "enters it, whatever the rest of the train does.",
-        Scene(4_600, 132, (ore_train(),), THREE, seed=8),
+        Scene(4_600, 132, (_ore_train(),), THREE, seed=8),
         Followed(referred_mm=(1_350_000,)),
         marks={"axle counter": 1_350_000},
     ),
@@ -150,9 +150,9 @@ TROUBLES = (
         "A train longer than a section: its rear",
         "The same train. Its rear is followed by a machine of its own and counts each section as it enters it; the two "
         "intervals together hold the train.",
-        Scene(4_600, 132, (ore_train(),), THREE, seed=8),
+        Scene(4_600, 132, (_ore_train(),), THREE, seed=8),
         Followed(side="low", referred_mm=(1_350_000,)),
         marks={"axle counter": 1_350_000},
     ),
 )
-END_SCENES = (*FIGURES, *TROUBLES)
+END_SCENES = (*FIGURES, *_TROUBLES)

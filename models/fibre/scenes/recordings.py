@@ -19,7 +19,7 @@ from safeloc.models.fibre.scenes.stay import first_state, stayed
 from safeloc.models.fibre.scenes.waterfall import waterfall
 from safeloc.runtime.streams.steps import write_steps
 
-BLOCKS_PER_S = 2
+_BLOCKS_PER_S = 2
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Recording:
 
 def recorded_end(made: EndScene) -> Recording:
     """Return the recording of one end of a train, from the moment when the detector has learnt the fibre's quiet."""
-    moments, begin = listen(made.scene), QUIET_S * BLOCKS_PER_S
+    moments, begin = listen(made.scene), QUIET_S * _BLOCKS_PER_S
     on_map = made.scene if made.mapped is None else replace(made.scene, sections=tuple(made.mapped))
     steps = steps_of(on_map, moments[begin:], made.followed, ghosts=made.ghosts)
     first = {"truth_nm": int(steps[0]["truth_mm"]) * NM_PER_MM} if made.ghosts else {}
@@ -51,7 +51,7 @@ def recorded_end(made: EndScene) -> Recording:
 
 def recorded_stay(made: AreaScene) -> Recording:
     """Return the recording of a stay in a line area, from shortly before the train enters."""
-    moments, begin = listen(made.stay.scene), round(made.from_s * BLOCKS_PER_S)
+    moments, begin = listen(made.stay.scene), round(made.from_s * _BLOCKS_PER_S)
     kept = stayed(made.stay, moments, begin)
     first = first_state(made.stay, moments[begin - 1], (made.stay.cuts[made.stay.shown - 1],))
     virtual = [_virtual(cut, states) for cut, states in zip(made.stay.cuts, kept.states, strict=True)]
@@ -61,7 +61,7 @@ def recorded_stay(made: AreaScene) -> Recording:
 
 def recorded_order(made: OrderScene) -> Recording:
     """Return the recording of the patterns of several trains, in their order."""
-    moments, begin = listen(made.scene), round(made.from_s * BLOCKS_PER_S)
+    moments, begin = listen(made.scene), round(made.from_s * _BLOCKS_PER_S)
     trains = [places_of(moments[begin:], number) for number in range(len(made.scene.trains))]
     ordered = order_of(made.ends, moments[begin:], trains)
     ghosts = truth_of(trains, ordered)

@@ -24,8 +24,8 @@ EMITTER_MM, EMITTER_BITS = 1_000_000, "1011001011100011"
 SOUNDS_FROM_S, SOUNDS_EVERY_S = 12, 9
 ENDS = Ends(2_000_000, 5_200_000)
 COACHES = 7
-FAST_M_S = 44.0
-START_M = -SPEED_M_S * QUIET_S
+_FAST_M_S = 44.0
+_START_M = -SPEED_M_S * QUIET_S
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class OrderScene:
     from_s: float = 60.0
 
 
-def unit(coaches: int = COACHES, start_m: float = START_M, *speeds: tuple[float, float], ahead: bool = True) -> Train:
+def unit(coaches: int = COACHES, start_m: float = _START_M, *speeds: tuple[float, float], ahead: bool = True) -> Train:
     """Return a multiple unit, by default at 35 m/s."""
     return Train((COACH,) * coaches, Course(start_m, speeds or ((0.0, SPEED_M_S),)), ahead)
 
@@ -137,7 +137,10 @@ SCENARIOS = (
         replace(
             STAY,
             scene=_with(
-                trains=(unit(5), unit(2, START_M - SPLIT_M, (0, SPEED_M_S), (SPLIT_S, SPEED_M_S), (SPLIT_S + 30, 0.0))),
+                trains=(
+                    unit(5),
+                    unit(2, _START_M - SPLIT_M, (0, SPEED_M_S), (SPLIT_S, SPEED_M_S), (SPLIT_S + 30, 0.0)),
+                ),
                 seed=4,
             ),
             split=SPLIT_S,
@@ -160,7 +163,7 @@ SCENARIOS = (
         replace(STAY, scene=_with(soundings=sounding(98), seed=6), chain_from=93.0),
     ),
 )
-TWO_TRAINS = OrderScene(
+_TWO_TRAINS = OrderScene(
     "two-trains-close",
     "Two trains close together",
     "A second train closes up to 50 m behind the first one and falls back again. Nearer than 80 m the detector sees one "
@@ -173,7 +176,7 @@ TWO_TRAINS = OrderScene(
             unit(),
             unit(
                 5,
-                START_M - 450,
+                _START_M - 450,
                 (0, SPEED_M_S),
                 (60, SPEED_M_S),
                 (64, 40.0),
@@ -188,7 +191,7 @@ TWO_TRAINS = OrderScene(
     Ends(1_500_000, 5_900_000),
     from_s=50.0,
 )
-LONG_ENDS = Ends(2_000_000, 22_000_000)
+_LONG_ENDS = Ends(2_000_000, 22_000_000)
 VERIFIED_20_KM = AreaScene(
     "verified-20-km",
     "A verified run through 20 km",
@@ -199,7 +202,7 @@ VERIFIED_20_KM = AreaScene(
         Scene(
             23_000,
             526,
-            (unit(COACHES, -FAST_M_S * QUIET_S, (0, FAST_M_S)),),
+            (unit(COACHES, -_FAST_M_S * QUIET_S, (0, _FAST_M_S)),),
             tuple(
                 section(2_700 + 1_500 * number, rises=symbol.rises, long=symbol.long)
                 for number, symbol in enumerate(make_code(13, CONFIG.window, CONFIG.reach).symbols)
@@ -208,8 +211,8 @@ VERIFIED_20_KM = AreaScene(
             soundings=sounding(526),
             seed=7,
         ),
-        LONG_ENDS,
-        cuts(LONG_ENDS, 20),
+        _LONG_ENDS,
+        cuts(_LONG_ENDS, 20),
         shown=10,
         between=(12_000_000,),
         ghosts=False,
@@ -217,4 +220,4 @@ VERIFIED_20_KM = AreaScene(
     from_s=53.0,
 )
 AREA_SCENES = (*SCENARIOS, VERIFIED_20_KM)
-ORDER_SCENES = (TWO_TRAINS,)
+ORDER_SCENES = (_TWO_TRAINS,)

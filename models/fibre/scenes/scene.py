@@ -37,10 +37,10 @@ from safeloc.simulation.fibre.trains import Train
 
 Numbers = NDArray[np.float64]
 PULSE_HZ, WINDOW_FRAMES, CELL_MM = 500, 25, 5_000
-MAX_AGE_MS = 1_000
+_MAX_AGE_MS = 1_000
 RAISED, LOWERED = 8.0, 0.25
 "Effect of a section on the strain: 18 dB more, or 12 dB less, which leaves the train audible."
-NO_DRIFT = Drift()
+_NO_DRIFT = Drift()
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Scene:
     soundings: tuple[Sounding, ...] = ()
     cars: tuple[Car, ...] = ()
     faults: tuple[Fault, ...] = ()
-    drift: Callable[[float], Drift] = lambda _: NO_DRIFT
+    drift: Callable[[float], Drift] = lambda _: _NO_DRIFT
     absorber: bool = True
     coupling_cdb: int = 100
     axles_per_vehicle: int = 4
@@ -115,7 +115,7 @@ def listen(scene: Scene) -> list[Moment]:
     """Return the scene block by block, seen through the detector."""
     config, rng = scene.config, np.random.default_rng(scene.seed)
     world = _world(scene, config, rng)
-    front, analyser = FrontEnd(config, MAX_AGE_MS), Analyser(config)
+    front, analyser = FrontEnd(config, _MAX_AGE_MS), Analyser(config)
     blocks = round(scene.seconds * MM_PER_M / (config.window_ms * config.band.windows_per_block))
     return [_moment(shot, front, analyser) for shot in shots(world, blocks, rng, faults=scene.faults)]
 

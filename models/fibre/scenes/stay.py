@@ -23,7 +23,7 @@ from safeloc.simulation.fibre.trains import Train
 
 Steps = list[dict[str, Cell]]
 ENDS: Mapping[str, Side] = {"front": "high", "rear": "low"}
-OVERHANG_MM = 4_500
+_OVERHANG_MM = 4_500
 
 
 @dataclass(frozen=True)
@@ -247,11 +247,11 @@ def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:
     return {
         "verification.record_sound": True, "verification.record_axles": record.axles,
         "verification.record_length_low_mm": record.length_mm[0],
-        "verification.record_length_high_mm": record.length_mm[1] + 2 * OVERHANG_MM,
+        "verification.record_length_high_mm": record.length_mm[1] + 2 * _OVERHANG_MM,
         "verification.record_speed_low_mm_s": record.speed_mm_s[0],
         "verification.record_speed_high_mm_s": record.speed_mm_s[1],
         "verification.record_place_low_mm": counter_mm + record.run_mm[0],
-        "verification.record_place_high_mm": counter_mm + record.run_mm[1] + OVERHANG_MM,
+        "verification.record_place_high_mm": counter_mm + record.run_mm[1] + _OVERHANG_MM,
         "verification.record_age_cycles": 1,
     }  # fmt: skip
 

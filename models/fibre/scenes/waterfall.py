@@ -20,8 +20,8 @@ SCHEMA = "safeloc-waterfall/1"
 LEVEL_CDB, LEVELS = 300, 16
 MOST_COLUMNS, MOST_ROWS = 360, 200
 REFUSED = "."
-DIGITS = "0123456789abcdef"
-QUIET_PERCENT = 20
+_DIGITS = "0123456789abcdef"
+_QUIET_PERCENT = 20
 
 
 def waterfall(scene: Scene, moments: Sequence[Moment], begin: int, marks: Mapping[str, int]) -> dict[str, Any]:
@@ -69,7 +69,7 @@ def _levels(moments: Sequence[Moment]) -> Numbers:
     for number, moment in enumerate(moments):
         if len(moment.energy) and not _silenced(moment):
             energy[number] = moment.energy
-    quiet = np.median(np.nanpercentile(energy, QUIET_PERCENT, axis=0))
+    quiet = np.median(np.nanpercentile(energy, _QUIET_PERCENT, axis=0))
     with np.errstate(invalid="ignore"):
         return np.asarray(10 * np.log10(np.maximum(energy / quiet, 1)) * 100 / LEVEL_CDB)
 
@@ -96,4 +96,4 @@ def _group_count(count: int, size: int) -> int:
 
 
 def _digit(level: float) -> str:
-    return REFUSED if np.isnan(level) else DIGITS[min(int(level), LEVELS - 1)]
+    return REFUSED if np.isnan(level) else _DIGITS[min(int(level), LEVELS - 1)]

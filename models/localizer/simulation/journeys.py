@@ -94,7 +94,7 @@ SPOOFED = (
     "all solutions are drawn away together, by less in a cycle than the prediction allows: as long as the drift is within "
     "what the other sources leave open, nothing on board differs from a true run"
 )
-BRANCH = (
+_BRANCH = (
     "on which branch the vehicle is: the one coordinate counts along either, and behind the switch the truth is the distance run "
     "along the branch taken. From the switch to the first group behind it both branches look alike on board; until the last "
     "source is withdrawn the distance that is passed on is right, and its branch may be wrong"
@@ -167,10 +167,10 @@ CASES: tuple[Case, ...] = (
     _freight("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
     _freight("other branch taken", (*_UNANNOUNCED, "verification: train has left"),
              "no group of that branch is accepted, the one expected is missed; the fibre ends trust at the switch, satellites "
-             "stay withheld: balises withdraw last, and no source comes back", remains=BRANCH),
+             "stay withheld: balises withdraw last, and no source comes back", remains=_BRANCH),
     _freight("linking not replaced", _UNANNOUNCED,
              "no group of the route is in the linking: refused, the one expected is missed, balises withdraw and satellites stay "
-             "withheld; the fibre goes on, and past it nothing is left", remains=BRANCH),
+             "withheld; the fibre goes on, and past it nothing is left", remains=_BRANCH),
 )  # fmt: skip
 
 

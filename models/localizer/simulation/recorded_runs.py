@@ -18,7 +18,7 @@ from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
 FOLDER, SEED = Path(__file__).parents[1] / "recordings", 3
-EVERYWHERE = Stretch(-1_000_000, 10_000_000)
+_EVERYWHERE = Stretch(-1_000_000, 10_000_000)
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ FREIGHT = Journey(
     length_mm=205_000,
     acceleration_mm_s2=700,
 )
-SILENT_BALISE = [Fault("odometer silent", "", 320, 332), Fault("balise corrupted", 3)]
-REVOKED = [Fault("fibre error", "", 300, 310), Fault("satellites lost", "", 270, 400)]
+_SILENT_BALISE = [Fault("odometer silent", "", 320, 332), Fault("balise corrupted", 3)]
+_REVOKED = [Fault("fibre error", "", 300, 310), Fault("satellites lost", "", 270, 400)]
 RUNS: Mapping[str, Run] = {
     "metro": Run(
         STATION, "Into a station in a tunnel: the radar leads after its self-test, then odometry; balises confirm."
@@ -63,11 +63,11 @@ RUNS: Mapping[str, Run] = {
         "Through a fibre area: its position comes by the downlink; balises narrow it, and for a while satellites confirm it.",
     ),
     "metro-silent-odometer-corrupted-balise": Run(
-        replace(STATION, troubles=SILENT_BALISE),
+        replace(STATION, troubles=_SILENT_BALISE),
         "A telegram is corrupted and the odometer is silent for 1.2 s: balises and radar withdraw, odometry goes on.",
     ),
     "freight-fibre-error-no-satellites": Run(
-        replace(FREIGHT, troubles=REVOKED),
+        replace(FREIGHT, troubles=_REVOKED),
         "Satellites are lost, then the fibre reports an error: the position that it had reported is revoked on board in the same cycle.",
     ),
 }

@@ -11,7 +11,7 @@ DILUTION_PERMILLE, FURTHER_MM, SPEED_FURTHER_UM_S = 1_500, 500, 5_000
 """Figures of a solution along the track, as in the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
 ERROR_MM, SPEED_ERROR_UM_S = 4_800, 180_000
 """Greatest errors of a solution's place and speed."""
-MULTIPATH_MM = 60_000
+_MULTIPATH_MM = 60_000
 """Excess length of a signal that comes by a detour."""
 
 
@@ -20,7 +20,7 @@ def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, receiv
     step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
     for number in range(1, config.channels + 1):
         name = f"selection.channel_{number}"
-        away = int(rng.normal(0, config.range_noise_mm / 4)) + (MULTIPATH_MM if far and number == 1 else 0)
+        away = int(rng.normal(0, config.range_noise_mm / 4)) + (_MULTIPATH_MM if far and number == 1 else 0)
         faster = int(rng.normal(0, config.speed_noise_mm_s / 4))
         step |= {
             f"{name}_error_mm": 0, f"{name}_speed_error_mm_s": 0, f"{name}_prediction_mm": 0,

@@ -26,13 +26,13 @@ from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting
 from safeloc.proof.provers.replayed_evidence import admissible_run
 
-ASSUMPTION_STEPS = 5
-RECORDED_STEPS = 65  # length of the recorded run that shows inputs changing
+_ASSUMPTION_STEPS = 5
+_RECORDED_STEPS = 65  # length of the recorded run that shows inputs changing
 ROUND_STEPS = 250
 PATIENCE = 2  # time limits of one search that all groups of inputs get together
-TOGETHER_SHARE = 0.25  # of the time left, for the questions in which all inputs and ghosts change at once
-FOR_EVER = "the assumption can be satisfied for ever"
-NO_DEAD_END = "every reachable state has a lawful next step"
+_TOGETHER_SHARE = 0.25  # of the time left, for the questions in which all inputs and ghosts change at once
+_FOR_EVER = "the assumption can be satisfied for ever"
+_NO_DEAD_END = "every reachable state has a lawful next step"
 
 
 def assumption_kept(
@@ -43,8 +43,8 @@ def assumption_kept(
     """
     yield _moves(system, limits, recordings)
     verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
-    yield Obligation("assumption lasts", FOR_EVER, *_for_ever(system, limits, verdict))
-    yield Obligation("dead ends", NO_DEAD_END, verdict, how(verdict))
+    yield Obligation("assumption lasts", _FOR_EVER, *_for_ever(system, limits, verdict))
+    yield Obligation("dead ends", _NO_DEAD_END, verdict, how(verdict))
 
 
 def how(verdict: Verdict) -> str:
@@ -65,15 +65,15 @@ def how(verdict: Verdict) -> str:
 
 def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording]) -> Obligation:
     statement = (
-        f"the assumption can be satisfied for {ASSUMPTION_STEPS} steps from the start, by a run in which inputs change"
+        f"the assumption can be satisfied for {_ASSUMPTION_STEPS} steps from the start, by a run in which inputs change"
     )
-    recorded = lasting(system, recordings, RECORDED_STEPS) if system.parts else None
+    recorded = lasting(system, recordings, _RECORDED_STEPS) if system.parts else None
     if recorded is not None and _moved(recorded):
         method = f"a recorded run of {len(recorded.steps)} steps in which {_moved(recorded)} inputs and ghosts change"
         shown = Proved(None, "recorded", len(recorded.steps), ("interpreter",), witness=recorded)
         return Obligation("assumption", statement, shown, method)
     unrolling, solver, ends = Unrolling(system), new_solver(), deadline(limits.seconds)
-    solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(ASSUMPTION_STEPS)))
+    solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(_ASSUMPTION_STEPS)))
     answer = ask(solver, ends.left)
     if answer != z3.sat:
         return Obligation("assumption", statement, _no_run(answer, solver), "bounded search")
@@ -90,7 +90,7 @@ def _most_moving(
     the others; if that takes too long, the first one is asked only about the variables that do not change in the run at hand.
     """
     wanted = {var: z3.Or(*_changes(unrolling, var)) for var in _moving(system)}
-    together = _together(solver, wanted, deadline(TOGETHER_SHARE * ends.left))
+    together = _together(solver, wanted, deadline(_TOGETHER_SHARE * ends.left))
     if together is not None:
         return together
     model, still = solver.model(), list[str]()
@@ -154,11 +154,11 @@ def _moved(run: Trace) -> int:
 def _shown(
     system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, still: Sequence[str]
 ) -> tuple[Verdict, str]:
-    witness = _run(system, unrolling, model, ASSUMPTION_STEPS)
+    witness = _run(system, unrolling, model, _ASSUMPTION_STEPS)
     moving = "all inputs and ghosts change" if not still else f"all inputs and ghosts change but {', '.join(still)}"
     if still and len(still) == len(list(_moving(system))):
         return Unknown("found only runs in which no input and no ghost ever changes"), "bounded search"
-    return Proved(None, "bmc", ASSUMPTION_STEPS, ("interpreter",), witness=witness), f"one run in which {moving}"
+    return Proved(None, "bmc", _ASSUMPTION_STEPS, ("interpreter",), witness=witness), f"one run in which {moving}"
 
 
 def _run(system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, steps: int) -> Trace:
@@ -177,7 +177,7 @@ def _moving(system: TransitionSystem) -> Iterable[Var]:
 
 
 def _changes(unrolling: Unrolling, var: Var) -> Iterator[z3.BoolRef | bool]:
-    for number in range(ASSUMPTION_STEPS - 1):
+    for number in range(_ASSUMPTION_STEPS - 1):
         yield unrolling.at(var, number) != unrolling.at(var, number + 1)
 
 

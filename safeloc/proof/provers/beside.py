@@ -30,7 +30,7 @@ CHANGED = (1, 1, 1, 2)
 """Numbers of machines (of inputs, in a system of one machine) whose inputs a run draws anew."""
 SHARES = (1.0, 1.0, 0.3, 0.1)
 """Shares of the steps in which these inputs are drawn; in the others they stay as recorded."""
-IDLE_RUNS = 250
+_IDLE_RUNS = 250
 """Runs without a new goal after which drawing stops."""
 
 
@@ -40,7 +40,7 @@ def beside(goals: Sequence[Goal], recordings: Sequence[Recording], seed: int = 0
     if not goals or not recordings:
         return found
     draw, idle = _Draw(goals, recordings, seed), 0
-    while draw.left and draw.starts and idle < IDLE_RUNS:
+    while draw.left and draw.starts and idle < _IDLE_RUNS:
         new = draw.run()
         found |= new
         idle = 0 if new else idle + 1

@@ -16,7 +16,7 @@ from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.replayed_evidence import confirmed
 
-FIRST_TRY = 1 / 3
+_FIRST_TRY = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,10 @@ def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
     If z3 does not finish within a third of the limit, it is asked again with another seed: with an unlucky seed a
     question of half a second can take a hundred times as long.
     """
-    first = _search(goal, replace(limits, seconds=limits.seconds * FIRST_TRY))
+    first = _search(goal, replace(limits, seconds=limits.seconds * _FIRST_TRY))
     if not isinstance(first, Exhausted) or first.depth == limits.depth:
         return first
-    again = _search(goal, replace(limits, seconds=limits.seconds * (1 - FIRST_TRY), seed=limits.seed + 1))
+    again = _search(goal, replace(limits, seconds=limits.seconds * (1 - _FIRST_TRY), seed=limits.seed + 1))
     return again if not isinstance(again, Exhausted) or again.depth >= first.depth else first
 
 

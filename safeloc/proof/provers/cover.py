@@ -94,10 +94,10 @@ def _lawful(
     for name, wish in given_up.items():
         if ask(solver, ends.left, *wished.values(), wish) == z3.sat:
             wished[name], model = wish, solver.model()
-    return {var: value_of(model, term) for var, term in named.items()}
+    return {var: _value_of(model, term) for var, term in named.items()}
 
 
-def value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
+def _value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
     """Return the model's value of a term."""
     value = model.eval(term, model_completion=True)
     return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
@@ -194,4 +194,4 @@ class _Asked:
     def state(self) -> State:
         """Return the state that the solver found."""
         model, inputs = self._solver.model(), set(self._group.inputs)
-        return {var: value_of(model, term) for var, term in self._named.items() if var not in inputs}
+        return {var: _value_of(model, term) for var, term in self._named.items() if var not in inputs}

@@ -38,11 +38,11 @@ from safeloc.proof.provers.recorded_witnesses import Recording, lawful_part
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.provers.spacer import spacer
 
-LASTS = "the assumption can be kept for ever"  # in names of certificates
+_LASTS = "the assumption can be kept for ever"  # in names of certificates
 NO_RUN = "no run satisfies the assumption: every proof under it would be empty"
 SHALLOW, DEEPEST = 5, 160  # steps of bounded search: before induction, and after it where time allows
 DIRECT, INDUCTION, SEARCH, INVARIANT = 0.6, 0.4, 0.5, 0.5  # shares of the time that is left when their turn comes
-LEAST_SECONDS = 0.05
+_LEAST_SECONDS = 0.05
 
 Inputs = Mapping[str, Value]
 
@@ -102,16 +102,16 @@ class _Search:
     @property
     def name(self) -> str:
         """The name of the claim in certificates."""
-        return f"{self.of.name}: its further assumption can be kept for ever" if self.of else LASTS
+        return f"{self.of.name}: its further assumption can be kept for ever" if self.of else _LASTS
 
     def _share(self, part: float) -> Deadline:
         return deadline(self.ends.left * part)
 
     def _some(self, part: float = 1.0) -> Limits:
-        return replace(self.limits, seconds=max(LEAST_SECONDS, self.ends.left * part))
+        return replace(self.limits, seconds=max(_LEAST_SECONDS, self.ends.left * part))
 
     def _learn(self, state: State) -> Learned:
-        return self.cover.learn(state, max(LEAST_SECONDS, self.ends.left))
+        return self.cover.learn(state, max(_LEAST_SECONDS, self.ends.left))
 
     def _goal(self) -> Goal:
         """Make the goal that the open conditions are covered in every state. Its terms carry no units."""

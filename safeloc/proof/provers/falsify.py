@@ -32,12 +32,12 @@ from safeloc.proof.runs.lawful import Repair, first_state
 from safeloc.proof.runs.profiles import Profile
 
 LONGEST = 250
-FINISH_STEPS = 6
-FINISH_SECONDS = 1.5
-STARTS = 4
+_FINISH_STEPS = 6
+_FINISH_SECONDS = 1.5
+_STARTS = 4
 KINDS = ("steady", "steady", "steady", "ends", "standstill", "ramp", "random")
-REPLACED = 0.05
-DRAWN_A_SECOND = 1_000  # steps, drawn and repaired, in a second of effort
+_REPLACED = 0.05
+_DRAWN_A_SECOND = 1_000  # steps, drawn and repaired, in a second of effort
 Record = dict[str, Value]
 
 
@@ -52,7 +52,7 @@ def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
     while not ends.passed:
         runs += 1
         found = search.run() or search.finish(ends)
-        spend(search.drawn / DRAWN_A_SECOND)
+        spend(search.drawn / _DRAWN_A_SECOND)
         if found is not None:
             return Violated(shortened(goal, search.first, found), "falsifier")
     return Unknown(f"falsify: no violation in {runs} runs of up to {LONGEST} steps")
@@ -164,7 +164,7 @@ class _Search:
         distance = self._slack(values)
         self._near.append(_Near(distance, state, len(self._stream)))
         labels = tuple(state[number] for number in self._labels)
-        if labels not in self._archive or self._draw.random() < REPLACED:
+        if labels not in self._archive or self._draw.random() < _REPLACED:
             self._archive[labels] = _Reached(self.first, tuple(self._stream), state)
 
     def finish(self, ends: Deadline) -> list[Record] | None:
@@ -172,7 +172,7 @@ class _Search:
         stream.
         """
         nearest = sorted(self._near, key=lambda near: near.slack)[:2]
-        others = self._draw.sample(self._near, min(STARTS - len(nearest), len(self._near)))
+        others = self._draw.sample(self._near, min(_STARTS - len(nearest), len(self._near)))
         tail = self._near[-1:]
         for near in dict.fromkeys([*nearest, *tail, *others]):
             if ends.passed:
@@ -183,10 +183,10 @@ class _Search:
         return None
 
     def _from(self, state: Row, ends: Deadline) -> list[Record] | None:
-        solver, ends = new_solver(), deadline(min(FINISH_SECONDS, ends.left))
+        solver, ends = new_solver(), deadline(min(_FINISH_SECONDS, ends.left))
         for var, value in zip(self.goal.system.state, state, strict=True):
             solver.add(self._unrolling.at(var, 0) == value)
-        for depth in range(1, FINISH_STEPS + 1):
+        for depth in range(1, _FINISH_STEPS + 1):
             solver.add(self._unrolling.transition(depth - 1))
             solver.push()
             solver.add(z3.Not(self._unrolling.at(self.goal.good, depth)))

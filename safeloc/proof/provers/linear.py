@@ -11,7 +11,7 @@ from safeloc.language.system import canonical
 from safeloc.language.terms import Substitution
 from safeloc.language.units import ONE
 
-MOST_PAIRS = 400  # of lower and upper bounds that are combined when an input is eliminated; the others are left out
+_MOST_PAIRS = 400  # of lower and upper bounds that are combined when an input is eliminated; the others are left out
 
 
 def constant_of(var: Var, value: Value) -> Expr:
@@ -175,4 +175,4 @@ def _projected(var: NumVar, bounds: Sequence[Linear]) -> list[Linear]:
         for low in lower
         for high in upper
     ]
-    return [*others, *crossed[:MOST_PAIRS]]
+    return [*others, *crossed[:_MOST_PAIRS]]

@@ -10,7 +10,7 @@ from safeloc.proof.cache.answers import Solver, turn_of
 from safeloc.proof.provers.limits import clock_stopped
 from safeloc.proof.provers.slots import resting
 
-LOOKS_AGAIN_S = 0.1
+_LOOKS_AGAIN_S = 0.1
 
 
 @contextmanager
@@ -24,5 +24,5 @@ def alone_in_asking(solver: Solver, text: str) -> Iterator[None]:
     with turn_of(solver, text) as turn:
         while turn is not None and not turn.taken():
             with clock_stopped(), resting():
-                time.sleep(LOOKS_AGAIN_S)
+                time.sleep(_LOOKS_AGAIN_S)
         yield

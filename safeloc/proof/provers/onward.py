@@ -23,8 +23,8 @@ from safeloc.proof.provers.recorded_witnesses import Recording, Replay, is_label
 from safeloc.proof.provers.replayed_evidence import confirmed
 
 FURTHER = 3
-MOST_STARTS = 80
-SECONDS_EACH = 2.0
+_MOST_STARTS = 80
+_SECONDS_EACH = 2.0
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def _starts(replay: Replay, recordings: Sequence[Recording], ends: Deadline) -> 
             if ends.passed or not all(kept):
                 break
             seen.setdefault(tuple(state[place] for place in labels), _Start(recording, steps, state))
-    return list(reversed(seen.values()))[:MOST_STARTS]
+    return list(reversed(seen.values()))[:_MOST_STARTS]
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def _suffix(
     unrolling: Unrolling, begins: Sequence[z3.BoolRef | bool], goals: Mapping[int, Goal], ends: Deadline, further: int
 ) -> _Suffix | None:
     """Search for the fewest steps from a state to one of the goals; None if there are none within the limits."""
-    ends = deadline(min(SECONDS_EACH, ends.left))
+    ends = deadline(min(_SECONDS_EACH, ends.left))
     runs = Deepening(unrolling, new_solver(), begins)
     while runs.depth + 1 < further:
         runs.deeper()

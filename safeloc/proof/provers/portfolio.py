@@ -44,7 +44,7 @@ from safeloc.proof.results import Finding
 
 GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
-ESCAPE_SHARE = 0.2
+_ESCAPE_SHARE = 0.2
 """Share of the limit, on top of it, for a counterexample to induction of a property that no engine decides."""
 DEEPEST = 1_000
 """Steps of the longest runs to an event that are searched while there is time."""
@@ -63,7 +63,7 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
 
 def _with_escape(goal: Goal, verdict: Unknown, limits: Limits) -> Unknown:
     """Return the verdict with a counterexample to induction, if z3 finds one within a share of the limit."""
-    found = escape(goal, replace(limits, seconds=limits.seconds * ESCAPE_SHARE))
+    found = escape(goal, replace(limits, seconds=limits.seconds * _ESCAPE_SHARE))
     return verdict if found is None else replace(verdict, escape=found.run)
 
 

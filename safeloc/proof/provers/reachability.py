@@ -33,7 +33,7 @@ one machine under its assumption reaches: few of these are impossible in the who
 """
 SHALLOW = 3
 """Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
-LEAPS = (3, 6)
+_LEAPS = (3, 6)
 """Steps by which such a search goes on from a run: a few at first, more for what is left."""
 
 
@@ -233,7 +233,7 @@ def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes
     """
     wanted = list(dict.fromkeys([*goals, *modes]))
     found = dict(first_runs(wanted, replace(limits, depth=min(SHALLOW, limits.depth))).found)
-    for further in LEAPS:
+    for further in _LEAPS:
         new = [*runs, *found.values()]
         while new and any(goal not in found for goal in goals):
             left = dict(enumerate(goal for goal in wanted if goal not in found))

@@ -28,8 +28,8 @@ from safeloc.proof.provers.limits import CLOCK, Deadline, deadline, milliseconds
 from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.once import alone_in_asking
 
-CVC5 = f"cvc5 {cvc5.__version__}"
-ENGINE = CVC5 if yices.version() is None else f"yices {yices.version()} or {CVC5}"
+_CVC5 = f"cvc5 {cvc5.__version__}"
+ENGINE = _CVC5 if yices.version() is None else f"yices {yices.version()} or {_CVC5}"
 """The programs of which one confirms each proof."""
 UNCONFIRMED = "cvc5 could not confirm it in time"
 """The reason of every result that z3 has proved and that is not confirmed: cvc5 is the last one asked."""
@@ -47,15 +47,15 @@ ALONE = {
     "decision": "justification"
 }  # for goals left over: equalities of two copies take 0.5 s with it, over 15 s together
 FIRST_SECONDS = 10.0  # for each of several goals together, before it is tried alone: most take 1 s there, 15 s alone
-ROUNDS_S = (1.0, 4.0, 16.0, math.inf)
+_ROUNDS_S = (1.0, 4.0, 16.0, math.inf)
 """For a goal alone, with each set of options in turn. What a set suits, it decides soon: a query of the guard takes 0.3 s with
 OPTIONS, 0.7 s with ALONE, and over 45 s with INDUCTION_OF_ONE_GOAL."""
 
 
-LONGEST_NAME = 150
+_LONGEST_NAME = 150
 UNITS_PER_SECOND = 300_000
 """Units of cvc5's resource count in one second of effort: our queries use 70 to 600 thousand a second on an idle processor."""
-USED = "resource::resourceUnitsUsed"
+_USED = "resource::resourceUnitsUsed"
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def _left_by_cvc5(
 
 def _confirmed_alone(file: str, text: str, sets: Sequence[Mapping[str, str]], ends: Deadline) -> bool:
     """Return whether cvc5 confirms the one goal of a text in the remaining time, with one of these sets of options."""
-    for most_s, options in product(ROUNDS_S, sets):
+    for most_s, options in product(_ROUNDS_S, sets):
         if ends.passed:
             return False
         [answer] = recheck(file, text, 1, seconds=min(most_s, ends.left), options=options)
@@ -160,7 +160,7 @@ def file_name(name: str, text: str) -> str:
     So files of one name have the same content.
     """
     plain = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.") else "-" for letter in name)
-    return f"{plain[:LONGEST_NAME]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.smt2"
+    return f"{plain[:_LONGEST_NAME]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.smt2"
 
 
 def recheck(
@@ -227,4 +227,4 @@ def _answers(parser: cvc5.InputParser, solver: cvc5.Solver, symbols: cvc5.Symbol
 
 
 def _used(solver: cvc5.Solver) -> int:
-    return int(solver.getStatistics().get(internal=True, defaulted=True)[USED]["value"])
+    return int(solver.getStatistics().get(internal=True, defaulted=True)[_USED]["value"])

@@ -20,7 +20,7 @@ from safeloc.proof.provers.limits import Deadline, deadline, spend
 from safeloc.proof.provers.replayed_evidence import replayed
 
 SECONDS = 3.0
-TRIED_A_SECOND = 20_000  # steps of generated code in a second of effort
+_TRIED_A_SECOND = 20_000  # steps of generated code in a second of effort
 Record = dict[str, Value]
 Breaks = Callable[[Sequence[Record]], int | None]
 
@@ -65,7 +65,7 @@ def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
     begin = code.first(dict(first))
 
     def breaks(stream: Sequence[Record]) -> int | None:
-        spend((len(stream) + 1) / TRIED_A_SECOND)
+        spend((len(stream) + 1) / _TRIED_A_SECOND)
         state = begin
         if not code.outputs(state)[0]:
             return 0

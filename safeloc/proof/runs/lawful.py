@@ -21,9 +21,9 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.proof.runs.allowed import Condition, Segment, common, falsifiable
 
-REPAIRS = 20
+_REPAIRS = 20
 ATTEMPTS = 5
-GHOSTS_FIRST = 0.8
+_GHOSTS_FIRST = 0.8
 Pick = Callable[[NumVar, int, int], int]
 
 
@@ -55,11 +55,11 @@ class Repair:
         pick = pick or any_end(draw)
         values = {**state, **inputs}
         holds = {one: one.holds(values) for one in self._conditions}
-        for attempt in range(REPAIRS):
+        for attempt in range(_REPAIRS):
             broken = [one for one, kept in holds.items() if not kept]
             if not broken:
                 return {var: values[var] for var in self._system.inputs}
-            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / REPAIRS):
+            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / _REPAIRS):
                 holds |= {one: one.holds(values) for one in self._readers[var]}
         return None
 
@@ -88,7 +88,7 @@ class Repair:
         numbers = [var for var in self._free[broken] if isinstance(var, NumVar)]
         usable = [var for var in numbers if var not in self._present or values[self._present[var]]]
         mixed = draw.sample(usable, len(usable))
-        ghosts_first = draw.random() < GHOSTS_FIRST
+        ghosts_first = draw.random() < _GHOSTS_FIRST
         return sorted(mixed, key=lambda var: (var not in self._system.ghosts) == ghosts_first)
 
     def _allowed(self, broken: Condition, var: NumVar, values: Mapping[Var, Value]) -> Sequence[Segment]:
@@ -154,7 +154,7 @@ def _mended(
     conditions: Sequence[Condition], free: Sequence[Var], values: dict[Var, Value], draw: random.Random
 ) -> bool:
     """Repair the values; return whether they then satisfy every condition."""
-    for _ in range(REPAIRS):
+    for _ in range(_REPAIRS):
         broken = [one for one in conditions if not one.holds(values)]
         if not broken:
             return True

@@ -226,14 +226,14 @@ def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) ->
     known = _names(system)
     steps = ((name, line) for line, step in zip(stream.lines, stream.steps, strict=True) for name in step)
     for name, line in chain(stream.columns.items(), steps):
-        if name not in known and name not in REMARKS:
+        if name not in known and name not in _REMARKS:
             inputs = sorted(one for one in known if not one.endswith(".present"))
             raise StreamError(
                 f"{path}:{line}: {system.name} has no input {quoted(name)}; it has {inputs}.{hint(name, known)}"
             )
 
 
-REMARKS = ("truth_mm", "time_ms")
+_REMARKS = ("truth_mm", "time_ms")
 
 
 def _names(system: TransitionSystem) -> set[str]:

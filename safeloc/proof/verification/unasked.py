@@ -15,8 +15,8 @@ from safeloc.proof.provers.obligations import CHECKS
 from safeloc.proof.results import Finding, Kind
 from safeloc.target import Target
 
-SOMETHING = "the machine has a property to prove"
-NO_PROPERTY = "the target has no property; declare what must hold."
+_SOMETHING = "the machine has a property to prove"
+_NO_PROPERTY = "the target has no property; declare what must hold."
 QUICK = "not asked: a quick run"
 """Method of a finding that a quick run leaves open; the headline of a report knows it by this."""
 LATER = "a quick run proves nothing; `safeloc verify` without --quick asks for it."
@@ -37,7 +37,7 @@ def nothing_tested(target: Target) -> list[Finding]:
 def reason(target: Target) -> str:
     """Return the reason why a run has nothing to check: there is no property, or only `reachable` ones."""
     if not target.properties:
-        return target.unasked or NO_PROPERTY
+        return target.unasked or _NO_PROPERTY
     number = len(target.properties)
     all_ = "the only property is" if number == 1 else f"all {number} properties are"
     return (
@@ -47,7 +47,9 @@ def reason(target: Target) -> str:
 
 def unasked(target: Target, kind: Kind, name: str, why: str) -> Finding:
     """Return a finding of verdict `not asked`."""
-    return Finding(f"{target.name}/{kind}/{name}", target.name, kind, SOMETHING, NotAsked(why), "nothing to check", 0.0)
+    return Finding(
+        f"{target.name}/{kind}/{name}", target.name, kind, _SOMETHING, NotAsked(why), "nothing to check", 0.0
+    )
 
 
 def left_open(target: Target) -> list[Finding]:

@@ -14,7 +14,7 @@ from safeloc.railway.map.elements import Reflector
 from safeloc.railway.map.places import kilometre_mm
 from safeloc.railway.map.walk import Seen, Walk
 
-BESIDE_MM = 1_000_000
+_BESIDE_MM = 1_000_000
 """How far from their switch two branches are taken to lie beside each other; the map does not tell how far apart they are."""
 
 
@@ -64,7 +64,7 @@ def _beyond(seen: Seen, other: Seen) -> bool:
 
 def _on_branches(walk: Walk, reach_mm: int) -> Iterator[Pair]:
     """Yield pairs on two branches of a switch: that far from it they may still lie beside each other."""
-    far = max(BESIDE_MM, reach_mm)
+    far = max(_BESIDE_MM, reach_mm)
     for run in walk.runs:
         after, before = walk.topology.after(run), walk.topology.before(run)
         for one, other in combinations(after, 2) if len(after) > 1 else ():

@@ -12,7 +12,7 @@ from safeloc.errors import InputError
 
 UNKNOWN_GROUP = 2**24 - 1
 """NID_LRBG, NID_PRVLRBG: no group is known."""
-GROUP_BITS = 14
+_GROUP_BITS = 14
 UNKNOWN_LENGTH = 32_767
 """D_LRBG, L_DOUBTOVER and L_DOUBTUNDER: the value is unknown. D_VALIDNV: now."""
 _SCALE_MM = {0: 100, 1: 1_000, 2: 10_000}
@@ -138,4 +138,4 @@ def length_mm(value: int, q_scale: int) -> int:
 
 def group_identity(nid_c: int, nid_bg: int) -> int:
     """Return NID_LRBG of a group: its country and its number in one."""
-    return require("NID_C", nid_c) << GROUP_BITS | require("NID_BG", nid_bg)
+    return require("NID_C", nid_c) << _GROUP_BITS | require("NID_BG", nid_bg)

@@ -1,0 +1,68 @@
+"""A function or constant that nothing but its own module uses has a name that begins with an underscore."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from tests.rooms import ROOT
+
+OWN = ("safeloc", "models", "properties")
+USERS = (*OWN, "tests", "benchmarks", "packaging")
+HOOKS = {"pytest_addoption", "pytest_collect_file"}
+"""Functions of the plugin that pytest finds by their names."""
+WORD = re.compile(r"[A-Za-z_]\w*")
+TYPE = re.compile(r"[A-Z]\w*[a-z]\w*")
+"""Types are named by the signatures of public functions, which return them."""
+
+
+def written(folders: tuple[str, ...]) -> dict[Path, str]:
+    """The text of every Python file in these folders; packages that are links to a folder count once."""
+    return {
+        path: path.read_text(encoding="utf-8")
+        for folder in folders
+        for path in (ROOT / folder).rglob("*.py")
+        if path.resolve() == path and "templates" not in path.parts
+    }
+
+
+def public(text: str) -> Iterator[str]:
+    """The public functions and constants of a module."""
+    for node in ast.parse(text).body:
+        match node:
+            case ast.FunctionDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
+                names = [name]
+            case ast.Assign(targets=targets):
+                names = [one.id for one in targets if isinstance(one, ast.Name)]
+            case _:
+                names = []
+        yield from (name for name in names if not name.startswith("_") and not TYPE.fullmatch(name))
+
+
+def only_at_home(texts: Mapping[Path, str], pages: str) -> Iterator[tuple[Path, str]]:
+    """Each public name with its file, if no other file and no page has the word."""
+    users: dict[str, set[Path]] = defaultdict(set)
+    for path, text in texts.items():
+        for word in WORD.findall(text):
+            users[word].add(path)
+    told = set(WORD.findall(pages))
+    for path, text in texts.items():
+        if path.relative_to(ROOT).parts[0] in OWN:
+            yield from ((path, name) for name in public(text) if users[name] == {path} and name not in told)
+
+
+def test_what_nobody_else_uses_is_private() -> None:
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    told = " ".join(page.read_text(encoding="utf-8") for page in pages)
+    found = {f"{path.relative_to(ROOT)}: {name}" for path, name in only_at_home(written(USERS), told)}
+    assert not {one for one in found if one.rpartition(" ")[2] not in HOOKS}
+
+
+def test_a_name_that_only_its_module_has_is_found() -> None:
+    here = ROOT / "safeloc" / "here.py"
+    text = "USED = 1\nLONELY = 2\nTOLD = 3\n_OWN = 4\nType = int\ndef lonely(): ...\n"
+    texts = {here: text, ROOT / "tests" / "there.py": "from safeloc.here import USED\n"}
+    assert [(here, "LONELY"), (here, "lonely")] == list(only_at_home(texts, "what TOLD means"))
