@@ -11,7 +11,7 @@ import pytest
 from tests.cli.calling import DOOR_FILE, Call
 
 PAGES = Path(__file__).parents[2] / "docs" / "howto"
-SECONDS = ("--seconds", "5", "--jobs", "1")
+SECONDS = ("--seconds", "2", "--jobs", "1")
 
 
 def blocks(name: str) -> list[str]:

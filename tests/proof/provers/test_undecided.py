@@ -147,7 +147,7 @@ def test_an_absence_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPat
 
 def test_what_cannot_be_reached_nor_excluded_is_undecided() -> None:
     """Within these limits there is neither a run nor a proof."""
-    (finding,) = prove(lower(pair()), [reachable("apart", ~FULL_TOGETHER)], Limits(depth=3, seconds=10, induction=1))
+    (finding,) = prove(lower(pair()), [reachable("apart", ~FULL_TOGETHER)], Limits(depth=3, seconds=2, induction=1))
     reason, depth = said(finding.result)
     assert reason.startswith("not reached, and not shown to be unreachable: ")
     assert depth > 3  # the time that is left goes into longer runs
