@@ -13,7 +13,7 @@ from safeloc.language.interpret import run
 from safeloc.language.monitor import Checks, check_all
 from safeloc.language.units import ONE
 from safeloc.proof.runs import quick
-from safeloc.proof.runs.quick import PAYS, SAMPLED, Quick, quick_run, run_again
+from safeloc.proof.runs.quick import PAYS, SAMPLED, Again, Quick, quick_run, run_again
 from safeloc.runtime.streams.steps import read_steps
 
 TARGET = load_target("stop_point")
@@ -38,6 +38,18 @@ def test_a_run_made_again_is_the_same() -> None:
     assert quick._steps_of(TARGET.system).interpreted > PAYS
     anyhow = replace(TARGET.system, assume=TRUE)
     assert quick._steps_of(anyhow) is quick._steps_of(TARGET.system)
+
+
+def test_a_run_that_begins_another_one_is_a_part_of_it() -> None:
+    """Its steps are the same objects. Other inputs, another first state or a longer run are made anew, and all are right."""
+    again, first = Again(), dict(STREAM.first)
+    whole = again(TARGET.system, ROWS, first=first)
+    part = again(TARGET.system, ROWS[:5], first=first)
+    assert len(part.steps) == 5 and all(one is other for one, other in zip(part.steps, whole.steps, strict=False))
+    turned = [*ROWS[:3], *reversed(ROWS[3:6])]
+    assert turned != ROWS[:6]
+    for rows in (turned, ROWS[:2], ROWS, []):
+        assert again(TARGET.system, rows, first=first).steps == run(TARGET.system, rows, first=first).steps
 
 
 def test_the_same_verdicts() -> None:

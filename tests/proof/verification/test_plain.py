@@ -1,0 +1,60 @@
+"""Runs as plain data: steps that runs share are stored once, and every run comes back as it was."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from safeloc.catalogue import load_target
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved
+from safeloc.proof.results import Finding
+from safeloc.proof.runs.quick import quick_run
+from safeloc.proof.verification.plain import Plain, pack_findings, unpack_findings
+from safeloc.runtime.streams.steps import read_steps
+
+TARGET = load_target("stop_point")
+
+
+def shown_by(run: Trace) -> Finding:
+    """A finding with this run as its witness."""
+    return Finding("it", TARGET.name, "obligation", "", Proved(None, "recorded", witness=run), "", 0.0)
+
+
+def sent(runs: list[Trace]) -> tuple[Plain, list[Trace]]:
+    """The data of findings with these runs, and the runs that come back."""
+    packed = json.loads(json.dumps(pack_findings([shown_by(run) for run in runs], TARGET.system)))
+    results = [one.result for one in unpack_findings(packed, TARGET.system)]
+    return packed, [one.witness for one in results if isinstance(one, Proved) and one.witness is not None]
+
+
+@pytest.fixture(scope="module")
+def whole() -> Trace:
+    """A shipped recording, run."""
+    stream = read_steps(TARGET.streams[0])
+    names = {var.name for var in TARGET.system.inputs}
+    rows = [{name: cell for name, cell in step.items() if name in names} for step in stream.steps]
+    return quick_run(TARGET.system, rows, first=stream.first)
+
+
+def part(run: Trace, begin: int, end: int) -> Trace:
+    """Some steps of a run, as objects that it has too."""
+    return Trace(run.system, run.initial, run.steps[begin:end])
+
+
+@pytest.mark.parametrize("lengths", [(3, 9, 5), (9, 3, 9), (0, 4, 0)])
+def test_runs_that_begin_alike_are_stored_once(whole: Trace, lengths: tuple[int, ...]) -> None:
+    """In whatever order they come, also one without a step."""
+    runs = [part(whole, 0, length) for length in lengths]
+    packed, back = sent(runs)
+    assert [len(rows) - 1 for rows in packed["courses"] if len(rows) > 1] == [max(lengths)]
+    assert [run.steps for run in back] == [run.steps for run in runs]
+
+
+def test_runs_that_part_are_stored_apart(whole: Trace) -> None:
+    """The same first step does not make two runs one."""
+    other = Trace(whole.system, whole.initial, (*whole.steps[:2], *whole.steps[7:9]))
+    packed, back = sent([part(whole, 0, 5), other, part(whole, 0, 6)])
+    assert [run.steps for run in back] == [whole.steps[:5], other.steps, whole.steps[:6]]
+    assert sum(len(rows) - 1 for rows in packed["courses"]) <= 6 + 4 + 6
