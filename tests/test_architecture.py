@@ -49,6 +49,7 @@ HEAVY = {
     "textual": ("safeloc/cli/step_window.py",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/runtime/streams/",),
+    "pandas": ("safeloc/report/run_files/frame.py",),
     "vcd": ("safeloc/report/run_files/",),
     "mcap": ("safeloc/report/run_files/",),
     "networkx": ("safeloc/railway/map/", "safeloc/railway/audit/"),

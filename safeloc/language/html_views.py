@@ -26,7 +26,9 @@ def machine_html(machine: Machine) -> str:
     summary = machine.doc.partition("\n\n")[0]
     about = f"<p>{escape(summary)}</p>" if summary else ""
     modes = ", ".join(mode.label for mode in machine.modes)
-    return f"<p><b>{escape(machine.name)}</b>: machine with the modes {escape(modes)}</p>{about}{_table(heads, rows)}"
+    return (
+        f"<p><b>{escape(machine.name)}</b>: machine with the modes {escape(modes)}</p>{about}{html_table(heads, rows)}"
+    )
 
 
 def trace_html(trace: Trace) -> str:
@@ -38,7 +40,7 @@ def trace_html(trace: Trace) -> str:
     rows = [("0", "start", "", _values(trace, trace.initial)), *(_step(trace, number) for number in kept)]
     left_out = len(trace.steps) - len(kept)
     more = f"<p>{left_out} more steps are left out.</p>" if left_out else ""
-    return _table(("step", "fires", "inputs", "state that changes"), rows) + more
+    return html_table(("step", "fires", "inputs", "state that changes"), rows) + more
 
 
 def verdict_html(word: str, text: str, trace: Trace | None) -> str:
@@ -60,7 +62,8 @@ def _values(trace: Trace, values: Mapping[str, Value]) -> str:
     return "  ".join(f"{name}={shown(trace.system.variable(name), value)}" for name, value in values.items())
 
 
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table; every cell is text, and what looks like markup in it stays text."""
     top = "".join(f"<th>{escape(head)}</th>" for head in heads)
     body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
     return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from safeloc.language.html_views import html_table
 from safeloc.language.trace import Trace
-from safeloc.language.verdict import Result
+from safeloc.language.verdict import Result, word
 
 Kind = Literal["property", "obligation", "lemma", "test", "replay"]
 
@@ -53,3 +55,16 @@ class Finding:
     replayed: Replayed | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
     kept_since: str = ""
+
+
+class Findings(list[Finding]):
+    """A list of findings, which a notebook shows as a table."""
+
+    def _repr_html_(self) -> str:
+        count = Counter(word(one.result) for one in self)
+        rows = (
+            (word(one.result), one.machine, one.kind, one.id.split("/", 2)[-1], one.statement, one.method)
+            for one in self
+        )
+        total = ", ".join(f"{number} {verdict}" for verdict, number in count.items()) or "no findings"
+        return f"<p>{total}</p>" + html_table(("verdict", "machine", "kind", "name", "statement", "method"), rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 
@@ -14,6 +15,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.proof.results import Finding, Findings
 
 OFF, ON = modes("OFF", "ON")
 go, uses = boolean("go"), number("uses", COUNT, 0, 999)
@@ -109,3 +111,13 @@ def test_a_verdict_is_its_word_and_evidence(
     Balanced().feed(made)
     assert text in made
     assert ("<table>" in made) is with_run
+
+
+def test_findings_are_a_table_with_their_count() -> None:
+    """Names and statements are text, whatever they look like."""
+    odd = Finding("door/property/<b>", "door", "property", "it is <i>", Unknown("why"), "search", 0.1)
+    found = Findings([odd, replace(odd, id="door/lemma/a/b", kind="lemma", result=Proved(None, "bmc"))])
+    text = found._repr_html_()
+    assert text.startswith("<p>1 unknown, 1 proved</p>")
+    assert rows(text)[1][3:5] == ["<b>", "it is <i>"] and rows(text)[2][3] == "a/b"
+    assert "<b>" not in text and Findings()._repr_html_().startswith("<p>no findings</p>")

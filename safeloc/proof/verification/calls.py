@@ -18,7 +18,7 @@ from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked, found_before, keep
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import OnFinding
-from safeloc.proof.results import Finding
+from safeloc.proof.results import Finding, Findings
 from safeloc.proof.verification.many import Event, OnEvent, verify_targets
 from safeloc.proof.verification.one import OnPhase, Plan, Work, claims, obligation_count
 from safeloc.proof.verification.unasked import nothing_asked, nothing_tested
@@ -47,7 +47,7 @@ def prove_target(
     fresh: bool = False,
     on_phase: OnPhase = _no_phase,
     on_finding: OnFinding = _no_finding,
-) -> list[Finding]:
+) -> Findings:
     """Prove the properties and obligations of a target in at most `jobs` processes; return the findings.
 
     only    names of properties: only these are proved, and no obligation; InputError for a name that the target does not have
@@ -65,7 +65,7 @@ def prove_target(
                 found = [*nothing_asked(target), *work.proved(properties, limits)]
         if question is not None:
             keep(store, question, found)
-    return found
+    return Findings(found)
 
 
 def run_property_tests(
@@ -75,7 +75,7 @@ def run_property_tests(
     jobs: int = 2,
     on_phase: OnPhase = _no_phase,
     on_finding: OnFinding = _no_finding,
-) -> list[Finding]:
+) -> Findings:
     """Run the property tests of a target along plausible and faulty streams; return the findings.
 
     Obligations are proved first, within the limits of `plan`, and tests also start along the runs that these proofs
@@ -83,7 +83,7 @@ def run_property_tests(
     """
     work = Work(target, jobs, on_phase, on_finding)
     obliged = work.obliged(plan.limits)
-    return [*nothing_tested(target), *work.tested(plan, obliged)]
+    return Findings([*nothing_tested(target), *work.tested(plan, obliged)])
 
 
 def verify_target(
@@ -94,13 +94,14 @@ def verify_target(
     store: Store | None = None,
     fresh: bool = False,
     on_event: OnEvent = _no_event,
-) -> list[Finding]:
+) -> Findings:
     """Prove and test a target and replay the recordings that ship with it; return all findings.
 
     `safeloc.proof.verification.many.verify_targets` does the same for several targets at a time.
     """
     look_in = None if fresh else store
-    return verify_targets([target], plan, jobs=jobs, on_event=on_event, look_in=look_in, keep_in=store)[target.name]
+    found = verify_targets([target], plan, jobs=jobs, on_event=on_event, look_in=look_in, keep_in=store)
+    return Findings(found[target.name])
 
 
 def chosen_properties(target: Target, names: Sequence[str] | None) -> list[Property]:

@@ -17,16 +17,16 @@ def write_csv(path: Path, run: RunColumns) -> None:
     """Write the run as CSV; truth values are true and false, absent values are empty."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(_types_of(run))
+        table.writerow(types_of(run))
         table.writerows([_text(cell) for cell in row.values()] for row in rows_of(run))
 
 
 def write_parquet_table(path: Path, run: RunColumns) -> None:
     """Write the run as Parquet; absent values are null. StreamError without pyarrow."""
-    write_parquet(path, list(rows_of(run)), _types_of(run), {"machine": run.machine})
+    write_parquet(path, list(rows_of(run)), types_of(run), {"machine": run.machine})
 
 
-def _types_of(run: RunColumns) -> dict[str, str]:
+def types_of(run: RunColumns) -> dict[str, str]:
     """Return the columns of the table with their types in Arrow's names."""
     time = {_TIME: "int64"} if run.period_ms else {}
     truth = {_TRUTH: "int64"} if run.truth_mm else {}
