@@ -1,4 +1,4 @@
-"""A report as plain data: `report.json`, schema `safeloc-report/4` (report.schema.json beside this file)."""
+"""A report as plain data: `report.json`, schema `safeloc-report/5` (report.schema.json beside this file)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
 from safeloc.report.machines import machine_data
 
-SCHEMA = "safeloc-report/4"
+SCHEMA = "safeloc-report/5"
 _SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 NOT_ASKED: Mapping[str, Any] = MappingProxyType({})

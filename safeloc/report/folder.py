@@ -3,7 +3,7 @@
 index.html     the page; page/: parts that it loads when they are opened
 report.json    the data; large parts are in separate files (safeloc.report.stored)
 certificates/  one packed file for each claim (safeloc.report.certificates)
-traces/        one packed file for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
+traces/        one script for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
 machines/      one packed file for each machine: its content on the page
 junit.xml      for continuous integration
 results.sarif  what does not hold, for editors and code hosts (safeloc.report.sarif)
@@ -37,13 +37,13 @@ from safeloc.runtime.streams.columns import Shown, runs_file
 PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
 _OWN = {
     certificates.FOLDER: f"*{certificates.SUFFIX}",
-    stored.TRACES: f"*{stored.SUFFIX}",
+    stored.TRACES: f"*{stored.RUNS}",
     stored.MACHINES: f"*{stored.SUFFIX}",
     PARTS: "*.js",
 }
 """Folders of a report, and the pattern of its files in each."""
-_OLD = {"certificates": "*.smt2", "traces": "*.jsonl"}
-"""Files of reports before safeloc-report/3."""
+_OLD = (("certificates", "*.smt2"), ("traces", "*.jsonl"), ("traces", "*.json.xz"))
+"""Files of reports before safeloc-report/5."""
 
 
 def usable(folder: Path) -> None:
@@ -84,7 +84,7 @@ def write_folder(
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
     names = {file: list(texts) for file, texts in archives.items()}
     small, machines = stored.split_data(everything, names, steps)
-    files = stored.machine_files(everything)
+    files = stored.machine_names(everything)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with _alone(folder):
@@ -96,7 +96,8 @@ def write_folder(
             (folder / SARIF).write_text(to_sarif(findings, targets), encoding="utf-8")
             certificates.write_archives(folder / certificates.FOLDER, archives)
             for name, own in runs.items():
-                (folder / stored.TRACES / files[name]).write_bytes(runs_file(own))
+                file = f"{files[name]}{stored.RUNS}"
+                (folder / stored.TRACES / file).write_text(runs_file(own, files[name]), encoding="utf-8")
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
             page = _write_page(folder, {**everything, "certificates": names, "runs": steps}, single=single)
@@ -177,7 +178,7 @@ def _clear(folder: Path) -> None:
     """Remove the files of an earlier report, if there is one."""
     if not (folder / stored.DATA).is_file():
         return
-    for name, pattern in (*_OWN.items(), *_OLD.items()):
+    for name, pattern in (*_OWN.items(), *_OLD):
         for path in (folder / name).glob(pattern):
             path.unlink()
 

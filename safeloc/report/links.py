@@ -79,7 +79,7 @@ class Links:
 
     def run_file(self, row: _Data) -> str:
         """Return the file with the run of a result, from the folder of the report."""
-        return f"{TRACES}/{self._files[row['machine']]}.json.xz"
+        return f"{TRACES}/{self._files[row['machine']]}.js"
 
     def replay(self, row: _Data, machine: _Data) -> str:
         """Return the command that replays the run of a result, from the folder of the report."""

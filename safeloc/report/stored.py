@@ -2,7 +2,7 @@
 
 report.json               verdicts, requirements, and the certificates of each result, by number
 machines/MACHINE.json.xz  content of the page on a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
-traces/MACHINE.json.xz    runs in columns (safeloc.runtime.streams.columns)
+traces/MACHINE.js         runs in columns, in a script (safeloc.runtime.streams.columns)
 certificates/             safeloc.report.certificates
 """
 
@@ -23,7 +23,7 @@ from safeloc.runtime.streams.columns import Runs, read_runs
 
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
-SUFFIX = ".json.xz"
+SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
 Data = dict[str, Any]
 _T = TypeVar("_T")
@@ -74,10 +74,19 @@ def _listed(value: Any) -> str:
     return "[" + ",\n".join(json.dumps(one, separators=(",", ":")) for one in value) + "]"
 
 
+def machine_names(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return the name of the files of each machine, which is the same in all folders, without suffix."""
+    return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
+
+
 def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
-    """Return the file name of each machine, which is the same in the folders of machines and traces."""
-    names = [*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])]
-    return {name: file + SUFFIX for name, file in file_names(names).items()}
+    """Return the name of each machine's file of data."""
+    return {name: file + SUFFIX for name, file in machine_names(data).items()}
+
+
+def runs_files(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return the name of each machine's file of runs."""
+    return {name: file + RUNS for name, file in machine_names(data).items()}
 
 
 # ------------------------------------------------------------------ read
@@ -135,7 +144,7 @@ def read_for_page(folder: Path) -> Data:
 
 
 def _put_together(folder: Path, data: Data) -> Data:
-    files = machine_files(data)
+    files, runs_of = machine_files(data), runs_files(data)
     machines = [{**one, **_machine(folder / MACHINES / files[one["name"]])} for one in data["machines"]]
     read: dict[str, Runs] = {}
     rows = []
@@ -143,7 +152,7 @@ def _put_together(folder: Path, data: Data) -> Data:
     for row in data["results"]:
         trace = None
         if row["trace"] is not None and row["verdict"] == "violated":
-            file = files[row["machine"]]
+            file = runs_of[row["machine"]]
             if file not in read:
                 read[file] = read_runs(folder / TRACES / file)
             trace = read[file].plain(row["id"])

@@ -42,7 +42,7 @@ def test_a_result_leads_to_its_evidence(tmp_path: Path) -> None:
     own = re.findall(r'href="(certificates/[^"]*)">certificate<', rows["r0"])
     assert [(tmp_path / file).is_file() for file in own] == [True]
     assert own != re.findall(r'href="(certificates/[^"]*)">certificate<', rows["r1"])
-    assert 'href="traces/door.json.xz">run of 3 steps</a>' in rows["r1"]
+    assert 'href="traces/door.js">run of 3 steps</a>' in rows["r1"]
     assert re.search(r'href="#(source-door-\d+)">[^<]*door_controller\.py:\d+</a>', rows["r1"])
     assert '<a href="certificates/door.tar.xz">shared certificates of door</a>' in page
 

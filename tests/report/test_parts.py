@@ -98,13 +98,16 @@ def test_a_page_rendered_again_is_the_same(tmp_path: Path) -> None:
     assert before == {path: path.read_bytes() for path in before}
 
 
-@pytest.mark.parametrize("name", ["machines/door.json.xz", "traces/door.json.xz"])
-def test_a_damaged_file(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("machines/door.json.xz", "it ends too early"), ("traces/door.js", "it is no complete call of safelocRuns")],
+)
+def test_a_damaged_file(tmp_path: Path, name: str, why: str) -> None:
     """What the page is made of is refused by name where it was cut or is gone."""
     write_folder(tmp_path, findings(), [door()])
     whole = (tmp_path / name).read_bytes()
     (tmp_path / name).write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(InputError, match=rf"{name}: damaged, it ends too early\."):
+    with pytest.raises(InputError, match=rf"{name}: damaged, {why}\."):
         render_folder(tmp_path)
     (tmp_path / name).unlink()
     with pytest.raises(InputError, match=rf"{name}: (cannot be read|no such file)"):
@@ -118,7 +121,7 @@ def test_a_place_that_there_is_not(tmp_path: Path, key: str, place: int) -> None
     data = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     data["results" if key == "certificates" else "requirements"][0][key] = [place]
     (tmp_path / "report.json").write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(InputError, match=r"report\.json: does not fit schema safeloc-report/4: IndexError"):
+    with pytest.raises(InputError, match=r"report\.json: does not fit schema safeloc-report/5: IndexError"):
         render_folder(tmp_path)
 
 

@@ -36,7 +36,7 @@ from safeloc.runtime.streams.columns import read_runs
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"
-TRACES = "traces/lamp.json.xz"
+TRACES = "traces/lamp.js"
 
 
 @pytest.fixture(scope="module")
