@@ -1,6 +1,7 @@
 """The report folder: page, data, JUnit XML, certificates and traces. Only this module writes it.
 
 index.html     the page; page/: parts that it loads when they are opened
+run.html       the page that steps through runs
 report.json    the data; large parts are in separate files (safeloc.report.stored)
 certificates/  one packed file for each claim (safeloc.report.certificates)
 traces/        one script for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
@@ -31,6 +32,7 @@ from safeloc.report import certificates, stored
 from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
+from safeloc.report.run_page import RUN_PAGE
 from safeloc.report.sarif import to_sarif
 from safeloc.runtime.streams.columns import Shown, runs_file
 
@@ -123,7 +125,7 @@ def files_of(folder: Path) -> list[str]:
     own = [path for name, pattern in _OWN.items() for path in sorted((folder / name).glob(pattern))]
     return [
         path.relative_to(folder).as_posix()
-        for path in (*own, *(folder / name for name in (JUNIT, SARIF, PAGE, stored.DATA)))
+        for path in (*own, *folder.glob(RUN_PAGE), *(folder / name for name in (JUNIT, SARIF, PAGE, stored.DATA)))
     ]
 
 
@@ -164,14 +166,23 @@ def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
 
 
 def _write_page(folder: Path, data: Mapping[str, Any], *, single: bool) -> Path:
-    page, parts = to_pages(data, single=single)
-    for path in (folder / PARTS).glob(_OWN[PARTS]):
+    runs = {path.name: path.read_text(encoding="utf-8") for path in _runs_of(folder, data)} if single else {}
+    pages = to_pages(data, single=single, runs=runs)
+    for path in (*(folder / PARTS).glob(_OWN[PARTS]), *folder.glob(RUN_PAGE)):
         path.unlink()
-    for name, text in parts.items():
+    for name, text in pages.parts.items():
         (folder / PARTS).mkdir(exist_ok=True)
         (folder / PARTS / name).write_text(text, encoding="utf-8")
-    (folder / PAGE).write_text(page, encoding="utf-8")
+    if pages.runs:
+        (folder / RUN_PAGE).write_text(pages.runs, encoding="utf-8")
+    (folder / PAGE).write_text(pages.page, encoding="utf-8")
     return folder / PAGE
+
+
+def _runs_of(folder: Path, data: Mapping[str, Any]) -> list[Path]:
+    """Return the files of runs that belong to the report."""
+    having = {row["machine"] for row in data["results"] if row["id"] in data["runs"]}
+    return [folder / stored.TRACES / file for name, file in stored.runs_files(data).items() if name in having]
 
 
 def _clear(folder: Path) -> None:

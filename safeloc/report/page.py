@@ -1,18 +1,18 @@
 """The report as an HTML page, made from the report's data alone.
 
-A small report is one self-contained page. The page of a large one holds the overview; the other parts are scripts beside it,
-which `page.js` opens, unless a single page is wanted.
+A small report is one page without parts. The page of a large one holds the overview; the other parts are scripts beside it,
+which `page.js` opens. Runs are shown by a page of their own (safeloc.report.run_page). A single page has everything in it.
 """
 
 from __future__ import annotations
 
-import base64
-import gzip
 import hashlib
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePath
+from types import MappingProxyType
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -23,7 +23,9 @@ from safeloc.report.conditions import conditions, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
+from safeloc.report.run_page import RUN_PAGE, RunView, known_runs, run_view, views
 from safeloc.report.traces import trace_charts, trace_rows
+from safeloc.runtime.scripts import script
 from safeloc.runtime.streams.gzipped import name_of
 
 _HERE = Path(__file__).parent
@@ -31,6 +33,7 @@ PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
+NO_RUNS: Mapping[str, str] = MappingProxyType({})
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
 _LONGEST_RUN, LAST_STEPS = 40, 20
@@ -44,11 +47,29 @@ _SUMMARY: Mapping[str, tuple[str, ...]] = {
 _Data = Mapping[str, Any]
 
 
-def to_pages(data: _Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
-    """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
+@dataclass(frozen=True)
+class Pages:
+    """The page, the page of runs (empty if there is none), and the parts of both by file name."""
+
+    page: str
+    runs: str
+    parts: Mapping[str, str]
+
+
+def to_pages(data: _Data, *, single: bool = False, runs: Mapping[str, str] = NO_RUNS) -> Pages:
+    """Return the pages of a report; the first has no parts if it is small, or `single`.
+
+    runs  file name -> script with the runs of a machine; a single page has them in it
+    """
     rendering = _Rendering(data)
+    if single:
+        return Pages(rendering.page(run=rendering.runs_inside(runs)), "", {})
     page_html = rendering.page()
-    return (page_html, {}) if single or len(page_html) <= MOST_OF_ONE_PAGE else rendering.in_parts(page_html)
+    made = hashlib.sha256(page_html.encode()).hexdigest()[:16]
+    page, parts = (page_html, {}) if len(page_html) <= MOST_OF_ONE_PAGE else rendering.in_parts(made)
+    if not data.get("runs"):
+        return Pages(page, "", parts)
+    return Pages(page, rendering.run_page(made), {**parts, **dict(views(data, made))})
 
 
 def to_html(data: _Data) -> str:
@@ -69,7 +90,7 @@ class _Rendering:
         machines = {machine["name"]: machine for machine in data["machines"]}
         shown = _shown_before(data["machines"])
         files = file_names([*machines, *(row["machine"] for row in results)])
-        links = Links(data, files)
+        self._links = links = Links(data, files)
         self._machines = [_machine(machine, results, shown, links) for machine in data["machines"]]
         self._requirements = _requirements(data, links)
         self._conditions = conditions(data["machines"])
@@ -87,24 +108,41 @@ class _Rendering:
             "conditions": self._conditions,
         }
 
-    def page(self) -> str:
-        """Return one self-contained page."""
+    def page(self, *, run: RunView | None = None) -> str:
+        """Return the page without parts; with `run` also the view of runs, to which its links then lead."""
         machines = [{**one, "beside": ""} for one in self._machines]
-        return self._filled(
-            "page", **self._given, machines=machines, items_beside="", conditions_beside="", made="", script=""
+        given = {**self._given, "machines": machines, "items_beside": "", "conditions_beside": ""}
+        return self._filled("page", **given, made="", script="", run=run, run_at="" if run else RUN_PAGE)
+
+    def runs_inside(self, runs: Mapping[str, str]) -> RunView | None:
+        """Return the view of runs for a single page, with these scripts in it."""
+        if not runs:
+            return None
+        known = known_runs(self._data, "", report="")
+        return run_view(
+            known, back="#", scripts="".join([*runs.values(), *(text for _, text in views(self._data, ""))])
         )
 
-    def in_parts(self, page_html: str) -> tuple[str, dict[str, str]]:
+    def run_page(self, made: str) -> str:
+        """Return the page of runs that lies beside the page."""
+        known = known_runs(self._data, made, report="index.html")
+        first = {row["machine"]: at for row in reversed(self._data["results"]) if (at := self._links.run(row))}
+        run = run_view(known, back="index.html")
+        return self._filled("run_page", data=self._data, run=run, machines=sorted(first.items()))
+
+    def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
-        made = hashlib.sha256(page_html.encode()).hexdigest()[:16]
         files = file_names(["beside", "trace back", "conditions", *(one["name"] for one in self._machines)])
         html = {
-            files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)
+            files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements, run_at=RUN_PAGE)
             for one in self._machines
         }
         html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
         html[files["conditions"]] = self._filled("conditions", conditions=self._conditions)
-        parts = {f"{file}.js": _part(f"{PARTS}/{file}.js", made, text) for file, text in html.items()}
+        parts = {
+            f"{file}.js": script("safelocPart", f"{PARTS}/{file}.js", made, data=text.encode())
+            for file, text in html.items()
+        }
         parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
         page = self._filled(
             "page",
@@ -113,18 +151,14 @@ class _Rendering:
             items_beside=f"{PARTS}/{files['trace back']}.js",
             conditions_beside=f"{PARTS}/{files['conditions']}.js",
             made=made,
+            run=None,
+            run_at=RUN_PAGE,
             script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),  # our own text
         )
         return page, parts
 
     def _filled(self, template: str, **given: Any) -> str:
         return self._environment.get_template(f"{template}.html.jinja").render(**given)
-
-
-def _part(name: str, made: str, html: str) -> str:
-    """Return a script with a part: its name, the digest of its report, and its HTML, packed with gzip, in base64."""
-    content = base64.b64encode(gzip.compress(html.encode(), mtime=0)).decode()
-    return f"safelocPart({json.dumps(name)}, {json.dumps(made)}, {json.dumps(content)});\n"
 
 
 def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
@@ -278,5 +312,6 @@ def _violated(row: _Data, machine: _Data, links: Links) -> dict[str, Any]:
         "steps": steps,
         "groups": [steps] if len(steps) <= _LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
         "at": links.row(row),
+        "run": links.run(row),
         "replay": links.replay(row, machine),
     }

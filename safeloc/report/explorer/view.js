@@ -1,0 +1,298 @@
+/* The view of a run: what is shown of it at the cursor. Keys, buttons and links are in control.js. */
+
+const BOUND = 28; // height of a row of the table of steps, in pixels
+const MOST_PLAIN = 400; // a longer run shows only the rows around the cursor
+
+class View {
+  constructor(data, trace, moved) {
+    this.data = data;
+    this.trace = trace;
+    this.moved = moved;
+    this.step = 0;
+    this.part = "";
+    this.plotted = [];
+    this.parts = new Map(data.parts.map((part) => [part.name, part]));
+    this.diagram = new Diagram(place("run-diagram"));
+    this.fired = this.firingSteps();
+    this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
+    if (this.violating !== null) this.charts.marks.push({ step: this.violating, words: `violated at step ${this.violating}` });
+    this.values = [];
+    this.fill();
+  }
+
+  get violating() {
+    return this.data.results[this.result]?.violated ?? null;
+  }
+
+  get result() {
+    return this.trace.results[0];
+  }
+
+  signal(name) {
+    return this.data.signals[name];
+  }
+
+  /* ---------------------------------------------------- names */
+
+  /* The machine that a name belongs to: those of a composition have it in front. */
+  ofPart(name) {
+    return !this.part || name.startsWith(`${this.part}.`);
+  }
+
+  names(kind) {
+    return this.trace.present(kind).filter((name) => this.ofPart(name));
+  }
+
+  /* Machine and transition of all that fired in a step. */
+  firedAt(step) {
+    const found = [];
+    for (const name of this.trace.names.fired) {
+      const value = step > 0 ? this.trace.at("fired", name, step) : null;
+      if (value !== null && (this.ofPart(name) || this.alone)) found.push([this.machineOf(name), value]);
+    }
+    return found;
+  }
+
+  get alone() {
+    return this.trace.names.fired.length === 1;
+  }
+
+  machineOf(name) {
+    return name.endsWith(".fired") ? name.slice(0, -".fired".length) : this.data.parts.length === 1 ? this.data.parts[0].name : this.trace.machine.split(" ").at(-1);
+  }
+
+  modeOf(machine, step) {
+    const name = this.trace.first.has(`${machine}.mode`) ? `${machine}.mode` : "mode";
+    const value = this.trace.at("state", name, step);
+    return value === null ? "" : shown(value, this.signal(name) ?? this.signal(`${machine}.mode`));
+  }
+
+  /* The steps in which a row of a table fired, not only the machine stayed as it is. */
+  firingSteps() {
+    const rows = new Set(this.data.parts.flatMap((part) => part.table.map((row) => row.name)));
+    const found = [];
+    for (let step = 1; step <= this.trace.steps; step += 1) {
+      if (this.firedAt(step).some(([, name]) => rows.has(name))) found.push(step);
+    }
+    return found;
+  }
+
+  /* ---------------------------------------------------- what is drawn once */
+
+  fill() {
+    this.fillCharts();
+    this.fillValues();
+    this.fillSteps();
+  }
+
+  fillCharts() {
+    this.charts.lanes = this.modeLanes();
+    this.charts.charts = [...ofInterval(this.data, this.trace), ...this.speeds(), ...this.moving(), ...this.chosen()];
+    this.charts.draw();
+  }
+
+  modeLanes() {
+    const every = this.trace.names.state.filter((name) => name.split(".").at(-1) === "mode" && this.ofPart(name));
+    const lanes = every
+      .filter((name) => this.trace.first.get(name) !== null)
+      .map((name) => ({
+        name,
+        values: this.trace.series("state", name),
+        words: (value) => shown(value, this.signal(name)),
+      }));
+    const moving = lanes.filter((lane) => new Set(lane.values).size > 1);
+    return lanes.length > 1 ? (moving.length ? moving : lanes.slice(0, 1)) : lanes;
+  }
+
+  speeds() {
+    const names = [...this.trace.names.outputs, ...this.trace.names.state].filter(
+      (name) => this.signal(name)?.unit === "mm/s" && this.ofPart(name),
+    );
+    const lines = [...new Set(names)].slice(0, 4).map((name) => ({ name, values: this.numbers(name) }));
+    const moving = lines.filter((line) => line.values.some((value) => value));
+    return moving.length ? [{ title: "speed", unit: "mm/s", lines: moving }] : [];
+  }
+
+  /* Of a machine without an interval, the three numbers that change most. */
+  moving() {
+    if (this.data.reported) return [];
+    const spread = (name) => {
+      const values = this.numbers(name).filter((value) => value !== null && value !== undefined);
+      return values.reduce((most, value) => Math.max(most, value), -Infinity) - values.reduce((least, value) => Math.min(least, value), Infinity);
+    };
+    return this.names("state")
+      .filter((name) => this.signal(name)?.unit && this.signal(name).unit !== "mm/s")
+      .map((name) => [spread(name), name])
+      .filter(([width]) => width > 0)
+      .sort(([one], [other]) => other - one)
+      .slice(0, 3)
+      .map(([, name]) => this.chartOf(name));
+  }
+
+  chosen() {
+    return this.plotted.map((name) => ({ ...this.chartOf(name), closed: () => this.plot(name) }));
+  }
+
+  chartOf(name) {
+    return { title: name, unit: this.signal(name)?.unit ?? "", lines: [{ name: "", values: this.numbers(name) }] };
+  }
+
+  numbers(name) {
+    const kind = ["state", "outputs", "inputs"].find((one) => this.trace.names[one].includes(name));
+    return kind ? this.trace.series(kind, name).map((value) => (value === null ? null : Number(value))) : [];
+  }
+
+  plot(name) {
+    this.plotted = this.plotted.includes(name) ? this.plotted.filter((one) => one !== name) : [...this.plotted, name];
+    this.fillCharts();
+    this.showValues();
+    this.moved();
+  }
+
+  fillValues() {
+    const table = place("run-values");
+    this.values = [];
+    for (const body of table.querySelectorAll("tbody")) body.remove();
+    for (const kind of ["inputs", "state", "outputs"]) {
+      const names = this.names(kind);
+      if (!names.length) continue;
+      const body = element("tbody", {}, element("tr", {}, element("th", { colspan: 5, scope: "rowgroup" }, kind)));
+      for (const name of names) body.append(this.valueRow(kind, name));
+      table.append(body);
+    }
+  }
+
+  valueRow(kind, name) {
+    const before = element("td", { class: "n" });
+    const after = element("td", { class: "n" });
+    const button = element("button", { class: "quiet", onclick: () => this.plot(name), "aria-label": `chart of ${name}` }, "chart");
+    const unit = this.signal(name)?.unit ?? "";
+    const row = element("tr", {}, element("th", { scope: "row" }, element("code", {}, name)), before, after, element("td", {}, unit), element("td", {}, button));
+    this.values.push({ kind, name, row, before, after, button });
+    return row;
+  }
+
+  fillSteps() {
+    const box = place("run-steps-box");
+    this.body = place("run-steps").tBodies[0];
+    box.onscroll = () => this.rowsAround(Math.floor(box.scrollTop / BOUND));
+    this.drawnFrom = null;
+    this.rowsAround(0);
+  }
+
+  /* Draws the rows that can be seen; of a short run, and on paper, all of them. */
+  rowsAround(first, all = this.trace.steps <= MOST_PLAIN) {
+    const from = all ? 0 : Math.max(0, Math.floor(first / 20) * 20 - 40);
+    const to = all ? this.trace.steps : Math.min(this.trace.steps, from + 140);
+    const drawnNow = `${from} ${to} ${this.part}`;
+    if (this.drawnFrom === drawnNow) return;
+    this.drawnFrom = drawnNow;
+    const rows = [];
+    for (let step = from; step <= to; step += 1) rows.push(this.stepRow(step));
+    const gap = (count) => element("tr", { class: "gap", "aria-hidden": "true" }, element("td", { colspan: 4, style: `height:${count * BOUND}px` }));
+    this.body.replaceChildren(...(from ? [gap(from)] : []), ...rows, ...(to < this.trace.steps ? [gap(this.trace.steps - to)] : []));
+    this.markStep();
+  }
+
+  stepRow(step) {
+    const fired = step ? this.firedAt(step).map(([, name]) => name).join(", ") : "start";
+    const inputs = step ? this.told("inputs", step, () => true) : "";
+    const changed = this.told("state", step, (name) => !step || this.trace.changed("state", name, step));
+    const cells = [fired, inputs, changed].map((text) => element("td", {}, element("div", {}, text)));
+    const button = element("button", { class: "quiet", onclick: () => this.show(step), "aria-label": `to step ${step}` }, String(step));
+    return element("tr", { "data-step": step, class: step === this.violating ? "breaks" : null }, element("td", { class: "n" }, button), ...cells);
+  }
+
+  told(kind, step, wanted) {
+    return this.names(kind)
+      .filter((name) => this.trace.at(kind, name, step) !== null && wanted(name))
+      .map((name) => `${name} = ${shown(this.trace.at(kind, name, step), this.signal(name))}`)
+      .join(",  ");
+  }
+
+  /* ---------------------------------------------------- at the cursor */
+
+  show(step) {
+    this.step = Math.max(0, Math.min(this.trace.steps, step));
+    this.charts.move(this.step);
+    this.showFired();
+    this.showDiagram();
+    this.showValues();
+    this.markStep();
+    this.moved();
+  }
+
+  showFired() {
+    const fired = this.firedAt(this.step);
+    const lines = fired.map(([machine, name]) => this.firedLine(machine, name));
+    place("run-fired").replaceChildren(...(this.step ? lines : [element("p", { class: "soft" }, "the state before the first step")]));
+  }
+
+  firedLine(machine, name) {
+    const row = this.parts.get(machine)?.table.find((one) => one.name === name);
+    const [before, after] = [this.modeOf(machine, this.step - 1), this.modeOf(machine, this.step)];
+    const way = before === after ? `in ${after}` : `${before} \u2192 ${after}`;
+    const head = element("p", { class: "fired" }, this.alone ? null : element("span", { class: "soft" }, `${machine}: `), element("b", {}, name), ` ${way}`);
+    return row ? element("div", {}, head, this.guard(machine, row.guard)) : head;
+  }
+
+  /* A guard, with the terms below it for which its letters stand. */
+  guard(machine, text) {
+    const known = this.parts.get(machine).terms;
+    const named = [...new Set(text.match(/#\d+/g) ?? [])].filter((name) => known[name]);
+    const terms = named.map((name) => element("li", {}, element("code", {}, `${name} = ${known[name]}`)));
+    return element("div", { class: "guard" }, "when ", element("code", {}, text), terms.length ? element("ul", {}, ...terms) : null);
+  }
+
+  /* Of a composition, the machine that was chosen, else one that changed its mode, else the one before. */
+  showDiagram() {
+    const changed = this.data.parts.find(({ name }) => this.step && this.modeOf(name, this.step) !== this.modeOf(name, this.step - 1));
+    const part = this.parts.get(this.part) ?? changed ?? this.diagram.part ?? this.data.parts[0];
+    if (!part) return;
+    const before = this.modeOf(part.name, Math.max(0, this.step - 1));
+    this.diagram.show(part, before, this.modeOf(part.name, this.step));
+    this.showRows(part, before);
+  }
+
+  showRows(part, mode) {
+    const fired = new Set(this.firedAt(this.step).filter(([machine]) => machine === part.name || this.alone).map(([, name]) => name));
+    const lines = part.table
+      .map((row, at) => ({ ...row, number: at + 1 }))
+      .filter((row) => row.source.split(", ").includes(mode))
+      .map((row) => element("li", { value: row.number, class: fired.has(row.name) ? "took" : null }, element("b", {}, row.name), ` \u2192 ${row.target}`, fired.has(row.name) ? element("span", { class: "tag" }, "fired") : null));
+    place("run-rows").replaceChildren(element("ol", {}, ...lines));
+    place("run-rows-box").firstElementChild.textContent = `transitions of ${part.name} in ${mode}`;
+  }
+
+  showValues() {
+    const word = place("run-filter").value.trim().toLowerCase();
+    const only = place("run-only").checked;
+    for (const { kind, name, row, before, after, button } of this.values) {
+      const [was, is] = [this.trace.at(kind, name, this.step - 1), this.trace.at(kind, name, this.step)];
+      const changed = this.step > 0 && was !== is;
+      row.hidden = (only && !changed) || !name.toLowerCase().includes(word);
+      if (row.hidden) continue;
+      row.classList.toggle("changed", changed);
+      before.textContent = this.step ? shown(was, this.signal(name)) : "";
+      after.textContent = kind !== "state" && !this.step ? "" : shown(is, this.signal(name));
+      button.setAttribute("aria-pressed", String(this.plotted.includes(name)));
+    }
+    for (const body of place("run-values").tBodies) {
+      body.rows[0].hidden = ![...body.rows].slice(1).some((row) => !row.hidden);
+    }
+  }
+
+  markStep() {
+    for (const row of this.body.querySelectorAll("[aria-current]")) row.removeAttribute("aria-current");
+    this.body.querySelector(`[data-step="${this.step}"]`)?.setAttribute("aria-current", "step");
+  }
+
+  /* Brings the row of the cursor into sight, without moving the page. */
+  follow() {
+    const box = place("run-steps-box");
+    const top = this.step * BOUND;
+    if (top < box.scrollTop || top > box.scrollTop + box.clientHeight - 3 * BOUND) box.scrollTop = Math.max(0, top - box.clientHeight / 2);
+    this.rowsAround(Math.floor(box.scrollTop / BOUND));
+    this.markStep();
+  }
+}

@@ -1,0 +1,129 @@
+"""The view of runs: a page that steps through the run of any result, with its data in scripts beside it or within it.
+
+The page itself is in explorer/: markup, style, and scripts by what they do. Its data come from the report's data alone:
+machine by machine what a reader has to know beside the runs (`view`), and the runs as the folder has them.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from safeloc.report.file_names import file_names
+from safeloc.report.links import Links
+from safeloc.runtime.scripts import script
+
+RUN_PAGE, VIEW = "run.html", ".view.js"
+VIEW_FUNCTION = "safelocView"
+"""The function of the page that takes what belongs to a machine beside its runs."""
+_HERE = Path(__file__).parent
+_SCRIPTS = ("dom", "runs", "charts", "interval", "diagram", "view", "control")
+_PART = re.compile(r"#\d+")
+_Data = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class RunView:
+    """The parts of a page that shows runs: style, markup and script, and the data that stand in the page itself."""
+
+    style: Markup
+    section: Markup
+    known: Markup
+    script: Markup
+    given: Markup
+
+
+def run_view(known: _Data, *, back: str, scripts: str = "") -> RunView:
+    """Return the parts of a page; `back` is the address of the report, `scripts` call its functions with data in the page."""
+    environment = Environment(
+        loader=FileSystemLoader(_HERE / "explorer"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    section = environment.get_template("run.html.jinja").render(back=back, back_words="report")
+    texts = [_asset(f"{name}.js") for name in _SCRIPTS]
+    own = '"use strict";\n(() => {\n' + "\n".join(texts) + "})();\n"
+    island = json.dumps(known, separators=(",", ":")).replace("<", "\\u003c")
+    return RunView(Markup(_asset("run.css")), Markup(section), Markup(island), Markup(own), Markup(scripts))
+
+
+def _asset(name: str) -> str:
+    """Return one of our own texts."""
+    return (_HERE / "explorer" / name).read_text(encoding="utf-8")
+
+
+def known_runs(data: _Data, made: str, *, report: str) -> dict[str, Any]:
+    """Return which machines have runs, and where their data lie; `made` is the digest of the page."""
+    return {
+        "made": made,
+        "report": report,
+        "alone": False,
+        "first": "",
+        "machines": {
+            name: {"file": file, "runs": f"traces/{file}.js", "view": f"page/{file}{VIEW}"}
+            for name, file in _files(data).items()
+        },
+    }
+
+
+def views(data: _Data, made: str) -> Iterator[tuple[str, str]]:
+    """Yield file name and script of what belongs to each machine with runs."""
+    files, links = _files(data), Links(data, _all_files(data))
+    for machine in data["machines"]:
+        if machine["name"] in files:
+            text = json.dumps(view(machine, data, links, made), separators=(",", ":"))
+            file = files[machine["name"]]
+            yield f"{file}{VIEW}", script(VIEW_FUNCTION, file, data=text.encode())
+
+
+def _all_files(data: _Data) -> dict[str, str]:
+    return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
+
+
+def _files(data: _Data) -> dict[str, str]:
+    """Return the file name of each machine that has a run."""
+    having = {row["machine"] for row in data["results"] if row["id"] in data.get("runs", {})}
+    return {name: file for name, file in _all_files(data).items() if name in having}
+
+
+def view(machine: _Data, data: _Data, links: Links, made: str) -> dict[str, Any]:
+    """Return what the page needs of a machine beside its runs: units and labels, tables, diagrams, and the results."""
+    shown = [row for row in data["results"] if row["machine"] == machine["name"] and row["id"] in data["runs"]]
+    configuration = machine["configuration"]
+    tolerance = configuration.get("tolerance_mm") if isinstance(configuration, dict) else None
+    return {
+        "made": made,
+        "name": machine["name"],
+        "spec": machine["spec"],
+        "signals": machine["signals"],
+        "reported": machine["reported"],
+        "tolerance_mm": tolerance if type(tolerance) is int else None,
+        "parts": [_part(part) for part in machine["parts"]],
+        "results": {
+            row["id"]: {
+                "verdict": row["verdict"],
+                "statement": row["statement"],
+                "at": links.row(row),
+                "violated": data["runs"][row["id"]] if row["verdict"] == "violated" else None,
+            }
+            for row in shown
+        },
+    }
+
+
+def _part(part: _Data) -> dict[str, Any]:
+    """Return name, diagram and table of a machine, with the terms that its guards name, directly or through others."""
+    meaning = {line["name"]: line["text"] for line in part["definitions"]}
+    table = [{key: row[key] for key in ("name", "source", "target", "guard")} for row in part["table"]]
+    terms, left = dict[str, str](), [name for row in table for name in _PART.findall(row["guard"])]
+    while left:
+        name = left.pop()
+        if name in meaning and name not in terms:
+            terms[name] = meaning[name]
+            left += _PART.findall(meaning[name])
+    return {"name": part["name"], "svg": part["svg"], "table": table, "terms": terms}
