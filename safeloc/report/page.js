@@ -64,7 +64,8 @@
     const link = event.target.closest('a[href^="#"]');
     if (!link || document.getElementById(link.hash.slice(1))) return;
     const after = (box) => link.compareDocumentPosition(box) & Node.DOCUMENT_POSITION_FOLLOWING;
-    const box = [...boxes].find(after);
+    const named = (box) => box.dataset.part === link.dataset.in;
+    const box = [...boxes].find(link.dataset.in ? named : after);
     if (!box) return;
     event.preventDefault();
     box.open = true;
@@ -84,6 +85,10 @@
     place.textContent = `${what}: the parts of this page cannot be opened${again}.`;
     place.hidden = false;
   }
-  window.safelocBeside = (of) => of === made || warn("The files beside this page are of another report");
+  window.safelocBeside = (of) => {
+    if (of === made) return;
+    warn("The files beside this page are of another report");
+    document.documentElement.classList.add("unfit"); // no verdict is shown beside evidence of another
+  };
   load("page/beside.js", null, () => warn("The files beside this page (folder `page`) are missing"));
 })();

@@ -23,7 +23,8 @@ from safeloc.report.conditions import conditions, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
-from safeloc.report.run_page import RUN_PAGE, RunView, known_runs, run_view, views
+from safeloc.report.overview import RESULTS, results_script
+from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, SHARED, asset, island, known_runs, scripts, views
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.scripts import script
 from safeloc.runtime.streams.gzipped import name_of
@@ -34,6 +35,8 @@ PARTS = "page"
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
 NO_RUNS: Mapping[str, str] = MappingProxyType({})
+_BARE: Mapping[str, Any] = MappingProxyType({"made": "", "run_at": "", "overview": "", "run": "", "script": ""})
+"""What a page without search, parts and runs has besides the report."""
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
 _LONGEST_RUN, LAST_STEPS = 40, 20
@@ -62,18 +65,17 @@ def to_pages(data: _Data, *, single: bool = False, runs: Mapping[str, str] = NO_
     runs  file name -> script with the runs of a machine; a single page has them in it
     """
     rendering = _Rendering(data)
+    bare = rendering.page()
+    made = hashlib.sha256(bare.encode()).hexdigest()[:16]
     if single:
-        return Pages(rendering.page(run=rendering.runs_inside(runs)), "", {})
-    page_html = rendering.page()
-    made = hashlib.sha256(page_html.encode()).hexdigest()[:16]
-    page, parts = (page_html, {}) if len(page_html) <= MOST_OF_ONE_PAGE else rendering.in_parts(made)
-    if not data.get("runs"):
-        return Pages(page, "", parts)
-    return Pages(page, rendering.run_page(made), {**parts, **dict(views(data, made))})
+        return Pages(rendering.with_everything(made, runs), "", {})
+    beside = {RESULTS: results_script(data, rendering.links, made), **dict(views(data, made))}
+    page, parts = rendering.in_parts(made) if len(bare) > MOST_OF_ONE_PAGE else (rendering.whole(made), {})
+    return Pages(page, rendering.run_page(made), {**parts, **beside})
 
 
 def to_html(data: _Data) -> str:
-    """Return the complete page for the result of `report_data`, or for a report that was read from a folder."""
+    """Return the complete page, without search, for the result of `report_data`, or for a report that was read from a folder."""
     return _Rendering(data).page()
 
 
@@ -90,7 +92,7 @@ class _Rendering:
         machines = {machine["name"]: machine for machine in data["machines"]}
         shown = _shown_before(data["machines"])
         files = file_names([*machines, *(row["machine"] for row in results)])
-        self._links = links = Links(data, files)
+        self.links = links = Links(data, files)
         self._machines = [_machine(machine, results, shown, links) for machine in data["machines"]]
         self._requirements = _requirements(data, links)
         self._conditions = conditions(data["machines"])
@@ -108,31 +110,37 @@ class _Rendering:
             "conditions": self._conditions,
         }
 
-    def page(self, *, run: RunView | None = None) -> str:
-        """Return the page without parts; with `run` also the view of runs, to which its links then lead."""
+    def page(self, **more: Any) -> str:
+        """Return the page without parts; `more` is what its templates know besides the report."""
         machines = [{**one, "beside": ""} for one in self._machines]
-        given = {**self._given, "machines": machines, "items_beside": "", "conditions_beside": ""}
-        return self._filled("page", **given, made="", script="", run=run, run_at="" if run else RUN_PAGE)
+        given = {"machines": machines, "items_beside": "", "conditions_beside": "", **self._given, **_BARE, **more}
+        return self._filled("page", **given)
 
-    def runs_inside(self, runs: Mapping[str, str]) -> RunView | None:
-        """Return the view of runs for a single page, with these scripts in it."""
-        if not runs:
-            return None
-        known = known_runs(self._data, "", report="")
-        return run_view(
-            known, back="#", scripts="".join([*runs.values(), *(text for _, text in views(self._data, ""))])
-        )
+    def whole(self, made: str) -> str:
+        """Return the page without parts that searches with the data beside it."""
+        return self.page(run_at=RUN_PAGE, overview=self._overview(made), script=scripts([*SHARED, *OVERVIEW]))
+
+    def with_everything(self, made: str, runs: Mapping[str, str]) -> str:
+        """Return the page with search, the view of runs, and all their data in it."""
+        texts = [results_script(self._data, self.links, made), *runs.values(), *dict(views(self._data, made)).values()]
+        script = scripts([*SHARED, *OVERVIEW, *(RUNS if runs else ())], calls=texts)
+        known = island(known_runs(self._data, made, report="")) if runs else ""
+        return self.page(overview=self._overview(made, run=""), run=known, script=script)
 
     def run_page(self, made: str) -> str:
-        """Return the page of runs that lies beside the page."""
-        known = known_runs(self._data, made, report="index.html")
-        first = {row["machine"]: at for row in reversed(self._data["results"]) if (at := self._links.run(row))}
-        run = run_view(known, back="index.html")
-        return self._filled("run_page", data=self._data, run=run, machines=sorted(first.items()))
+        """Return the page of runs that lies beside the page; nothing if there is no run."""
+        first = {row["machine"]: at for row in reversed(self._data["results"]) if (at := self.links.run(row))}
+        known, script = known_runs(self._data, made, report="index.html"), scripts([*SHARED, *RUNS])
+        given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
+        return self._filled("run_page", **given) if first else ""
+
+    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = NO_RUNS) -> Markup:
+        """Return where the search finds its data, the view of runs, and the part of each machine."""
+        return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts)})
 
     def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
-        files = file_names(["beside", "trace back", "conditions", *(one["name"] for one in self._machines)])
+        files = file_names(["beside", "results", "trace back", "conditions", *(one["name"] for one in self._machines)])
         html = {
             files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements, run_at=RUN_PAGE)
             for one in self._machines
@@ -144,16 +152,15 @@ class _Rendering:
             for file, text in html.items()
         }
         parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
-        page = self._filled(
-            "page",
-            **self._given,
-            machines=[{**one, "beside": f"{PARTS}/{files[one['name']]}.js"} for one in self._machines],
+        beside = {one["name"]: f"{PARTS}/{files[one['name']]}.js" for one in self._machines}
+        page = self.page(
+            machines=[{**one, "beside": beside[one["name"]]} for one in self._machines],
             items_beside=f"{PARTS}/{files['trace back']}.js",
             conditions_beside=f"{PARTS}/{files['conditions']}.js",
             made=made,
-            run=None,
             run_at=RUN_PAGE,
-            script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),  # our own text
+            overview=self._overview(made, parts=beside),
+            script=Markup(f"{asset('page.js')}{scripts([*SHARED, *OVERVIEW])}"),
         )
         return page, parts
 

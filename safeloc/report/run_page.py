@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from safeloc.report.file_names import file_names
@@ -24,37 +22,27 @@ RUN_PAGE, VIEW = "run.html", ".view.js"
 VIEW_FUNCTION = "safelocView"
 """The function of the page that takes what belongs to a machine beside its runs."""
 _HERE = Path(__file__).parent
-_SCRIPTS = ("dom", "runs", "charts", "interval", "diagram", "view", "control")
+SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
+RUNS = ("runs", "charts", "interval", "diagram", "view", "control")
+"""Scripts of explorer/, in the order in which they use each other."""
 _PART = re.compile(r"#\d+")
 _Data = Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class RunView:
-    """The parts of a page that shows runs: style, markup and script, and the data that stand in the page itself."""
-
-    style: Markup
-    section: Markup
-    known: Markup
-    script: Markup
-    given: Markup
+def scripts(names: Sequence[str], calls: Sequence[str] = ()) -> Markup:
+    """Return one script of our own texts, and after them calls of its functions with data."""
+    own = "\n".join(asset(f"explorer/{name}.js") for name in names)
+    return Markup(f'"use strict";\n(() => {{\n{own}}})();\n{"".join(calls)}')
 
 
-def run_view(known: _Data, *, back: str, scripts: str = "") -> RunView:
-    """Return the parts of a page; `back` is the address of the report, `scripts` call its functions with data in the page."""
-    environment = Environment(
-        loader=FileSystemLoader(_HERE / "explorer"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
-    section = environment.get_template("run.html.jinja").render(back=back, back_words="report")
-    texts = [_asset(f"{name}.js") for name in _SCRIPTS]
-    own = '"use strict";\n(() => {\n' + "\n".join(texts) + "})();\n"
-    island = json.dumps(known, separators=(",", ":")).replace("<", "\\u003c")
-    return RunView(Markup(_asset("run.css")), Markup(section), Markup(island), Markup(own), Markup(scripts))
-
-
-def _asset(name: str) -> str:
+def asset(name: str) -> Markup:
     """Return one of our own texts."""
-    return (_HERE / "explorer" / name).read_text(encoding="utf-8")
+    return Markup((_HERE / name).read_text(encoding="utf-8"))
+
+
+def island(data: _Data) -> Markup:
+    """Return data as JSON that cannot end the element around it."""
+    return Markup(json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))
 
 
 def known_runs(data: _Data, made: str, *, report: str) -> dict[str, Any]:

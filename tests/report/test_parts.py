@@ -40,9 +40,10 @@ def test_nothing_is_lost() -> None:
     """Page and parts together are the one page."""
     data = report_data(findings(), [door(), load_target("odometry")])
     whole = to_html(data)
-    page, parts = to_pages(data)
-    assert set(parts) == {"door.js", "odometry.js", "trace-back.js", "conditions.js", "beside.js"}
-    html = {name: unpacked(text)[2] for name, text in parts.items() if name != "beside.js"}
+    pages = to_pages(data)
+    page, parts = pages.page, pages.parts
+    assert set(parts) == {"door.js", "odometry.js", "trace-back.js", "conditions.js", "beside.js", "results.js"}
+    html = {name: unpacked(text)[2] for name, text in parts.items() if name not in ("beside.js", "results.js")}
     for text in html.values():
         assert text.strip() in whole
         assert text.strip() not in page
@@ -52,7 +53,7 @@ def test_nothing_is_lost() -> None:
 
 def words(page: str) -> list[str]:
     """The text of a page without markup, scripts, and what speaks of parts."""
-    page = re.sub(r"<(script|style|noscript)>.*?</\1>|<p><button.*?</p>", "", page, flags=re.DOTALL)
+    page = re.sub(r"<(script|style|noscript|search)\b.*?</\1>|<p><button.*?</p>", "", page, flags=re.DOTALL)
     return re.sub(r"<[^>]*>", " ", page).split()
 
 
@@ -70,19 +71,25 @@ def test_parts_are_of_their_page(tmp_path: Path) -> None:
         "trace-back.js",
         "conditions.js",
         "beside.js",
+        "results.js",
+        "door.view.js",
     }
     assert made != re.findall(r'data-made="([0-9a-f]{16})"', (tmp_path / "index.html").read_text(encoding="utf-8"))
 
 
 def test_one_page_on_demand(tmp_path: Path) -> None:
-    """It loads nothing; the same as that of the data; the parts come back with the other form."""
+    """It loads nothing and has the runs and their view in it; the parts come back with the other form."""
     write_folder(tmp_path, findings(), [door()], single=True)
     assert not (tmp_path / "page").exists()
     single = (tmp_path / "index.html").read_text(encoding="utf-8")
-    assert "<script" not in single
+    assert "<script src" not in single
+    assert not (tmp_path / "run.html").exists()
+    for called in ("safelocResults(", "safelocRuns(", "safelocView("):
+        assert f"\n{called}" in single
     page = render_folder(tmp_path).read_text(encoding="utf-8")
-    assert "page.js" not in page
+    assert "safelocRuns(" not in page
     assert page.count("<script>") == 1
+    assert (tmp_path / "run.html").is_file()
     assert (tmp_path / "page" / "door.js").is_file()
     assert render_folder(tmp_path, single=True).read_text(encoding="utf-8") == single
     assert list((tmp_path / "page").iterdir()) == []

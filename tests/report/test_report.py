@@ -368,7 +368,7 @@ def test_folder(folder: Path) -> None:
     assert isinstance(proof, Proved)
     assert proof.certificates
     expected = {"index.html", "report.json", "junit.xml", "results.sarif", TRACES, "machines/lamp.json.xz"}
-    expected |= {"certificates/lamp-property-new.tar.xz"}
+    expected |= {"certificates/lamp-property-new.tar.xz", "run.html", "page/lamp.view.js", "page/results.js"}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
     read = read_archives(folder / "certificates", {"lamp-property-new.tar.xz": list(proof.certificates)})

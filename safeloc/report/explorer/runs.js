@@ -1,46 +1,6 @@
 /* Reads the runs of a machine: docs/report.md, "Runs in columns". What is read is checked as far as it is needed to show it. */
 
 const KINDS = ["inputs", "fired", "state", "outputs"];
-const AGAIN = "`safeloc report FOLDER` writes the pages again, `safeloc verify` the runs.";
-
-const arrived = new Map(); // "runs odometry" -> packed text
-const awaited = new Map(); // the same -> what to call when it arrives
-
-function arrive(what, text) {
-  arrived.set(what, text);
-  awaited.get(what)?.();
-}
-window.safelocRuns = (name, text) => arrive(`runs ${name}`, text);
-window.safelocView = (name, text) => arrive(`view ${name}`, text);
-
-/* The data of a script that stands in the page, or beside it. */
-async function fetched(what, file) {
-  if (!arrived.has(what)) await loaded(what, file);
-  if (typeof DecompressionStream === "undefined") {
-    throw new Error("This browser is too old to show runs; `safeloc report FOLDER --extract DIR` writes them as text.");
-  }
-  try {
-    return JSON.parse(await unpacked(arrived.get(what)));
-  } catch {
-    throw new Error(`${file} is damaged. ${AGAIN}`);
-  }
-}
-
-function loaded(what, file) {
-  return new Promise((resolve, reject) => {
-    const script = document.createElement("script");
-    script.src = file;
-    script.onload = () => (arrived.has(what) ? resolve() : reject(new Error(`${file} is damaged. ${AGAIN}`)));
-    script.onerror = () => reject(new Error(`${file} is missing beside this page. ${AGAIN}`));
-    awaited.set(what, resolve);
-    document.head.append(script);
-  });
-}
-
-async function unpacked(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
-}
 
 /* The values of which these are the differences; words and truth values stay, digits of large numbers become exact. */
 function summed(column, words) {
