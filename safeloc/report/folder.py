@@ -8,6 +8,7 @@ traces/        one script for each machine: the runs of its results, in columns 
 machines/      one packed file for each machine: its content on the page
 junit.xml      for continuous integration
 results.sarif  what does not hold, for editors and code hosts (safeloc.report.sarif)
+SHA256SUMS     the digests of all these files (safeloc.report.digests)
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, V
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, stored
 from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
+from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
 from safeloc.report.run_page import RUN_PAGE
@@ -103,6 +105,7 @@ def write_folder(
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
             page = _write_page(folder, {**everything, "certificates": names, "runs": steps}, single=single)
+            write_digests(folder, _present(folder))
             on_written()
             return page
     except OSError as error:
@@ -122,11 +125,19 @@ def _alone(folder: Path) -> Iterator[None]:
 
 def files_of(folder: Path) -> list[str]:
     """Return the names of a report's files within its folder, report.json last: without it there is no report."""
+    return [SUMS, *_present(folder)]
+
+
+def _present(folder: Path) -> list[str]:
+    """Return the names of the files of the report that are there, without that of the digests."""
     own = [path for name, pattern in _OWN.items() for path in sorted((folder / name).glob(pattern))]
-    return [
-        path.relative_to(folder).as_posix()
-        for path in (*own, *folder.glob(RUN_PAGE), *(folder / name for name in (JUNIT, SARIF, PAGE, stored.DATA)))
-    ]
+    single = [folder / name for name in (RUN_PAGE, JUNIT, SARIF, PAGE, stored.DATA)]
+    return [path.relative_to(folder).as_posix() for path in (*own, *single) if path.is_file()]
+
+
+def unfit(folder: Path) -> list[str]:
+    """Return what in a folder does not fit the digests of its report, file by file; nothing for a report as it was written."""
+    return misfits(folder, _present(folder))
 
 
 @contextmanager
@@ -145,7 +156,9 @@ def render_folder(folder: Path, *, single: bool = False) -> Path:
         stored.checked(path, lambda: _refuse_unknown_verdicts(path, data))
         everything = stored.read_for_page(folder)
         with _alone(folder):
-            return _write_page(folder, everything, single=single)
+            page_path = _write_page(folder, everything, single=single)
+            renew_digests(folder, _present(folder))
+            return page_path
     except UndefinedError as error:
         raise InputError(f"{path}: does not fit schema {SCHEMA}: {error}") from error
     except OSError as error:

@@ -64,9 +64,21 @@ def views(data: _Data, made: str) -> Iterator[tuple[str, str]]:
     files, links = _files(data), Links(data, _all_files(data))
     for machine in data["machines"]:
         if machine["name"] in files:
-            text = json.dumps(view(machine, data, links, made), separators=(",", ":"))
+            results = [row for row in data["results"] if row["machine"] == machine["name"]]
+            shown = {row["id"]: _result(row, data, links) for row in results if row["id"] in data["runs"]}
             file = files[machine["name"]]
-            yield f"{file}{VIEW}", script(VIEW_FUNCTION, file, data=text.encode())
+            yield f"{file}{VIEW}", view_script(file, machine, shown, made)
+
+
+def view_script(file: str, machine: _Data, results: _Data, made: str) -> str:
+    """Return the script with what belongs to a machine beside its runs."""
+    text = json.dumps(view(machine, results, made), separators=(",", ":"))
+    return script(VIEW_FUNCTION, file, data=text.encode())
+
+
+def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
+    broken = [[row["statement"], data["runs"][row["id"]]]] if row["verdict"] == "violated" else []
+    return {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
 
 
 def _all_files(data: _Data) -> dict[str, str]:
@@ -79,9 +91,11 @@ def _files(data: _Data) -> dict[str, str]:
     return {name: file for name, file in _all_files(data).items() if name in having}
 
 
-def view(machine: _Data, data: _Data, links: Links, made: str) -> dict[str, Any]:
-    """Return what the page needs of a machine beside its runs: units and labels, tables, diagrams, and the results."""
-    shown = [row for row in data["results"] if row["machine"] == machine["name"] and row["id"] in data["runs"]]
+def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:
+    """Return what the page needs of a machine beside its runs: units and labels, tables, diagrams, and the results.
+
+    results  id -> verdict, statement, place on the report's page, and what is broken, each with the step that breaks it
+    """
     configuration = machine["configuration"]
     tolerance = configuration.get("tolerance_mm") if isinstance(configuration, dict) else None
     return {
@@ -92,15 +106,7 @@ def view(machine: _Data, data: _Data, links: Links, made: str) -> dict[str, Any]
         "reported": machine["reported"],
         "tolerance_mm": tolerance if type(tolerance) is int else None,
         "parts": [_part(part) for part in machine["parts"]],
-        "results": {
-            row["id"]: {
-                "verdict": row["verdict"],
-                "statement": row["statement"],
-                "at": links.row(row),
-                "violated": data["runs"][row["id"]] if row["verdict"] == "violated" else None,
-            }
-            for row in shown
-        },
+        "results": dict(results),
     }
 
 

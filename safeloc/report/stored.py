@@ -39,6 +39,7 @@ def split_data(
     """
     numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
     places = {row["id"]: number for number, row in enumerate(data["results"])}
+    said = dict[str, int]()
     files = machine_files(data)
     small = {
         **data,
@@ -46,16 +47,23 @@ def split_data(
         "results": [
             {
                 **row,
+                "statement": _once(said, row["statement"], number),
                 "certificates": [numbers[name] for name in row["certificates"]],
                 "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
             }
-            for row in data["results"]
+            for number, row in enumerate(data["results"])
         ],
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
         "certificates": {file: list(names) for file, names in certificates.items()},
     }
     bulky = {files[one["name"]]: packed(_text({key: one[key] for key in _BULKY})) for one in data["machines"]}
     return small, bulky
+
+
+def _once(said: dict[str, int], statement: str, number: int) -> str | int:
+    """Return a statement; in place of one that an earlier result has as well, the number of that result."""
+    first = said.setdefault(statement, number)
+    return statement if first == number else first
 
 
 def _text(data: Any) -> bytes:
@@ -93,7 +101,7 @@ def runs_files(data: Mapping[str, Any]) -> dict[str, str]:
 
 
 def read_report(folder: Path) -> Data:
-    """Return the content of report.json, with names instead of numbers for certificates and results.
+    """Return the content of report.json, with names and statements instead of numbers.
 
     InputError if it is no report of this version.
     """
@@ -123,11 +131,23 @@ def _named(data: Data) -> Data:
     """Return the data with names instead of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
     ids = [row["id"] for row in data["results"]]
+    said = [row["statement"] for row in data["results"]]
     return {
         **data,
-        "results": [{**row, "certificates": _at(names, row["certificates"])} for row in data["results"]],
+        "results": [
+            {**row, "statement": _said(said, row["statement"]), "certificates": _at(names, row["certificates"])}
+            for row in data["results"]
+        ],
         "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
     }
+
+
+def _said(said: Sequence[str | int], statement: str | int) -> str:
+    """Return a statement that stands here or with an earlier result."""
+    found = said[statement] if type(statement) is int and statement >= 0 else statement
+    if not isinstance(found, str):
+        raise ValueError(f"no result {statement} with a statement of its own")
+    return found
 
 
 def _at(names: Sequence[str], places: Sequence[int]) -> list[str]:

@@ -86,7 +86,7 @@ function head(data, trace, read) {
   place("run-verdict").replaceChildren(element("span", { class: `verdict ${verdict.replace(" ", "-")}` }, verdict), ` ${wordOf(result, trace, data)}`);
   place("run-statement").textContent = statement;
   place("run-back").href = known.alone ? "" : `${known.report}${at ? `#${at}` : ""}`;
-  place("run-back").parentElement.hidden = known.alone;
+  place("run-back").hidden = known.alone;
   const others = trace.results.slice(1);
   place("run-shows").textContent = others.length ? `also shows ${others.length} other result${others.length > 1 ? "s" : ""}` : "";
   place("run-shows").title = others.join("\n");
@@ -97,8 +97,8 @@ function head(data, trace, read) {
 
 function wordOf(result, trace, data) {
   const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}`;
-  const violated = data.results[result]?.violated ?? null;
-  return violated === null ? `a run of ${steps}` : `violated at step ${violated} of ${steps}`;
+  const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
+  return broken.length ? `violated at step ${broken.join(", ")} of ${steps}` : `a run of ${steps}`;
 }
 
 function setUp(part) {
@@ -156,6 +156,12 @@ function goChange(sign) {
   goFirst(steps, sign);
 }
 
+/* The next step that violates something, and after the last one the first again. */
+function goViolating() {
+  const steps = view.broken.map(([, step]) => step);
+  if (steps.length) go(steps.find((step) => step > view.step) ?? steps[0]);
+}
+
 function play() {
   if (playing) return stop();
   if (view.step === view.trace.steps) go(0);
@@ -204,7 +210,7 @@ const PRESSED = {
   "run-end": () => go(view.trace.steps),
   "run-fired-before": () => goFired(-1),
   "run-fired-next": () => goFired(1),
-  "run-violating": () => go(view.violating),
+  "run-violating": goViolating,
   "run-change-before": () => goChange(-1),
   "run-change-next": () => goChange(1),
   "run-link": copyLink,
@@ -222,7 +228,7 @@ const KEYS = {
   Home: () => go(0),
   End: () => go(view.trace.steps),
   " ": play,
-  v: () => view.violating !== null && go(view.violating),
+  v: goViolating,
   c: () => goChange(1),
   "Shift C": () => goChange(-1),
   "+": () => zoom(0.5),

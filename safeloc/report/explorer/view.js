@@ -15,13 +15,18 @@ class View {
     this.diagram = new Diagram(place("run-diagram"));
     this.fired = this.firingSteps();
     this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
-    if (this.violating !== null) this.charts.marks.push({ step: this.violating, words: `violated at step ${this.violating}` });
+    this.charts.marks = this.broken.map(([statement, step]) => ({ step, words: `violated at step ${step}: ${statement}` }));
     this.values = [];
     this.fill();
   }
 
+  /* What the run breaks: statements, each with the step that breaks it, in the order of the steps. */
+  get broken() {
+    return this.data.results[this.result]?.broken ?? [];
+  }
+
   get violating() {
-    return this.data.results[this.result]?.violated ?? null;
+    return this.broken.length ? this.broken[0][1] : null;
   }
 
   get result() {
@@ -200,7 +205,7 @@ class View {
     const changed = this.told("state", step, (name) => !step || this.trace.changed("state", name, step));
     const cells = [fired, inputs, changed].map((text) => element("td", {}, element("div", {}, text)));
     const button = element("button", { class: "quiet", onclick: () => this.show(step), "aria-label": `to step ${step}` }, String(step));
-    return element("tr", { "data-step": step, class: step === this.violating ? "breaks" : null }, element("td", { class: "n" }, button), ...cells);
+    return element("tr", { "data-step": step, class: this.broken.some(([, at]) => at === step) ? "breaks" : null }, element("td", { class: "n" }, button), ...cells);
   }
 
   told(kind, step, wanted) {
@@ -225,6 +230,9 @@ class View {
   showFired() {
     const fired = this.firedAt(this.step);
     const lines = fired.map(([machine, name]) => this.firedLine(machine, name));
+    for (const [statement, step] of this.broken) {
+      if (step === this.step) lines.unshift(element("p", { class: "violated" }, element("b", {}, "violated here: "), statement));
+    }
     place("run-fired").replaceChildren(...(this.step ? lines : [element("p", { class: "soft" }, "the state before the first step")]));
   }
 
@@ -270,7 +278,7 @@ class View {
     for (const { kind, name, row, before, after, button } of this.values) {
       const [was, is] = [this.trace.at(kind, name, this.step - 1), this.trace.at(kind, name, this.step)];
       const changed = this.step > 0 && was !== is;
-      row.hidden = (only && !changed) || !name.toLowerCase().includes(word);
+      row.hidden = (was === null && is === null) || (only && !changed) || !name.toLowerCase().includes(word);
       if (row.hidden) continue;
       row.classList.toggle("changed", changed);
       before.textContent = this.step ? shown(was, this.signal(name)) : "";
