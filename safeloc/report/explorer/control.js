@@ -260,4 +260,4 @@ document.addEventListener("keydown", (event) => {
 addEventListener("hashchange", open);
 addEventListener("beforeprint", () => view?.rowsAround(0, true));
 addEventListener("afterprint", () => view?.follow());
-open();
+queueMicrotask(open); // after the data that stand behind this script

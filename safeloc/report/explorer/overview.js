@@ -170,5 +170,7 @@ document.addEventListener("keydown", (event) => {
 });
 addEventListener("hashchange", fromLink);
 addEventListener("hashchange", toPart);
-fromLink();
-toPart();
+queueMicrotask(() => {
+  fromLink();
+  toPart();
+}); // after the data that stand behind this script

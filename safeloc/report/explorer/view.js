@@ -1,7 +1,8 @@
 /* The view of a run: what is shown of it at the cursor. Keys, buttons and links are in control.js. */
 
 const BOUND = 28; // height of a row of the table of steps, in pixels
-const MOST_PLAIN = 400; // a longer run shows only the rows around the cursor
+const MOST_PLAIN = 200; // a longer run shows only the rows around the cursor
+const MOST_LETTERS = 160; // of a cell in that table; on paper all of them
 
 class View {
   constructor(data, trace, moved) {
@@ -11,6 +12,7 @@ class View {
     this.step = 0;
     this.part = "";
     this.plotted = [];
+    this.known = new Map();
     this.parts = new Map(data.parts.map((part) => [part.name, part]));
     this.diagram = new Diagram(place("run-diagram"));
     this.fired = this.firingSteps();
@@ -45,7 +47,17 @@ class View {
   }
 
   names(kind) {
-    return this.trace.present(kind).filter((name) => this.ofPart(name));
+    return this.columns(kind).map(({ name }) => name);
+  }
+
+  /* Names of a kind that this run has, each with its values in every step. */
+  columns(kind) {
+    const key = `${kind} ${this.part}`;
+    if (!this.known.has(key)) {
+      const names = this.trace.present(kind).filter((name) => this.ofPart(name));
+      this.known.set(key, names.map((name) => ({ name, signal: this.signal(name), values: this.trace.series(kind, name) })));
+    }
+    return this.known.get(key);
   }
 
   /* Machine and transition of all that fired in a step. */
@@ -159,21 +171,21 @@ class View {
     this.values = [];
     for (const body of table.querySelectorAll("tbody")) body.remove();
     for (const kind of ["inputs", "state", "outputs"]) {
-      const names = this.names(kind);
-      if (!names.length) continue;
+      const columns = this.columns(kind);
+      if (!columns.length) continue;
       const body = element("tbody", {}, element("tr", {}, element("th", { colspan: 5, scope: "rowgroup" }, kind)));
-      for (const name of names) body.append(this.valueRow(kind, name));
+      for (const column of columns) body.append(this.valueRow(kind, column));
       table.append(body);
     }
   }
 
-  valueRow(kind, name) {
+  valueRow(kind, { name, signal, values }) {
     const before = element("td", { class: "n" });
     const after = element("td", { class: "n" });
     const button = element("button", { class: "quiet", onclick: () => this.plot(name), "aria-label": `chart of ${name}` }, "chart");
-    const unit = this.signal(name)?.unit ?? "";
+    const unit = signal?.unit ?? "";
     const row = element("tr", {}, element("th", { scope: "row" }, element("code", {}, name)), before, after, element("td", {}, unit), element("td", {}, button));
-    this.values.push({ kind, name, row, before, after, button });
+    this.values.push({ kind, name, signal, values, row, before, after, button });
     return row;
   }
 
@@ -185,34 +197,37 @@ class View {
     this.rowsAround(0);
   }
 
-  /* Draws the rows that can be seen; of a short run, and on paper, all of them. */
-  rowsAround(first, all = this.trace.steps <= MOST_PLAIN) {
-    const from = all ? 0 : Math.max(0, Math.floor(first / 20) * 20 - 40);
-    const to = all ? this.trace.steps : Math.min(this.trace.steps, from + 140);
-    const drawnNow = `${from} ${to} ${this.part}`;
+  /* Draws the rows that can be seen; of a short run all of them, and on paper all of them in full. */
+  rowsAround(first, paper = false) {
+    const all = paper || this.trace.steps <= MOST_PLAIN;
+    const from = all ? 0 : Math.max(0, Math.floor(first / 10) * 10 - 20);
+    const to = all ? this.trace.steps : Math.min(this.trace.steps, from + 60);
+    const drawnNow = `${from} ${to} ${this.part} ${paper}`;
     if (this.drawnFrom === drawnNow) return;
     this.drawnFrom = drawnNow;
     const rows = [];
-    for (let step = from; step <= to; step += 1) rows.push(this.stepRow(step));
+    for (let step = from; step <= to; step += 1) rows.push(this.stepRow(step, paper ? Infinity : MOST_LETTERS));
     const gap = (count) => element("tr", { class: "gap", "aria-hidden": "true" }, element("td", { colspan: 4, style: `height:${count * BOUND}px` }));
     this.body.replaceChildren(...(from ? [gap(from)] : []), ...rows, ...(to < this.trace.steps ? [gap(this.trace.steps - to)] : []));
     this.markStep();
   }
 
-  stepRow(step) {
+  stepRow(step, most) {
     const fired = step ? this.firedAt(step).map(([, name]) => name).join(", ") : "start";
-    const inputs = step ? this.told("inputs", step, () => true) : "";
-    const changed = this.told("state", step, (name) => !step || this.trace.changed("state", name, step));
-    const cells = [fired, inputs, changed].map((text) => element("td", {}, element("div", {}, text)));
+    const texts = [fired, step ? this.told("inputs", step, most) : "", this.told("state", step, most)];
+    const cells = texts.map((text) => element("td", {}, element("div", {}, text)));
     const button = element("button", { class: "quiet", onclick: () => this.show(step), "aria-label": `to step ${step}` }, String(step));
     return element("tr", { "data-step": step, class: this.broken.some(([, at]) => at === step) ? "breaks" : null }, element("td", { class: "n" }, button), ...cells);
   }
 
-  told(kind, step, wanted) {
-    return this.names(kind)
-      .filter((name) => this.trace.at(kind, name, step) !== null && wanted(name))
-      .map((name) => `${name} = ${shown(this.trace.at(kind, name, step), this.signal(name))}`)
-      .join(",  ");
+  told(kind, step, most) {
+    let text = "";
+    for (const { name, signal, values } of this.columns(kind)) {
+      if (values[step] === null || (kind === "state" && step && values[step] === values[step - 1])) continue;
+      text += `${text ? ",  " : ""}${name} = ${shown(values[step], signal)}`;
+      if (text.length > most) return `${text.slice(0, most)}\u2026`;
+    }
+    return text;
   }
 
   /* ---------------------------------------------------- at the cursor */
@@ -275,19 +290,26 @@ class View {
   showValues() {
     const word = place("run-filter").value.trim().toLowerCase();
     const only = place("run-only").checked;
-    for (const { kind, name, row, before, after, button } of this.values) {
-      const [was, is] = [this.trace.at(kind, name, this.step - 1), this.trace.at(kind, name, this.step)];
+    for (const one of this.values) {
+      const [was, is] = [one.values[this.step - 1] ?? null, one.values[this.step] ?? null];
       const changed = this.step > 0 && was !== is;
-      row.hidden = (was === null && is === null) || (only && !changed) || !name.toLowerCase().includes(word);
-      if (row.hidden) continue;
-      row.classList.toggle("changed", changed);
-      before.textContent = this.step ? shown(was, this.signal(name)) : "";
-      after.textContent = kind !== "state" && !this.step ? "" : shown(is, this.signal(name));
-      button.setAttribute("aria-pressed", String(this.plotted.includes(name)));
+      const hidden = (was === null && is === null) || (only && !changed) || !one.name.toLowerCase().includes(word);
+      if (one.row.hidden !== hidden) one.row.hidden = hidden;
+      if (!hidden) this.showValue(one, was, is, changed);
     }
     for (const body of place("run-values").tBodies) {
       body.rows[0].hidden = ![...body.rows].slice(1).some((row) => !row.hidden);
     }
+  }
+
+  /* Only what differs from what stands there is written: most values stay from step to step. */
+  showValue(one, was, is, changed) {
+    const { signal } = one;
+    const texts = [this.step ? shown(was, signal) : "", one.kind !== "state" && !this.step ? "" : shown(is, signal)];
+    if (one.before.textContent !== texts[0]) one.before.textContent = texts[0];
+    if (one.after.textContent !== texts[1]) one.after.textContent = texts[1];
+    one.row.classList.toggle("changed", changed);
+    one.button.setAttribute("aria-pressed", String(this.plotted.includes(one.name)));
   }
 
   markStep() {
