@@ -4,6 +4,7 @@
 #   make test-long TOPIC=fuzz [LONG="--seed 2 --jobs 2"]   random machines against an explicit search (tests/fuzz)
 #   edits                                                  what is kept of earlier runs never changes a verdict (tests/edits)
 #   mutants                                                wrong machines of all machines: each is noticed, or has a written reason (docs/mutation.md)
+#   javascript                                             machines as scripts against generated Python, step by step
 #   readers, oracle, soak                                  readers given anything, mishaps to streams, a day of a fleet
 PYTHON ?= python3
 BIN := .venv/bin
@@ -34,6 +35,7 @@ long-readers = -m tests.fuzz_readers --seconds 600 --out long/readers.jsonl
 long-oracle = -m tests.runtime.streams.oracle --lines 10000000 --seed 1 --out long/oracle.jsonl
 long-edits = -m tests.edits --edits 200 --seed 1 --out long/edits.jsonl
 long-mutants = -m tests.mutants --sample 10000 --seed 1 --out long/mutants.jsonl
+long-javascript = -m tests.codegen.long_javascript --steps 1000000 --seed 1 --out long/javascript.jsonl
 long-soak = -m tests.soak --hours-of-fleet 24 --vehicles 200 --wall-minutes 60 --out long/soak.jsonl
 
 test-long: $(READY)

@@ -15,10 +15,11 @@ from safeloc.codegen.compiled import to_python
 from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table_text
 from safeloc.errors import InputError
 from safeloc.language.system import without_ghosts
-from safeloc.proof.exported import c_folder, fmi_unit
+from safeloc.proof.exported import c_folder, fmi_unit, script
 from safeloc.proof.provers.proved_base import base
 
 _TEXTS: Mapping[str, Callable[[Target], str]] = {
+    "javascript": script,
     "python": lambda target: to_python(without_ghosts(target.system)),
     "mermaid": lambda target: "".join(map(to_mermaid, target.machines)),
     "dot": lambda target: "".join(map(to_dot, target.machines)),

@@ -28,7 +28,7 @@ inputs  state  outputs  [WORD]   their values now; with a word, those that have 
 watch NAME ...        show these after every step; `watch` alone: nothing
 broken                the properties that the run has broken
 back [N]              take back one step, or N
-save FILE             write the run as a stream for `safeloc replay`
+save FILE             write the run as a stream for `safeloc replay`; save FILE.py: as a test for pytest
 quit                  end"""
 
 
@@ -45,7 +45,8 @@ def step(
     """Run a machine step by step: set inputs, see which transition fires and what refuses the others, go back, save the run."""
     loaded = load_target(target, config)
     recording = None if stream is None else read_recording(loaded, find_recording(loaded, stream))[0]
-    stepper = Stepper(loaded) if recording is None else Stepper(loaded, recording.first, _inputs(recording, loaded))
+    first, inputs = ({}, []) if recording is None else (recording.first, _inputs(recording, loaded))
+    stepper = Stepper(loaded, first, inputs, config)
     typed = sys.stdin.isatty()
     shell = _Shell(stepper, prompting=typed)
     if typed:

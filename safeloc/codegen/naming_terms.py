@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.codegen.merge_choices import is_magnitude
@@ -73,8 +73,12 @@ class Writing(ABC):
 
     def awaited(self, term: Expr) -> list[Expr]:
         """Return the sub-terms that need a name before the term is written: used twice, contained twice, or nested too deep."""
-        below = self.unnamed([term])
-        uses = Counter(part for node in below for part in self.parts(node))
+        return [node for node in self.repeated([term]) if node is not term]
+
+    def repeated(self, roots: Sequence[Expr]) -> list[Expr]:
+        """Return the terms that need a name before all of `roots` are written one after another, operands first."""
+        below = self.unnamed(roots)
+        uses = Counter([*roots, *(part for node in below for part in self.parts(node))])
         twice = {node for node, count in uses.items() if count > 1}
         depth: dict[Expr, int] = {}
         for node in below:
@@ -83,4 +87,4 @@ class Writing(ABC):
             if depth[node] > _LONGEST_INLINE:
                 twice.add(node)
                 depth[node] = 0
-        return [node for node in below if node in twice and node is not term]
+        return [node for node in below if node in twice]

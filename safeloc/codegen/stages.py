@@ -59,7 +59,7 @@ def stages(system: TransitionSystem) -> list[Stage]:
             )
         )
         stands = {var: replace(var, name=f"{var.name} after") for var in group}
-        cut |= {system.next[var]: stands[var] for var in reversed(group) if _is_cut(var, system.next[var])}
+        cut |= {system.next[var]: stands[var] for var in reversed(group) if is_cut(var, system.next[var])}
         after |= {later: var for var, later in stands.items()}
         earlier += group
     return found
@@ -83,6 +83,6 @@ def _groups(system: TransitionSystem) -> list[tuple[str, list[Var], list[NumVar]
     return [*groups, (system.name, others, [])] if others else groups
 
 
-def _is_cut(var: Var, moved: Expr) -> bool:
+def is_cut(var: Var, moved: Expr) -> bool:
     """Return whether the next value identifies the variable: a constant or another variable does not."""
     return moved is var or (not isinstance(moved, Var) and bool(variables([moved])))

@@ -1,10 +1,14 @@
-"""A run that violates a property as a test file: it fails until the machine is mended, and then guards against a relapse."""
+"""Runs as test files.
+
+A run that violates a property: the test fails until the machine is mended, and then guards against a relapse. A run that was made
+by hand: no property is violated in it, and the machine moves as it did.
+"""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from safeloc.explain.mattering_inputs import open_first
@@ -19,7 +23,7 @@ def pytest_file(target: Target, prop: Property, trace: Trace, config: Path | Non
 
     config  file of the configuration in which the property fails; None for the defaults
     """
-    loaded = f"load_target({_quoted(target.spec or target.name)}{'' if config is None else f', Path({_quoted(str(config))})'})"
+    loaded = _loading(target, config)
     statement = prop.statement.rstrip(".")
     return f'''"""A run that violated {_plain(prop.name)} of {_plain(target.name)}."""
 {"" if config is None else "from pathlib import Path" + chr(10)}
@@ -40,6 +44,54 @@ def {name_of_test(prop.name)}() -> None:
     verdict = check(run(target.system, STEPS, first=FIRST), claim)
     assert not isinstance(verdict, Violated), verdict.trace and verdict.trace.table()
 '''
+
+
+def run_file(target: Target, trace: Trace, config: Path | None) -> str:
+    """Return the text of a test file for a run that was made by hand. `config` as in `pytest_file`."""
+    head, before_steps, before_fired, tail = run_file_pieces(target, config)
+    steps = _listed(_literal(step) for step in trace.stream())
+    fired = _listed(json.dumps(list(step.fired.values())) for step in trace.steps)
+    return f"{head}{_literal(open_first(trace))}{before_steps}{steps}{before_fired}{fired}{tail}"
+
+
+def run_file_pieces(target: Target, config: Path | None) -> tuple[str, str, str, str]:
+    """Return what stands in such a file before the first values, the steps and the fired transitions, and after them."""
+    path_import = "" if config is None else "from pathlib import Path\n"
+    head = f'''"""A run of {_plain(target.name)} that was made by hand."""
+{path_import}
+from safeloc.catalogue import load_target
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.verdict import Violated
+
+TARGET = {_loading(target, config)}
+FIRST = '''
+    tail = ''']
+
+
+def test_no_property_is_violated() -> None:
+    """In no step of this run."""
+    claims = [one for one in TARGET.properties if one.kind != "reachable"]
+    verdicts = check_all(run(TARGET.system, STEPS, first=FIRST), claims)
+    violated = [claim.name for claim, verdict in zip(claims, verdicts, strict=True) if isinstance(verdict, Violated)]
+    assert violated == []
+
+
+def test_the_machine_moves_as_it_did() -> None:
+    """In every step the same transitions fire."""
+    assert [list(step.fired.values()) for step in run(TARGET.system, STEPS, first=FIRST).steps] == FIRED
+'''
+    return head, "\nSTEPS = [\n", "]\nFIRED = [\n", tail
+
+
+def _listed(lines: Iterable[str]) -> str:
+    return "".join(f"    {line},\n" for line in lines)
+
+
+def _loading(target: Target, config: Path | None) -> str:
+    """Return the call that loads the target."""
+    path = "" if config is None else f", Path({_quoted(str(config))})"
+    return f"load_target({_quoted(target.spec or target.name)}{path})"
 
 
 def name_of_test(name: str) -> str:

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.explain.failing_parts import Part, parts_of, value_text
+from safeloc.explain.mattering_inputs import open_first
+from safeloc.explain.pytest_file import run_file
 from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.expr import Bool, Expr, NumVar, Var
-from safeloc.language.first_values import Any_
 from safeloc.language.interpret import admitted, evaluate, fired_names, holds, named, outputs, read_inputs, start, step
 from safeloc.language.machine import Machine
 from safeloc.language.monitor import Broken, Monitor, Status, Undecided
@@ -51,11 +52,13 @@ class Stepper:
 
     first     values of variables whose first value is open
     recorded  inputs of a recording, which the next steps take as long as nothing else is set
+    config    file of the target's configuration, which a saved test loads it with; None for the defaults
     """
 
     target: Target
     first: Mapping[str, Value] = field(default_factory=dict)
     recorded: Sequence[Mapping[str, object]] = ()
+    config: Path | None = None
     _set: dict[str, object] = field(default_factory=dict, init=False)
     _inputs: list[dict[str, object]] = field(default_factory=list, init=False)
     _states: list[dict[Var, Value]] = field(default_factory=list, init=False)
@@ -105,15 +108,11 @@ class Stepper:
 
     def broken_laws(self) -> list[str]:
         """Return the laws of the world, each with its machine, that the next step breaks; no proof speaks of what follows."""
-        values = {**self._states[-1], **self._next_inputs()}
-        return [name for name, term in _laws(self.system).items() if not holds(term, values)]
+        return laws_broken(self.system, self._states[-1], self._next_inputs())
 
     def rows(self) -> list[RowView]:
         """Return the transitions of each machine's present mode, in the order in which they are tried."""
-        values = {**self._states[-1], **self._next_inputs()}
-        _, fired = step(self.system, self._states[-1], self._next_inputs())
-        taken = fired_names(fired)
-        return [row for part in _parts(self.system) for row in part.rows(values, taken)]
+        return rows_at(self.system, self._states[-1], self._next_inputs())
 
     def broken(self) -> dict[str, int]:
         """Return the properties that the run has broken, each with the step that did."""
@@ -169,15 +168,18 @@ class Stepper:
         self._set.clear()
 
     def save(self, path: Path) -> None:
-        """Write the run as a step stream, which `safeloc replay` reads. InputError for an existing file and for no steps."""
+        """Write the run as a step stream, which `safeloc replay` reads, or as a test file if the path ends in `.py`.
+
+        InputError for an existing file and for no steps.
+        """
         if path.exists():
             raise InputError(f"{path} exists; give another file, since its content would be lost.")
         if not self._inputs:
             raise InputError("no step was taken; there is no run to save.")
-        first = {
-            var.name: value for var, value in self._states[0].items() if isinstance(self.system.initial[var], Any_)
-        }
-        write_steps(path, self.trace.stream(), machine=self.target.name, first=first)
+        if path.suffix == ".py":
+            path.write_text(run_file(self.target, self.trace, self.config), encoding="utf-8")
+        else:
+            write_steps(path, self.trace.stream(), machine=self.target.name, first=open_first(self.trace))
 
     # -------------------------------------------------------------- inputs
 
@@ -206,6 +208,18 @@ def _value(text: str) -> object:
 
 
 # ------------------------------------------------------------------ rows
+
+
+def rows_at(system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]) -> list[RowView]:
+    """Return the transitions of each machine's present mode, in the order in which they are tried."""
+    taken = fired_names(step(system, state, inputs)[1])
+    return [row for part in _parts(system) for row in part.rows({**state, **inputs}, taken)]
+
+
+def laws_broken(system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]) -> list[str]:
+    """Return the laws of the world, each with its machine, that a step breaks."""
+    values = {**state, **inputs}
+    return [name for name, term in _laws(system).items() if not holds(term, values)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,7 @@
-"""A target as C code and as FMI unit, with the invariants that a restored state must satisfy, which are proved first."""
+"""A target as C code, as FMI unit and as script.
+
+C and FMI come with the invariants that a restored state must satisfy, which are proved first.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from collections.abc import Callable, Mapping
 
 from safeloc.codegen.c99 import to_c
 from safeloc.codegen.fmu import to_fmu
+from safeloc.codegen.javascript import javascript, on_board
 from safeloc.language.expr import Bool
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.proof.provers.lasting import lasting
@@ -32,6 +36,12 @@ def fmi_unit(target: Target, say: Say) -> bytes:
     first = first_state(on_board, random.Random(0))
     kept = _invariants(target.system, target.name, say)
     return to_fmu(on_board, period_ms=period_ms, first=first, doc=target.doc, kept=kept)
+
+
+def script(target: Target) -> str:
+    """Return the machine on board as a script for a browser or for node; its first state satisfies `initially`."""
+    system = on_board(target.system)
+    return javascript(system, first=first_state(system, random.Random(0)))
 
 
 def _invariants(system: TransitionSystem, name: str, say: Say) -> Mapping[str, Bool] | None:

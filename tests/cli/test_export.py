@@ -11,6 +11,7 @@ import pytest
 
 from tests.cli.calling import DOOR, Call
 from tests.codegen.c_folder import make, needs_compiler
+from tests.codegen.in_node import needs_node
 
 
 @needs_compiler
@@ -62,6 +63,29 @@ def test_the_configuration_reaches_the_code(call: Call, tmp_path: Path, monkeypa
     assert call("export", "odometry", "--config", str(config), "--to", "fmu", "--out", str(unit)).code == 0
     with zipfile.ZipFile(unit) as archive:
         assert 'stepSize="0.2"' in archive.read("modelDescription.xml").decode()
+
+
+@needs_node
+def test_the_script_of_the_page_runs(call: Call, tmp_path: Path) -> None:
+    """docs/export.md's example of a script, as it stands there: what refuses each transition, and one step."""
+    page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+    assert call("export", "odometry", "--to", "javascript", "--out", str(tmp_path / "odometry.js")).code == 0
+    (tmp_path / "run.js").write_text(page.split("```js\n")[1].split("```")[0], encoding="utf-8")
+    done = subprocess.run(["node", "run.js"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == [
+        "candidate marker at front: verdict on the front reading = CANDIDATE is false",
+        "candidate marker at rear: rear reader leads is false",
+        "wait for a marker 0",
+    ]
+
+
+def test_a_script_goes_to_standard_output(call: Call) -> None:
+    """As every form that is one text; a machine of the user's own too."""
+    called = call("export", DOOR, "--to", "javascript")
+    assert called.code == 0
+    assert called.out.startswith('(()=>{"use strict";')
+    assert 'safelocMachine("door",' in called.out
 
 
 @pytest.mark.parametrize(("form", "said"), [("c", "several files; name a folder"), ("fmu", "a binary file; name it")])

@@ -136,4 +136,7 @@ def test_help_lists_every_command(call: Call, lamp: str, monkeypatch: pytest.Mon
     for name in ("step", "set", "rows", "inputs", "state", "outputs", "watch", "broken", "back", "save", "quit"):
         assert name in called.out
     called = typed(call, monkeypatch, lamp, lines="help save\n")
-    assert called.out == "save FILE             write the run as a stream for `safeloc replay`\n"
+    assert (
+        called.out
+        == "save FILE             write the run as a stream for `safeloc replay`; save FILE.py: as a test for pytest\n"
+    )
