@@ -34,17 +34,18 @@ from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
 from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
-from safeloc.report.run_page import RUN_PAGE
+from safeloc.report.run_page import RUN_PAGE, machine_script
 from safeloc.report.sarif import to_sarif
 from safeloc.runtime.streams.columns import Shown, runs_file
 
 PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
-_OWN = {
-    certificates.FOLDER: f"*{certificates.SUFFIX}",
-    stored.TRACES: f"*{stored.RUNS}",
-    stored.MACHINES: f"*{stored.SUFFIX}",
-    PARTS: "*.js",
-}
+_OWN = (
+    (certificates.FOLDER, f"*{certificates.SUFFIX}"),
+    (stored.TRACES, f"*{stored.RUNS}"),
+    (stored.MACHINES, f"*{stored.SUFFIX}"),
+    (stored.MACHINES, f"*{stored.RUNS}"),
+    (PARTS, "*.js"),
+)
 """Folders of a report, and the pattern of its files in each."""
 _OLD = (("certificates", "*.smt2"), ("traces", "*.jsonl"), ("traces", "*.json.xz"))
 """Files of reports before safeloc-report/5."""
@@ -89,6 +90,7 @@ def write_folder(
     names = {file: list(texts) for file, texts in archives.items()}
     small, machines = stored.split_data(everything, names, steps)
     files = stored.machine_names(everything)
+    scripts = {one.name: text for one in targets if one.name in runs and (text := machine_script(files[one.name], one))}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with _alone(folder):
@@ -104,7 +106,10 @@ def write_folder(
                 (folder / stored.TRACES / file).write_text(runs_file(own, files[name]), encoding="utf-8")
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
-            page = _write_page(folder, {**everything, "certificates": names, "runs": steps}, single=single)
+            for name, text in scripts.items():
+                (folder / stored.MACHINES / f"{files[name]}{stored.RUNS}").write_text(text, encoding="utf-8")
+            beside = {"certificates": names, "runs": steps, "scripts": list(scripts)}
+            page = _write_page(folder, {**everything, **beside}, single=single)
             write_digests(folder, _present(folder))
             on_written()
             return page
@@ -130,7 +135,7 @@ def files_of(folder: Path) -> list[str]:
 
 def _present(folder: Path) -> list[str]:
     """Return the names of the files of the report that are there, without that of the digests."""
-    own = [path for name, pattern in _OWN.items() for path in sorted((folder / name).glob(pattern))]
+    own = [path for name, pattern in _OWN for path in sorted((folder / name).glob(pattern))]
     single = [folder / name for name in (RUN_PAGE, JUNIT, SARIF, PAGE, stored.DATA)]
     return [path.relative_to(folder).as_posix() for path in (*own, *single) if path.is_file()]
 
@@ -179,9 +184,9 @@ def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
 
 
 def _write_page(folder: Path, data: Mapping[str, Any], *, single: bool) -> Path:
-    runs = {path.name: path.read_text(encoding="utf-8") for path in _runs_of(folder, data)} if single else {}
+    runs = [path.read_text(encoding="utf-8") for path in _runs_of(folder, data)] if single else []
     pages = to_pages(data, single=single, runs=runs)
-    for path in (*(folder / PARTS).glob(_OWN[PARTS]), *folder.glob(RUN_PAGE)):
+    for path in (*(folder / PARTS).glob("*.js"), *folder.glob(RUN_PAGE)):
         path.unlink()
     for name, text in pages.parts.items():
         (folder / PARTS).mkdir(exist_ok=True)
@@ -193,16 +198,18 @@ def _write_page(folder: Path, data: Mapping[str, Any], *, single: bool) -> Path:
 
 
 def _runs_of(folder: Path, data: Mapping[str, Any]) -> list[Path]:
-    """Return the files of runs that belong to the report."""
+    """Return the scripts of runs and machines that belong to the report."""
     having = {row["machine"] for row in data["results"] if row["id"] in data["runs"]}
-    return [folder / stored.TRACES / file for name, file in stored.runs_files(data).items() if name in having]
+    files = stored.runs_files(data)
+    runs = [folder / stored.TRACES / file for name, file in files.items() if name in having]
+    return [*runs, *(folder / stored.MACHINES / files[name] for name in data["scripts"])]
 
 
 def _clear(folder: Path) -> None:
     """Remove the files of an earlier report, if there is one."""
     if not (folder / stored.DATA).is_file():
         return
-    for name, pattern in (*_OWN.items(), *_OLD):
+    for name, pattern in (*_OWN, *_OLD):
         for path in (folder / name).glob(pattern):
             path.unlink()
 

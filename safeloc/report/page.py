@@ -34,7 +34,7 @@ PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
-NO_RUNS: Mapping[str, str] = MappingProxyType({})
+NO_PARTS: Mapping[str, str] = MappingProxyType({})
 _BARE: Mapping[str, Any] = MappingProxyType({"made": "", "run_at": "", "overview": "", "run": "", "script": ""})
 """What a page without search, parts and runs has besides the report."""
 _MANY_ROWS = 4
@@ -59,10 +59,10 @@ class Pages:
     parts: Mapping[str, str]
 
 
-def to_pages(data: _Data, *, single: bool = False, runs: Mapping[str, str] = NO_RUNS) -> Pages:
+def to_pages(data: _Data, *, single: bool = False, runs: Sequence[str] = ()) -> Pages:
     """Return the pages of a report; the first has no parts if it is small, or `single`.
 
-    runs  file name -> script with the runs of a machine; a single page has them in it
+    runs  the scripts with runs and machines; a single page has them in it
     """
     rendering = _Rendering(data)
     bare = rendering.page()
@@ -120,9 +120,9 @@ class _Rendering:
         """Return the page without parts that searches with the data beside it."""
         return self.page(run_at=RUN_PAGE, overview=self._overview(made), script=scripts([*SHARED, *OVERVIEW]))
 
-    def with_everything(self, made: str, runs: Mapping[str, str]) -> str:
+    def with_everything(self, made: str, runs: Sequence[str]) -> str:
         """Return the page with search, the view of runs, and all their data in it."""
-        texts = [results_script(self._data, self.links, made), *runs.values(), *dict(views(self._data, made)).values()]
+        texts = [results_script(self._data, self.links, made), *runs, *dict(views(self._data, made)).values()]
         script = scripts([*SHARED, *OVERVIEW, *(RUNS if runs else ())], calls=texts)
         known = island(known_runs(self._data, made, report="")) if runs else ""
         return self.page(overview=self._overview(made, run=""), run=known, script=script)
@@ -134,7 +134,7 @@ class _Rendering:
         given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
         return self._filled("run_page", **given) if first else ""
 
-    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = NO_RUNS) -> Markup:
+    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = NO_PARTS) -> Markup:
         """Return where the search finds its data, the view of runs, and the part of each machine."""
         return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts)})
 

@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding, Replayed
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.report.file_names import file_names
 from safeloc.report.machines import machine_data
-from safeloc.report.run_page import RUNS, SHARED, island, scripts, view_script
+from safeloc.report.run_page import RUNS, SHARED, island, machine_script, scripts, view_script
 from safeloc.runtime.streams.columns import Shown, runs_file
 from safeloc.target import Target
 
@@ -35,14 +35,17 @@ def recordings_page(target: Target, streams: Sequence[Path], *, made: str) -> st
     file = file_names([target.name])[target.name]
     runs = runs_file(shown, file)
     digest = hashlib.sha256(runs.encode()).hexdigest()[:16]
+    machine = machine_script(file, target)
     known = {
         "made": digest,
         "report": "",
         "alone": True,
         "first": next(iter(results)),
-        "machines": {target.name: {"file": file, "runs": "the page", "view": "the page"}},
+        "machines": {
+            target.name: {"file": file, "runs": "the page", "view": "the page", "script": "the page" if machine else ""}
+        },
     }
-    calls = [runs, view_script(file, machine_data(target), results, digest)]
+    calls = [runs, view_script(file, machine_data(target), results, digest), machine]
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )

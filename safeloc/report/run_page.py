@@ -7,6 +7,7 @@ machine by machine what a reader has to know beside the runs (`view`), and the r
 from __future__ import annotations
 
 import json
+import random
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -14,16 +15,20 @@ from typing import Any
 
 from markupsafe import Markup
 
+from safeloc.codegen.javascript import javascript
+from safeloc.errors import InputError
+from safeloc.proof.runs.lawful import first_state
 from safeloc.report.file_names import file_names
 from safeloc.report.links import Links
 from safeloc.runtime.scripts import script
+from safeloc.target import Target
 
 RUN_PAGE, VIEW = "run.html", ".view.js"
-VIEW_FUNCTION = "safelocView"
-"""The function of the page that takes what belongs to a machine beside its runs."""
+VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
+"""The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
-RUNS = ("runs", "charts", "interval", "diagram", "view", "control")
+RUNS = ("runs", "charts", "interval", "diagram", "live", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _PART = re.compile(r"#\d+")
 _Data = Mapping[str, Any]
@@ -53,7 +58,12 @@ def known_runs(data: _Data, made: str, *, report: str) -> dict[str, Any]:
         "alone": False,
         "first": "",
         "machines": {
-            name: {"file": file, "runs": f"traces/{file}.js", "view": f"page/{file}{VIEW}"}
+            name: {
+                "file": file,
+                "runs": f"traces/{file}.js",
+                "view": f"page/{file}{VIEW}",
+                "script": f"machines/{file}.js" if name in data.get("scripts", ()) else "",
+            }
             for name, file in _files(data).items()
         },
     }
@@ -74,6 +84,18 @@ def view_script(file: str, machine: _Data, results: _Data, made: str) -> str:
     """Return the script with what belongs to a machine beside its runs."""
     text = json.dumps(view(machine, results, made), separators=(",", ":"))
     return script(VIEW_FUNCTION, file, data=text.encode())
+
+
+def machine_script(file: str, target: Target) -> str:
+    """Return the script with the machine itself, so that the page can explain its steps and take others.
+
+    Nothing for a machine that cannot run as a script: its runs are shown without explanations.
+    """
+    try:
+        text = javascript(target.system, first=first_state(target.system, random.Random(0)))
+    except InputError:
+        return ""
+    return script(MACHINE_FUNCTION, file, data=text.encode())
 
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:

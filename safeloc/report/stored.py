@@ -2,6 +2,7 @@
 
 report.json               verdicts, requirements, and the certificates of each result, by number
 machines/MACHINE.json.xz  content of the page on a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
+machines/MACHINE.js       the machine itself as a script, with which the page explains its runs
 traces/MACHINE.js         runs in columns, in a script (safeloc.runtime.streams.columns)
 certificates/             safeloc.report.certificates
 """
@@ -25,6 +26,8 @@ DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
+_SAID_ONCE = ("statement", "method", "assumption")
+"""Words of a result that others have as well: report.json has them once."""
 Data = dict[str, Any]
 _T = TypeVar("_T")
 
@@ -39,7 +42,7 @@ def split_data(
     """
     numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
     places = {row["id"]: number for number, row in enumerate(data["results"])}
-    said = dict[str, int]()
+    said: dict[str, dict[str, int]] = {field: {} for field in _SAID_ONCE}
     files = machine_files(data)
     small = {
         **data,
@@ -47,7 +50,7 @@ def split_data(
         "results": [
             {
                 **row,
-                "statement": _once(said, row["statement"], number),
+                **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
                 "certificates": [numbers[name] for name in row["certificates"]],
                 "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
             }
@@ -60,10 +63,10 @@ def split_data(
     return small, bulky
 
 
-def _once(said: dict[str, int], statement: str, number: int) -> str | int:
-    """Return a statement; in place of one that an earlier result has as well, the number of that result."""
-    first = said.setdefault(statement, number)
-    return statement if first == number else first
+def _once(said: dict[str, int], words: str, number: int) -> str | int:
+    """Return the words of a result; in place of those that an earlier result has as well, the number of that result."""
+    first = said.setdefault(words, number) if words else number
+    return words if first == number else first
 
 
 def _text(data: Any) -> bytes:
@@ -101,7 +104,7 @@ def runs_files(data: Mapping[str, Any]) -> dict[str, str]:
 
 
 def read_report(folder: Path) -> Data:
-    """Return the content of report.json, with names and statements instead of numbers.
+    """Return the content of report.json, with names and words instead of numbers.
 
     InputError if it is no report of this version.
     """
@@ -131,22 +134,26 @@ def _named(data: Data) -> Data:
     """Return the data with names instead of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
     ids = [row["id"] for row in data["results"]]
-    said = [row["statement"] for row in data["results"]]
+    said = {field: [row[field] for row in data["results"]] for field in _SAID_ONCE}
     return {
         **data,
         "results": [
-            {**row, "statement": _said(said, row["statement"]), "certificates": _at(names, row["certificates"])}
+            {
+                **row,
+                **{field: _said(said[field], row[field]) for field in _SAID_ONCE},
+                "certificates": _at(names, row["certificates"]),
+            }
             for row in data["results"]
         ],
         "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
     }
 
 
-def _said(said: Sequence[str | int], statement: str | int) -> str:
-    """Return a statement that stands here or with an earlier result."""
-    found = said[statement] if type(statement) is int and statement >= 0 else statement
+def _said(said: Sequence[str | int], words: str | int) -> str:
+    """Return words that stand here or with an earlier result."""
+    found = said[words] if type(words) is int and words >= 0 else words
     if not isinstance(found, str):
-        raise ValueError(f"no result {statement} with a statement of its own")
+        raise ValueError(f"no result {words} with words of its own")
     return found
 
 
@@ -177,7 +184,8 @@ def _put_together(folder: Path, data: Data) -> Data:
                 read[file] = read_runs(folder / TRACES / file)
             trace = read[file].plain(row["id"])
         rows.append({**row, "trace": trace})
-    return {**data, "machines": machines, "results": rows, "runs": runs}
+    scripts = [name for name, file in runs_files(data).items() if (folder / MACHINES / file).is_file()]
+    return {**data, "machines": machines, "results": rows, "runs": runs, "scripts": scripts}
 
 
 def _machine(path: Path) -> Data:

@@ -13,15 +13,16 @@ function link() {
   return new URLSearchParams(location.hash.slice(1));
 }
 
-function linkTo(result, step, more = {}) {
+function linkTo(result, step, more = {}, watched = []) {
   const words = new URLSearchParams({ result, step, ...more });
+  for (const text of watched) words.append("watch", text);
   return `#${words.toString()}`;
 }
 
 function remember() {
   if (!view || playing) return;
   const more = { ...(view.part ? { machine: view.part } : {}), ...(view.plotted.length ? { chart: view.plotted.join(",") } : {}) };
-  asked = linkTo(view.result, view.step, more);
+  asked = linkTo(view.result, view.step, more, view.watched);
   history.replaceState(null, "", asked);
 }
 
@@ -61,7 +62,7 @@ function refuse(text) {
 async function openRun(result, words) {
   const name = Object.keys(known.machines).find((one) => result.startsWith(`${one}/`));
   if (!name) throw new Error(`This report has no run of ${result}.`);
-  const { file, runs, view: beside } = known.machines[name];
+  const { file, runs, view: beside, script } = known.machines[name];
   const data = await fetched(`view ${file}`, beside);
   if (data.made !== known.made) throw new Error(`${beside} is of another report than this page. ${AGAIN}`);
   const read = new Runs(await fetched(`runs ${file}`, runs));
@@ -75,7 +76,11 @@ async function openRun(result, words) {
   view.plotted = (words.get("chart") ?? "").split(",").filter((one) => view.signal(one));
   setUp(words.get("machine") ?? "");
   const step = words.has("step") ? Number(words.get("step")) : (view.violating ?? (view.fired[0] ?? 0));
+  view.watched = words.getAll("watch");
   go(Number.isInteger(step) ? step : 0);
+  const opened = view;
+  const live = await machineOf(file, script, trace);
+  if (live && view === opened) view.setLive(live);
 }
 
 function head(data, trace, read) {
@@ -241,6 +246,11 @@ const KEYS = {
 for (const [id, pressed] of Object.entries(PRESSED)) place(id).addEventListener("click", () => view && pressed());
 place("run-slider").addEventListener("input", (event) => view && go(Number(event.target.value)));
 place("run-step").addEventListener("change", (event) => view && go(Math.trunc(Number(event.target.value)) || 0));
+place("run-watch").addEventListener("submit", (event) => {
+  event.preventDefault();
+  view?.watch(place("run-expression").value.trim());
+  place("run-expression").value = "";
+});
 place("run-filter").addEventListener("input", () => view?.showValues());
 place("run-only").addEventListener("change", () => view?.showValues());
 place("run-part").addEventListener("change", (event) => view && project(event.target.value));

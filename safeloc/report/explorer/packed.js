@@ -16,12 +16,21 @@ window.safelocResults = (name, text) => arrive(`results ${name}`, text);
 
 /* The data of a script that stands in the page, or beside it. */
 async function fetched(what, file) {
+  const text = await fetchedText(what, file);
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new Error(`${file} is damaged. ${AGAIN}`);
+  }
+}
+
+async function fetchedText(what, file) {
   if (!arrived.has(what)) await loaded(what, file);
   if (typeof DecompressionStream === "undefined") {
     throw new Error("This browser is too old to show runs; `safeloc report FOLDER --extract DIR` writes them as text.");
   }
   try {
-    return JSON.parse(await unpacked(arrived.get(what)));
+    return await unpacked(arrived.get(what));
   } catch {
     throw new Error(`${file} is damaged. ${AGAIN}`);
   }

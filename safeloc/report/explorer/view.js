@@ -19,7 +19,15 @@ class View {
     this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
     this.charts.marks = this.broken.map(([statement, step]) => ({ step, words: `violated at step ${step}: ${statement}` }));
     this.values = [];
+    this.watched = [];
+    this.live = null;
     this.fill();
+  }
+
+  /* Takes the machine itself, when the page has loaded it. */
+  setLive(live) {
+    this.live = live;
+    this.show(this.step);
   }
 
   /* What the run breaks: statements, each with the step that breaks it, in the order of the steps. */
@@ -84,12 +92,14 @@ class View {
     return value === null ? "" : shown(value, this.signal(name) ?? this.signal(`${machine}.mode`));
   }
 
-  /* The steps in which a row of a table fired, not only the machine stayed as it is. */
+  /* The steps in which another transition fires than in the step before. */
   firingSteps() {
-    const rows = new Set(this.data.parts.flatMap((part) => part.table.map((row) => row.name)));
     const found = [];
+    let before = "";
     for (let step = 1; step <= this.trace.steps; step += 1) {
-      if (this.firedAt(step).some(([, name]) => rows.has(name))) found.push(step);
+      const now = this.firedAt(step).join("\n");
+      if (now !== before) found.push(step);
+      before = now;
     }
     return found;
   }
@@ -113,7 +123,7 @@ class View {
     const lanes = every
       .filter((name) => this.trace.first.get(name) !== null)
       .map((name) => ({
-        name,
+        name: name.includes(".") ? name.slice(0, name.lastIndexOf(".")) : name,
         values: this.trace.series("state", name),
         words: (value) => shown(value, this.signal(name)),
       }));
@@ -236,6 +246,7 @@ class View {
     this.step = Math.max(0, Math.min(this.trace.steps, step));
     this.charts.move(this.step);
     this.showFired();
+    this.showWatched();
     this.showDiagram();
     this.showValues();
     this.markStep();
@@ -243,11 +254,19 @@ class View {
   }
 
   showFired() {
+    const before = new Set(this.firedAt(this.step - 1).map(String));
     const fired = this.firedAt(this.step);
-    const lines = fired.map(([machine, name]) => this.firedLine(machine, name));
+    const others = fired.filter((one) => !before.has(String(one)));
+    const as = fired.filter((one) => before.has(String(one)));
+    const lines = (others.length ? others : fired.length === 1 ? fired : []).map(([machine, name]) => this.firedLine(machine, name));
+    if (as.length && fired.length > 1) {
+      const rest = as.map(([machine, name]) => this.firedLine(machine, name));
+      lines.push(element("details", { open: !others.length }, element("summary", {}, `${as.length} fired as in the step before`), ...rest));
+    }
     for (const [statement, step] of this.broken) {
       if (step === this.step) lines.unshift(element("p", { class: "violated" }, element("b", {}, "violated here: "), statement));
     }
+    for (const law of this.live?.broken(this.step) ?? []) lines.push(element("p", { class: "unknown" }, `breaks the law ${law}: no proof speaks of what follows`));
     place("run-fired").replaceChildren(...(this.step ? lines : [element("p", { class: "soft" }, "the state before the first step")]));
   }
 
@@ -278,13 +297,23 @@ class View {
   }
 
   showRows(part, mode) {
-    const fired = new Set(this.firedAt(this.step).filter(([machine]) => machine === part.name || this.alone).map(([, name]) => name));
-    const lines = part.table
-      .map((row, at) => ({ ...row, number: at + 1 }))
-      .filter((row) => row.source.split(", ").includes(mode))
-      .map((row) => element("li", { value: row.number, class: fired.has(row.name) ? "took" : null }, element("b", {}, row.name), ` \u2192 ${row.target}`, fired.has(row.name) ? element("span", { class: "tag" }, "fired") : null));
-    place("run-rows").replaceChildren(element("ol", {}, ...lines));
+    const numbers = new Map(part.table.map((row, at) => [row.name, at + 1]));
+    const rows = this.explained(part) ?? this.rowsAtHome(part, mode);
+    place("run-rows").replaceChildren(element("ol", {}, ...rows.map((row) => rowLine(row, numbers.get(row.transition)))));
     place("run-rows-box").firstElementChild.textContent = `transitions of ${part.name} in ${mode}`;
+  }
+
+  /* The rows of the present mode with the parts that refuse them, where the page has the machine itself. */
+  explained(part) {
+    const rows = this.live?.rows(this.step);
+    return rows?.filter((row) => this.data.parts.length === 1 || row.machine === part.name) ?? null;
+  }
+
+  rowsAtHome(part, mode) {
+    const fired = new Set(this.firedAt(this.step).filter(([machine]) => machine === part.name || this.alone).map(([, name]) => name));
+    return part.table
+      .filter((row) => row.source.split(", ").includes(mode))
+      .map((row) => ({ transition: row.name, target: row.target, fires: fired.has(row.name), enabled: null, parts: [] }));
   }
 
   showValues() {
@@ -312,6 +341,48 @@ class View {
     one.button.setAttribute("aria-pressed", String(this.plotted.includes(one.name)));
   }
 
+  /* ---------------------------------------------------- watch */
+
+  watch(text) {
+    if (text && !this.watched.includes(text)) this.watched.push(text);
+    this.showWatched();
+    this.moved();
+  }
+
+  unwatch(text) {
+    this.watched = this.watched.filter((one) => one !== text);
+    this.showWatched();
+    this.moved();
+  }
+
+  showWatched() {
+    const now = this.watched.length ? this.live?.values(this.step) ?? {} : {};
+    const before = this.watched.length ? this.live?.values(this.step - 1) ?? {} : {};
+    place("run-watched").replaceChildren(...this.watched.map((text) => {
+      const [was, is] = [this.evaluate(text, this.step - 1, before), this.evaluate(text, this.step, now)];
+      const close = element("button", { class: "quiet", onclick: () => this.unwatch(text), "aria-label": `do not watch ${text}` }, "\u00d7");
+      return element("tr", { class: was !== is ? "changed" : null }, element("th", { scope: "row" }, element("code", {}, text)), element("td", { class: "n" }, this.step ? was : ""), element("td", { class: "n" }, is), element("td", {}, this.signal(text)?.unit ?? ""), element("td", {}, close));
+    }));
+  }
+
+  evaluate(text, step, terms) {
+    try {
+      const found = evaluated(text, (name) => this.valueOf(name, step, terms));
+      return typeof found === "bigint" ? shown(found, null) : String(found ?? "absent");
+    } catch (error) {
+      return error.message;
+    }
+  }
+
+  /* The value of a name after a step, in the machine's own words; of a term that the machine names, in that step. */
+  valueOf(name, step, terms) {
+    const kind = ["state", "outputs", "inputs"].find((one) => this.trace.names[one].includes(name));
+    if (!kind && !(name in terms)) throw new Error(`no ${name}${step > 0 && !this.live ? " in this run" : ""}`);
+    const value = kind ? this.trace.at(kind, name, step) : terms[name];
+    if (value === null || typeof value === "boolean" || typeof value === "string") return value;
+    return this.signal(name)?.members?.length ? shown(value, this.signal(name)) : BigInt(value);
+  }
+
   markStep() {
     for (const row of this.body.querySelectorAll("[aria-current]")) row.removeAttribute("aria-current");
     this.body.querySelector(`[data-step="${this.step}"]`)?.setAttribute("aria-current", "step");
@@ -325,4 +396,12 @@ class View {
     this.rowsAround(Math.floor(box.scrollTop / BOUND));
     this.markStep();
   }
+}
+
+/* A transition of the present mode: it fired, or was enabled, or is refused by parts of its guard. */
+function rowLine(row, number) {
+  const word = row.fires ? "fired" : row.enabled === null ? "" : row.enabled ? "enabled" : "refused";
+  const head = [element("b", {}, row.transition), ` \u2192 ${row.target}`, word ? element("span", { class: `tag ${word}` }, word) : null];
+  const parts = row.parts.length ? element("details", {}, element("summary", {}, "why"), element("ul", { class: "parts" }, ...row.parts.map(partLine))) : null;
+  return element("li", { value: number, class: row.fires ? "took" : null }, ...head, parts);
 }
