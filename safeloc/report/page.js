@@ -76,8 +76,23 @@
     });
     seen.observe(box, { childList: true, subtree: true });
   });
-  document.getElementById("open-all").addEventListener("click", () => {
+  function openAll() {
     for (const box of boxes) box.open = true;
+  }
+  document.getElementById("open-all").addEventListener("click", openAll);
+
+  /* On paper stands everything: all parts are opened, and each has come or said why not, before the page is printed. */
+  async function printAll() {
+    openAll();
+    const come = (box) => "shown" in box.dataset || box.querySelector("div.violated");
+    while (![...boxes].every(come)) await new Promise((resolve) => setTimeout(resolve, 50));
+    print();
+  }
+  document.getElementById("print-all").addEventListener("click", printAll);
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== "p" || !(event.ctrlKey || event.metaKey)) return;
+    event.preventDefault();
+    printAll();
   });
 
   function warn(what) {

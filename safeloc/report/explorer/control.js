@@ -103,7 +103,7 @@ function head(data, trace, read) {
 function wordOf(result, trace, data) {
   const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}`;
   const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
-  return broken.length ? `violated at step ${broken.join(", ")} of ${steps}` : `a run of ${steps}`;
+  return broken.length ? `at step ${broken.join(", ")} of ${trace.steps}` : `a run of ${steps}`;
 }
 
 function setUp(part) {

@@ -1,6 +1,6 @@
 /* Watch expressions: names, whole numbers, labels in quotes, + - *, comparisons, and, or, not, parentheses. Exact, like the machine. */
 
-const TOKEN = /\s*(?:(\d+)|"([^"]*)"|([A-Za-z_][\w. ]*?[\w]|[A-Za-z_])(?=\s*(?:[-+*()<>=!]|and\b|or\b|$))|(<=|>=|!=|[-+*()<>=]))/y;
+const TOKEN = /\s*(?:(\d+)|"([^"]*)"|([A-Za-z_][\w. ]*?[\w]|[A-Za-z_])(?=\s*[-+*()<>=!]|\s+(?:and|or)\b|\s*$)|(<=|>=|!=|[-+*()<>=]))/y;
 const ORDER = [["or"], ["and"], ["=", "!=", "<", "<=", ">", ">="], ["+", "-"], ["*"]];
 
 /* Returns the value of an expression; `value` gives that of a name. Error with the reason for one that has none. */
