@@ -72,7 +72,6 @@ def test_parts_are_of_their_page(tmp_path: Path) -> None:
         "conditions.js",
         "beside.js",
         "results.js",
-        "door.view.js",
     }
     assert made != re.findall(r'data-made="([0-9a-f]{16})"', (tmp_path / "index.html").read_text(encoding="utf-8"))
 
