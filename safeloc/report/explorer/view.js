@@ -195,7 +195,7 @@ class View {
     const button = element("button", { class: "quiet", onclick: () => this.plot(name), "aria-label": `chart of ${name}` }, "chart");
     const unit = signal?.unit ?? "";
     const row = element("tr", {}, element("th", { scope: "row" }, element("code", {}, name)), before, after, element("td", {}, unit), element("td", {}, button));
-    this.values.push({ kind, name, signal, values, row, before, after, button });
+    this.values.push({ kind, name, lower: name.toLowerCase(), signal, values, row, button, cells: { before, after }, texts: {} });
     return row;
   }
 
@@ -266,7 +266,8 @@ class View {
     for (const [statement, step] of this.broken) {
       if (step === this.step) lines.unshift(element("p", { class: "violated" }, element("b", {}, "violated here: "), statement));
     }
-    for (const law of this.live?.broken(this.step) ?? []) lines.push(element("p", { class: "unknown" }, `breaks the law ${law}: no proof speaks of what follows`));
+    const laws = this.live?.broken(this.step) ?? [];
+    if (laws.length) lines.push(element("p", { class: "unknown" }, `No proof speaks of what follows: this step breaks ${laws.length > 1 ? "the laws" : "the law"} \u201c${laws.join("\u201d, \u201c")}\u201d.`));
     place("run-fired").replaceChildren(...(this.step ? lines : [element("p", { class: "soft" }, "the state before the first step")]));
   }
 
@@ -322,7 +323,7 @@ class View {
     for (const one of this.values) {
       const [was, is] = [one.values[this.step - 1] ?? null, one.values[this.step] ?? null];
       const changed = this.step > 0 && was !== is;
-      const hidden = (was === null && is === null) || (only && !changed) || !one.name.toLowerCase().includes(word);
+      const hidden = (was === null && is === null) || (only && !changed) || !one.lower.includes(word);
       if (one.row.hidden !== hidden) one.row.hidden = hidden;
       if (!hidden) this.showValue(one, was, is, changed);
     }
@@ -333,12 +334,12 @@ class View {
 
   /* Only what differs from what stands there is written: most values stay from step to step. */
   showValue(one, was, is, changed) {
-    const { signal } = one;
-    const texts = [this.step ? shown(was, signal) : "", one.kind !== "state" && !this.step ? "" : shown(is, signal)];
-    if (one.before.textContent !== texts[0]) one.before.textContent = texts[0];
-    if (one.after.textContent !== texts[1]) one.after.textContent = texts[1];
-    one.row.classList.toggle("changed", changed);
-    one.button.setAttribute("aria-pressed", String(this.plotted.includes(one.name)));
+    const first = one.kind !== "state" && !this.step;
+    write(one, "before", this.step ? shown(was, one.signal) : "");
+    write(one, "after", first ? "" : shown(is, one.signal));
+    if (one.changed !== changed) one.row.classList.toggle("changed", (one.changed = changed));
+    const plotted = this.plotted.includes(one.name);
+    if (one.plotted !== plotted) one.button.setAttribute("aria-pressed", String((one.plotted = plotted)));
   }
 
   /* ---------------------------------------------------- watch */
@@ -396,6 +397,10 @@ class View {
     this.rowsAround(Math.floor(box.scrollTop / BOUND));
     this.markStep();
   }
+}
+
+function write(one, cell, text) {
+  if (one.texts[cell] !== text) one.cells[cell].textContent = one.texts[cell] = text;
 }
 
 /* A transition of the present mode: it fired, or was enabled, or is refused by parts of its guard. */
