@@ -24,7 +24,7 @@ from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.overview import RESULTS, results_script
-from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, SHARED, asset, island, known_runs, scripts, views
+from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.scripts import script
 from safeloc.runtime.streams.gzipped import name_of
@@ -118,19 +118,19 @@ class _Rendering:
 
     def whole(self, made: str) -> str:
         """Return the page without parts that searches with the data beside it."""
-        return self.page(run_at=RUN_PAGE, overview=self._overview(made), script=scripts([*SHARED, *OVERVIEW]))
+        return self.page(run_at=RUN_PAGE, overview=self._overview(made), script=scripts(OVERVIEW))
 
     def with_everything(self, made: str, runs: Sequence[str]) -> str:
         """Return the page with search, the view of runs, and all their data in it."""
         texts = [results_script(self._data, self.links, made), *runs, *dict(views(self._data, made)).values()]
-        script = scripts([*SHARED, *OVERVIEW, *(RUNS if runs else ())], calls=texts)
+        script = scripts(OVERVIEW, *([RUNS] if runs else []), calls=texts)
         known = island(known_runs(self._data, made, report="")) if runs else ""
         return self.page(overview=self._overview(made, run=""), run=known, script=script)
 
     def run_page(self, made: str) -> str:
         """Return the page of runs that lies beside the page; nothing if there is no run."""
         first = {row["machine"]: at for row in reversed(self._data["results"]) if (at := self.links.run(row))}
-        known, script = known_runs(self._data, made, report="index.html"), scripts([*SHARED, *RUNS])
+        known, script = known_runs(self._data, made, report="index.html"), scripts(RUNS)
         given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
         return self._filled("run_page", **given) if first else ""
 
@@ -160,7 +160,7 @@ class _Rendering:
             made=made,
             run_at=RUN_PAGE,
             overview=self._overview(made, parts=beside),
-            script=Markup(f"{asset('page.js')}{scripts([*SHARED, *OVERVIEW])}"),
+            script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
 

@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding, Replayed
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.report.file_names import file_names
 from safeloc.report.machines import machine_data
-from safeloc.report.run_page import RUNS, SHARED, island, machine_script, scripts, view_script
+from safeloc.report.run_page import RUNS, island, machine_script, scripts, view_script
 from safeloc.runtime.streams.columns import Shown, runs_file
 from safeloc.target import Target
 
@@ -35,7 +35,7 @@ def recordings_page(target: Target, streams: Sequence[Path], *, made: str) -> st
     file = file_names([target.name])[target.name]
     runs = runs_file(shown, file)
     digest = hashlib.sha256(runs.encode()).hexdigest()[:16]
-    machine = machine_script(file, target)
+    machine = machine_script(file, target, ghosts=shown[0].trace.system is target.system)
     known = {
         "made": digest,
         "report": "",
@@ -50,7 +50,7 @@ def recordings_page(target: Target, streams: Sequence[Path], *, made: str) -> st
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     given: Mapping[str, Any] = {"data": {"made": made}, "machines": [], "run": island(known)}
-    return environment.get_template("run_page.html.jinja").render(script=scripts([*SHARED, *RUNS], calls), **given)
+    return environment.get_template("run_page.html.jinja").render(script=scripts(RUNS, calls=calls), **given)
 
 
 def _result(findings: Sequence[Finding], replayed: Replayed) -> dict[str, Any]:

@@ -15,8 +15,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from safeloc.codegen.javascript import javascript
+from safeloc.codegen.javascript import javascript, on_board
 from safeloc.errors import InputError
+from safeloc.explain.pytest_file import run_file_pieces
 from safeloc.proof.runs.lawful import first_state
 from safeloc.report.file_names import file_names
 from safeloc.report.links import Links
@@ -28,16 +29,23 @@ VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
 """The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
-RUNS = ("runs", "charts", "interval", "diagram", "live", "watch", "view", "control")
+RUNS = ("runs", "charts", "interval", "diagram", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _PART = re.compile(r"#\d+")
 _Data = Mapping[str, Any]
 
 
-def scripts(names: Sequence[str], calls: Sequence[str] = ()) -> Markup:
-    """Return one script of our own texts, and after them calls of its functions with data."""
-    own = "\n".join(asset(f"explorer/{name}.js") for name in names)
+def scripts(*groups: Sequence[str], calls: Sequence[str] = ()) -> Markup:
+    """Return one script of our own texts, and after them calls of its functions with data.
+
+    Each group has names of its own beside those that all of them share.
+    """
+    own = _joined(SHARED) + "".join(f"{{\n{_joined(group)}}}\n" for group in groups)
     return Markup(f'"use strict";\n(() => {{\n{own}}})();\n{"".join(calls)}')
+
+
+def _joined(names: Sequence[str]) -> str:
+    return "\n".join(asset(f"explorer/{name}.js") for name in names)
 
 
 def asset(name: str) -> Markup:
@@ -86,16 +94,24 @@ def view_script(file: str, machine: _Data, results: _Data, made: str) -> str:
     return script(VIEW_FUNCTION, file, data=text.encode())
 
 
-def machine_script(file: str, target: Target) -> str:
+def machine_script(file: str, target: Target, *, ghosts: bool = True) -> str:
     """Return the script with the machine itself, so that the page can explain its steps and take others.
 
+    ghosts  whether the runs of the page have the ghosts of the machine; a recording may be without
     Nothing for a machine that cannot run as a script: its runs are shown without explanations.
     """
+    system = target.system if ghosts else on_board(target.system)
+    test = run_file_pieces(target, None) if _by_defaults(target) else ()
     try:
-        text = javascript(target.system, first=first_state(target.system, random.Random(0)))
+        text = javascript(system, first=first_state(system, random.Random(0)), test=test)
     except InputError:
         return ""
     return script(MACHINE_FUNCTION, file, data=text.encode())
+
+
+def _by_defaults(target: Target) -> bool:
+    """Return whether the name alone makes the target again, so that a test of its runs can load it."""
+    return target.given is None and (target.config is None or target.config == type(target.config)())
 
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -19,7 +21,8 @@ from safeloc.proof.results import Finding
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
-from safeloc.runtime.streams.steps import write_steps
+from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset
+from safeloc.runtime.streams.steps import read_steps, write_steps
 from tests.report.browser import DESK, PHONE, Page, browser, page
 from tests.report.test_page import DOOR, door, findings
 
@@ -60,6 +63,15 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("odometry") / "page.html"
     path.write_text(recordings_page(target, target.streams[:2], made="now"), encoding="utf-8")
     return path
+
+
+def test_a_name_is_declared_once() -> None:
+    """In each group of scripts with those that all share: a second function of a name would replace the first without a word."""
+    for group in (OVERVIEW, RUNS):
+        text = "\n".join(asset(f"explorer/{name}.js") for name in (*SHARED, *group))
+        names = re.findall(r"^(?:async )?(?:function\*?|class|const|let) (\w+)", text, re.MULTILINE)
+        assert len(names) > 10
+        assert sorted(set(names)) == sorted(names)
 
 
 # ------------------------------------------------------------------ overview
@@ -202,6 +214,51 @@ def test_watch_expressions(page: Page, report: Path) -> None:
     assert page.said() == []
 
 
+def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) -> None:
+    """The machine goes on in the page as the interpreter does; the run is saved as a stream and as a test; no verdict speaks of it."""
+    opened(page, runs_of(report), f"{WRONG}&step=1")
+    page.until("!document.getElementById('run-if').hidden")
+    page.driver.execute_script(
+        "window.saved = []; URL.createObjectURL = (blob) => (blob.text().then((t) => saved.push(t)), '#')"
+    )
+    page.click("#run-if-open")
+    assert "violated" not in page.text("#run-verdict")
+    assert page.js("document.querySelector('#run-verdict .verdict')") is None
+    page.js("document.getElementById('run-input-released').value = 'true'")
+    page.click("#run-if-take")
+    page.js("(document.getElementById('run-input-released').value = 'false')")
+    page.type("#run-input-speed", "7")
+    page.click("#run-if-ten")
+    page.until("document.getElementById('run-said').textContent.startsWith('step 12 of 12')")
+    page.click("#run-if-back")
+    page.type("#run-input-speed", "metres")
+    page.click("#run-if-take")
+    assert page.text("#run-if-flaw") == "speed: 07metres is no whole number."
+    page.js("(document.getElementById('run-input-speed').value = '100001')")
+    page.click("#run-if-take")
+    assert "100001 mm/s is outside 0..100000" in page.text("#run-if-flaw")
+    rows = [{"speed": 0, "blocked": False, "released": True}] * 2 + [
+        {"speed": 7, "blocked": False, "released": False}
+    ] * 9
+    rows[1] = {**rows[1], "speed": 0}
+    expected = run(door().system, rows)
+    assert value(page, "closing_for")[1].replace("\u202f", "") == str(expected.steps[-1].state["closing_for"])
+    assert next(iter(expected.steps[-1].fired.values())) in page.text("#run-said")
+    page.click("#run-if-stream")
+    page.until("window.saved.length === 1")
+    (tmp_path / "mine.jsonl").write_text(page.js("window.saved[0]"), encoding="utf-8")
+    assert rows == [dict(step) for step in read_steps(tmp_path / "mine.jsonl").steps]
+    page.click("#run-if-test")
+    page.until("window.saved.length === 2")
+    (tmp_path / "test_mine.py").write_text(page.js("window.saved[1]"), encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:safeloc", "--rootdir", str(tmp_path), "test_mine.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert "2 passed" in done.stdout, done.stdout + done.stderr
+    page.click("#run-if-close")
+    page.until("document.getElementById('run-said').textContent === 'step 1 of 3: open'")
+    assert "violated" in page.text("#run-verdict")
+
+
 def test_recordings_of_a_machine(page: Page, recordings: Path) -> None:
     """Hundreds of steps: jumps to the next fired transition and to the change of a variable, another recording, zoom, play."""
     opened(page, recordings)
@@ -310,6 +367,8 @@ def test_no_barrier_for_anybody(page: Page, report: Path, recordings: Path, dark
     for path, place in ((runs_of(report), WRONG), (recordings, "")):
         opened(page, path, place)
         page.until("document.querySelector('#run-rows .tag') !== null")
+        page.click("#run-if-open")
+        page.type("#run-expression", "mode", ENTER)
         assert page.barriers() == []
         assert page.js("document.documentElement.scrollWidth") <= width[0]
 

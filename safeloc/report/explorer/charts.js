@@ -17,7 +17,8 @@ class Charts {
     this.step = 0;
     this.whole();
     this.drag = null;
-    new ResizeObserver(() => this.width !== box.clientWidth && this.draw()).observe(box);
+    this.resized = new ResizeObserver(() => this.width !== box.clientWidth && this.draw());
+    this.resized.observe(box);
   }
 
   whole() {
@@ -88,9 +89,9 @@ class Charts {
   markers(height) {
     return this.marks
       .filter(({ step }) => step >= this.from && step <= this.to)
-      .map(({ step, words }) => {
+      .map(({ step, words, kind }) => {
         const x = this.x(step).toFixed(1);
-        return drawn("g", {}, drawn("line", { class: "mark", x1: x, x2: x, y1: 0, y2: height }), drawn("title", {}, words));
+        return drawn("g", {}, drawn("line", { class: kind ?? "mark", x1: x, x2: x, y1: 0, y2: height }), drawn("title", {}, words));
       });
   }
 

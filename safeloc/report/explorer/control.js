@@ -20,7 +20,7 @@ function linkTo(result, step, more = {}, watched = []) {
 }
 
 function remember() {
-  if (!view || playing) return;
+  if (!view || playing || view.trace.from !== undefined) return; // a link cannot hold the steps that were taken here
   const more = { ...(view.part ? { machine: view.part } : {}), ...(view.plotted.length ? { chart: view.plotted.join(",") } : {}) };
   asked = linkTo(view.result, view.step, more, view.watched);
   history.replaceState(null, "", asked);
@@ -71,8 +71,9 @@ async function openRun(result, words) {
   trace.results = [result, ...trace.results.filter((one) => one !== result)];
   place("run-flaw").hidden = true;
   place("run-body").hidden = false;
-  head(data, trace, read);
-  view = new View(data, trace, moved);
+  head(data, trace);
+  choices(read, result);
+  showRun(data, trace);
   view.plotted = (words.get("chart") ?? "").split(",").filter((one) => view.signal(one));
   setUp(words.get("machine") ?? "");
   const step = words.has("step") ? Number(words.get("step")) : (view.violating ?? (view.fired[0] ?? 0));
@@ -80,10 +81,18 @@ async function openRun(result, words) {
   go(Number.isInteger(step) ? step : 0);
   const opened = view;
   const live = await machineOf(file, script, trace);
-  if (live && view === opened) view.setLive(live);
+  if (!live || view !== opened) return;
+  view.setLive(live);
+  offer(live);
 }
 
-function head(data, trace, read) {
+function showRun(data, trace) {
+  view?.close();
+  view = new View(data, trace, moved);
+  offer(null);
+}
+
+function head(data, trace) {
   const [result] = trace.results;
   const { verdict, statement, at } = data.results[result] ?? { verdict: "", statement: "", at: "" };
   place("run-machine").textContent = data.name;
@@ -96,6 +105,9 @@ function head(data, trace, read) {
   place("run-shows").textContent = others.length ? `also shows ${others.length} other result${others.length > 1 ? "s" : ""}` : "";
   place("run-shows").title = others.join("\n");
   document.title = `${result}: run`;
+}
+
+function choices(read, result) {
   const options = read.runs.flatMap((run) => run.results.map((one) => element("option", { value: one, selected: one === result }, `${one.split("/").slice(1).join("/")} (${run.steps})`)));
   place("run-choice").replaceChildren(...options);
 }
@@ -183,6 +195,89 @@ function stop() {
   if (view) moved();
 }
 
+/* ------------------------------------------------------ other inputs */
+
+let inputs = null;
+
+/* Offers to branch off where the machine itself is in the page and the run is one of the whole of it. */
+function offer(live) {
+  place("run-if").hidden = !live?.fits;
+  if (live?.fits && view.trace.from === undefined) branching(false);
+}
+
+function branching(on) {
+  for (const id of ["take", "ten", "rest", "back", "stream", "test", "close"]) place(`run-if-${id}`).hidden = !on;
+  place("run-if-open").hidden = on;
+  place("run-if-flaw").hidden = true;
+  if (!on) place("run-if-inputs").replaceChildren();
+  place("run-if-says").textContent = on
+    ? `The stored run up to step ${view.trace.from}; then the inputs below. Nothing here is checked against the properties: save the run, and \`safeloc replay\` checks it.`
+    : "From this step on the machine goes on in the page, with inputs that you choose.";
+}
+
+function branchOff() {
+  const { live, data, trace, step } = view;
+  const branch = new Branch(trace, live, step);
+  inputs = new Inputs(place("run-if-inputs"), live);
+  inputs.fill(branch.storedInputs(Math.min(step + 1, trace.steps)));
+  showBranch(data, branch);
+}
+
+function showBranch(data, branch) {
+  const { plotted, watched, part } = view;
+  showRun(data, branch);
+  [view.plotted, view.watched, view.part] = [plotted, watched, part];
+  view.fill();
+  place("run-verdict").textContent = `not checked: other inputs from step ${branch.from + 1} on`; // no verdict speaks of this run
+  place("run-statement").textContent = "";
+  place("run-slider").max = place("run-step").max = branch.steps;
+  place("run-of").textContent = `of ${branch.steps}`;
+  view.setLive(branch.live);
+  offer(branch.live);
+  branching(true);
+  go(branch.steps);
+}
+
+/* Takes steps with what `given` returns for each; what the machine refuses is said, and the steps before it stay. */
+function takeSteps(count, given) {
+  const { trace, data } = view;
+  let flaw = "";
+  try {
+    for (let taken = 0; taken < count; taken += 1) trace.take(given(trace.steps + 1), data.signals);
+  } catch (error) {
+    flaw = error.message;
+  }
+  showBranch(data, trace);
+  place("run-if-flaw").hidden = !flaw;
+  place("run-if-flaw").textContent = flaw;
+}
+
+function takeBack() {
+  if (view.trace.steps > view.trace.from) view.trace.back();
+  showBranch(view.data, view.trace);
+}
+
+function save(form, ending) {
+  try {
+    download(`${view.data.name}-run${ending}`, view.trace.written(form));
+  } catch (error) {
+    place("run-if-flaw").hidden = false;
+    place("run-if-flaw").textContent = error.message;
+  }
+}
+
+function closeBranch() {
+  const { from, stored } = view.trace;
+  const { live, data } = view;
+  head(data, stored);
+  showRun(data, stored);
+  setUp("");
+  const whole = new Live(live.machine, stored);
+  view.setLive(whole);
+  offer(whole);
+  go(from);
+}
+
 async function copyLink() {
   remember();
   try {
@@ -220,6 +315,14 @@ const PRESSED = {
   "run-change-next": () => goChange(1),
   "run-link": copyLink,
   "run-keys": help,
+  "run-if-open": branchOff,
+  "run-if-take": () => takeSteps(1, () => inputs.given),
+  "run-if-ten": () => takeSteps(10, () => inputs.given),
+  "run-if-rest": () => takeSteps(view.trace.stored.steps - view.trace.steps, (step) => view.trace.storedInputs(step)),
+  "run-if-back": takeBack,
+  "run-if-stream": () => save("asStream", ".jsonl"),
+  "run-if-test": () => save("asTest", "_test.py"),
+  "run-if-close": closeBranch,
   "run-zoom-in": () => zoom(0.5),
   "run-zoom-out": () => zoom(2),
   "run-zoom-all": zoomAll,

@@ -72,6 +72,7 @@ class Trace {
     this.machine = run.machine;
     this.steps = run.steps;
     this.runs = runs;
+    this.number = number;
     this.first = new Map(runs.names.state.map((name, at) => [name, exact(run.first[at])]));
     this.stretches = runs.stretches(number);
     this.found = new Map();

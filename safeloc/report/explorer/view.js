@@ -18,10 +18,15 @@ class View {
     this.fired = this.firingSteps();
     this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
     this.charts.marks = this.broken.map(([statement, step]) => ({ step, words: `violated at step ${step}: ${statement}` }));
+    if (trace.from !== undefined) this.charts.marks.push({ step: trace.from, words: "other inputs from here on", kind: "branch" });
     this.values = [];
     this.watched = [];
     this.live = null;
     this.fill();
+  }
+
+  close() {
+    this.charts.resized.disconnect();
   }
 
   /* Takes the machine itself, when the page has loaded it. */
@@ -32,7 +37,8 @@ class View {
 
   /* What the run breaks: statements, each with the step that breaks it, in the order of the steps. */
   get broken() {
-    return this.data.results[this.result]?.broken ?? [];
+    const every = this.data.results[this.result]?.broken ?? [];
+    return every.filter(([, step]) => this.trace.from === undefined || step <= this.trace.from); // of other steps nothing was checked
   }
 
   get violating() {
