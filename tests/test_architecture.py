@@ -109,7 +109,7 @@ KNOWS = {
     "catalogue": ("language", "runtime", "own_module", "shipped", "target"),
     "explain": ("language", "codegen", "runtime", "proof", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
-    "report": (*ENGINE, "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
+    "report": (*ENGINE, "explain", "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),
     "templates": ("language", "proof", "models", "catalogue"),
     "pytest_plugin": ("language", "proof", "target", "catalogue"),
     "cli": (

@@ -157,7 +157,7 @@ def _check_machine(number: int) -> Checking:
     machine, found = data["machines"][number], Checking(wrong=dict(before.wrong), opinions=before.opinions)
     rows = [row for row in data["results"] if row["machine"] == machine["name"]]
     try:
-        file = folder / stored.TRACES / stored.machine_files(data)[machine["name"]]
+        file = folder / stored.TRACES / stored.runs_files(data)[machine["name"]]
         check_target(_declared(machine), rows, texts, _StoredRuns(file), found)
     except SafelocError as error:
         why = f"its declaration cannot be loaded: {error}"

@@ -106,6 +106,11 @@ COMMANDS: Mapping[str, Known] = {
         "report",
         "Render the page of a report folder again, unpack its certificates and traces, or compare it with an earlier report.",
     ),
+    "open": Known(
+        "opening",
+        "open_",
+        "Show a report, a stream or the recordings of a machine in a browser: search, and step through every run.",
+    ),
     "mutate": Known(
         "mutate",
         "mutate",

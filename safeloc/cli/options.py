@@ -14,7 +14,7 @@ TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
 ]
 ConfigOption = Annotated[Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")]
-JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/4)")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/5)")]
 DepthOption = Annotated[int, typer.Option(help="steps of bounded search", min=1)]
 
 

@@ -97,12 +97,12 @@ def to_svg(machine: Machine) -> str:
     places = {label: _Place(330, 60 + index * gap) for index, label in enumerate(labels)}
     body = [_arrow_edge(places, labels, pair, numbers) for pair, numbers in between.items()]
     body += [_box(places[label], label, label == labels[0]) for label in labels]
-    body += [_text(660, 40 + index * _LINE, line, "label") for index, line in enumerate(legend)]
+    body += [_text(660, 40 + index * _LINE, line, "label legend") for index, line in enumerate(legend)]
     width = 680 + max((len(line) for line in legend), default=0) * 6.2
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height}" width="{width:.0f}" height="{height}" '
         f'role="img" aria-label="state diagram of {html.escape(machine.name)}"><style>{_STYLE}</style>'
-        '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
+        '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerUnits="userSpaceOnUse" markerWidth="10" markerHeight="10" orient="auto">'
         '<path d="M0 0L8 4L0 8z" fill="#6d7a88"/></marker></defs>'
         f"{''.join(body)}</svg>"
     )
@@ -111,7 +111,7 @@ def to_svg(machine: Machine) -> str:
 def _box(place: _Place, label: str, first: bool) -> str:
     x, y = place.x - _BOX_WIDTH / 2, place.y - _BOX_HEIGHT / 2
     kind = "mode first" if first else "mode"
-    rect = f'<rect class="{kind}" x="{x}" y="{y}" width="{_BOX_WIDTH}" height="{_BOX_HEIGHT}" rx="8"/>'
+    rect = f'<rect class="{kind}" data-mode="{html.escape(label)}" x="{x}" y="{y}" width="{_BOX_WIDTH}" height="{_BOX_HEIGHT}" rx="8"/>'
     return rect + _text(place.x, place.y + 4, label, "name")
 
 
@@ -126,7 +126,7 @@ def _arrow_edge(places: dict[str, _Place], labels: list[str], pair: tuple[str, s
     if pair[0] == pair[1]:
         x, y = source.x + _BOX_WIDTH / 2, source.y
         path = f"M{x} {y - 10} C{x + 46} {y - 30} {x + 46} {y + 30} {x} {y + 10}"
-        return _edge(path) + _text(x + 42, y + 4, shown, "label halo")
+        return _edge(path, pair) + _text(x + 42, y + 4, shown, "label halo")
     span = labels.index(pair[1]) - labels.index(pair[0])
     side = 1 if span > 0 else -1
     reach = 40 + 46 * abs(span)
@@ -139,7 +139,7 @@ def _arrow_edge(places: dict[str, _Place], labels: list[str], pair: tuple[str, s
     else:
         path = f"M{x1} {y1} C{x1 + side * reach} {y1} {x2 + side * reach} {y2} {x2} {y2}"
         middle = _Place(x1 + side * reach * 0.76, (y1 + y2) / 2 + 4)
-    return _edge(path) + _label(middle, shown, side)
+    return _edge(path, pair) + _label(middle, shown, side)
 
 
 def _label(place: _Place, shown: str, side: int) -> str:
@@ -147,5 +147,5 @@ def _label(place: _Place, shown: str, side: int) -> str:
     return _text(place.x if side > 0 else place.x - width, place.y, shown, "label halo")
 
 
-def _edge(path: str) -> str:
-    return f'<path class="edge" d="{path}" marker-end="url(#tip)"/>'
+def _edge(path: str, pair: tuple[str, str]) -> str:
+    return f'<path class="edge" data-from="{html.escape(pair[0])}" data-to="{html.escape(pair[1])}" d="{path}" marker-end="url(#tip)"/>'

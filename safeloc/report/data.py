@@ -1,4 +1,4 @@
-"""A report as plain data: `report.json`, schema `safeloc-report/4` (report.schema.json beside this file)."""
+"""A report as plain data: `report.json`, schema `safeloc-report/5` (report.schema.json beside this file)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
 from safeloc.report.machines import machine_data
 
-SCHEMA = "safeloc-report/4"
+SCHEMA = "safeloc-report/5"
 _SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 NOT_ASKED: Mapping[str, Any] = MappingProxyType({})
@@ -107,14 +107,26 @@ def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dic
 
 
 def _with_statistics_once(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Leave out of each test what the first test of its machine notes too: one run of the tests serves all properties."""
-    first: dict[str, Mapping[str, str]] = {}
+    """Leave out of each test what the first test of its machine notes too, since one run of the tests serves many properties.
+
+    A test of another run notes what differs; the next tests of that run only name it.
+    """
+    runs: dict[str, dict[str, Mapping[str, str]]] = {}
     for row in rows:
         if row["kind"] == "test":
-            known = first.setdefault(row["machine"], row["notes"])
-            if known is not row["notes"]:
-                row["notes"] = {name: text for name, text in row["notes"].items() if known.get(name) != text}
+            known = runs.setdefault(row["machine"], {})
+            row["notes"] = _noted_once(row["id"].split("/", 2)[-1], row["notes"], known)
     return rows
+
+
+def _noted_once(name: str, notes: Mapping[str, str], known: dict[str, Mapping[str, str]]) -> Mapping[str, str]:
+    """Return what a test still has to note; `known` are the notes of the first test of each run, by the test's name."""
+    like = next((other for other, others in known.items() if others == notes), "")
+    if not known or not like:
+        known[name] = notes
+        first = next(iter(known.values()))
+        return notes if first is notes else {key: text for key, text in notes.items() if first.get(key) != text}
+    return {} if known[like] is next(iter(known.values())) else {"statistics as of": like}
 
 
 def _shared(target: Target) -> dict[str, str]:

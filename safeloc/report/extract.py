@@ -33,7 +33,7 @@ def extract(folder: Path, to: Path) -> tuple[int, int]:
 def _runs(folder: Path, data: stored.Data, to: Path) -> int:
     """Write every run, one file for each result; return their number."""
     files = file_names([row["id"] for row in data["results"]])
-    places = stored.machine_files(data)
+    places = stored.runs_files(data)
     shown = [row for row in data["results"] if row["trace"] is not None]
     for machine in dict.fromkeys(row["machine"] for row in shown):
         runs = read_runs(folder / stored.TRACES / places[machine])

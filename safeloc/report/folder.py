@@ -1,12 +1,14 @@
 """The report folder: page, data, JUnit XML, certificates and traces. Only this module writes it.
 
 index.html     the page; page/: parts that it loads when they are opened
+run.html       the page that steps through runs
 report.json    the data; large parts are in separate files (safeloc.report.stored)
 certificates/  one packed file for each claim (safeloc.report.certificates)
-traces/        one packed file for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
+traces/        one script for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
 machines/      one packed file for each machine: its content on the page
 junit.xml      for continuous integration
 results.sarif  what does not hold, for editors and code hosts (safeloc.report.sarif)
+SHA256SUMS     the digests of all these files (safeloc.report.digests)
 """
 
 from __future__ import annotations
@@ -29,21 +31,24 @@ from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, V
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, stored
 from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
+from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
+from safeloc.report.run_page import RUN_PAGE, machine_script
 from safeloc.report.sarif import to_sarif
 from safeloc.runtime.streams.columns import Shown, runs_file
 
 PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
-_OWN = {
-    certificates.FOLDER: f"*{certificates.SUFFIX}",
-    stored.TRACES: f"*{stored.SUFFIX}",
-    stored.MACHINES: f"*{stored.SUFFIX}",
-    PARTS: "*.js",
-}
+_OWN = (
+    (certificates.FOLDER, f"*{certificates.SUFFIX}"),
+    (stored.TRACES, f"*{stored.RUNS}"),
+    (stored.MACHINES, f"*{stored.SUFFIX}"),
+    (stored.MACHINES, f"*{stored.RUNS}"),
+    (PARTS, "*.js"),
+)
 """Folders of a report, and the pattern of its files in each."""
-_OLD = {"certificates": "*.smt2", "traces": "*.jsonl"}
-"""Files of reports before safeloc-report/3."""
+_OLD = (("certificates", "*.smt2"), ("traces", "*.jsonl"), ("traces", "*.json.xz"))
+"""Files of reports before safeloc-report/5."""
 
 
 def usable(folder: Path) -> None:
@@ -84,7 +89,8 @@ def write_folder(
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
     names = {file: list(texts) for file, texts in archives.items()}
     small, machines = stored.split_data(everything, names, steps)
-    files = stored.machine_files(everything)
+    files = stored.machine_names(everything)
+    scripts = {one.name: text for one in targets if one.name in runs and (text := machine_script(files[one.name], one))}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with _alone(folder):
@@ -96,10 +102,15 @@ def write_folder(
             (folder / SARIF).write_text(to_sarif(findings, targets), encoding="utf-8")
             certificates.write_archives(folder / certificates.FOLDER, archives)
             for name, own in runs.items():
-                (folder / stored.TRACES / files[name]).write_bytes(runs_file(own))
+                file = f"{files[name]}{stored.RUNS}"
+                (folder / stored.TRACES / file).write_text(runs_file(own, files[name]), encoding="utf-8")
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
-            page = _write_page(folder, {**everything, "certificates": names, "runs": steps}, single=single)
+            for name, text in scripts.items():
+                (folder / stored.MACHINES / f"{files[name]}{stored.RUNS}").write_text(text, encoding="utf-8")
+            beside = {"certificates": names, "runs": steps, "scripts": list(scripts)}
+            page = _write_page(folder, {**everything, **beside}, single=single)
+            write_digests(folder, _present(folder))
             on_written()
             return page
     except OSError as error:
@@ -119,11 +130,19 @@ def _alone(folder: Path) -> Iterator[None]:
 
 def files_of(folder: Path) -> list[str]:
     """Return the names of a report's files within its folder, report.json last: without it there is no report."""
-    own = [path for name, pattern in _OWN.items() for path in sorted((folder / name).glob(pattern))]
-    return [
-        path.relative_to(folder).as_posix()
-        for path in (*own, *(folder / name for name in (JUNIT, SARIF, PAGE, stored.DATA)))
-    ]
+    return [SUMS, *_present(folder)]
+
+
+def _present(folder: Path) -> list[str]:
+    """Return the names of the files of the report that are there, without that of the digests."""
+    own = [path for name, pattern in _OWN for path in sorted((folder / name).glob(pattern))]
+    single = [folder / name for name in (RUN_PAGE, JUNIT, SARIF, PAGE, stored.DATA)]
+    return [path.relative_to(folder).as_posix() for path in (*own, *single) if path.is_file()]
+
+
+def unfit(folder: Path) -> list[str]:
+    """Return what in a folder does not fit the digests of its report, file by file; nothing for a report as it was written."""
+    return misfits(folder, _present(folder))
 
 
 @contextmanager
@@ -142,7 +161,9 @@ def render_folder(folder: Path, *, single: bool = False) -> Path:
         stored.checked(path, lambda: _refuse_unknown_verdicts(path, data))
         everything = stored.read_for_page(folder)
         with _alone(folder):
-            return _write_page(folder, everything, single=single)
+            page_path = _write_page(folder, everything, single=single)
+            renew_digests(folder, _present(folder))
+            return page_path
     except UndefinedError as error:
         raise InputError(f"{path}: does not fit schema {SCHEMA}: {error}") from error
     except OSError as error:
@@ -163,21 +184,32 @@ def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
 
 
 def _write_page(folder: Path, data: Mapping[str, Any], *, single: bool) -> Path:
-    page, parts = to_pages(data, single=single)
-    for path in (folder / PARTS).glob(_OWN[PARTS]):
+    runs = [path.read_text(encoding="utf-8") for path in _runs_of(folder, data)] if single else []
+    pages = to_pages(data, single=single, runs=runs)
+    for path in (*(folder / PARTS).glob("*.js"), *folder.glob(RUN_PAGE)):
         path.unlink()
-    for name, text in parts.items():
+    for name, text in pages.parts.items():
         (folder / PARTS).mkdir(exist_ok=True)
         (folder / PARTS / name).write_text(text, encoding="utf-8")
-    (folder / PAGE).write_text(page, encoding="utf-8")
+    if pages.runs:
+        (folder / RUN_PAGE).write_text(pages.runs, encoding="utf-8")
+    (folder / PAGE).write_text(pages.page, encoding="utf-8")
     return folder / PAGE
+
+
+def _runs_of(folder: Path, data: Mapping[str, Any]) -> list[Path]:
+    """Return the scripts of runs and machines that belong to the report."""
+    having = {row["machine"] for row in data["results"] if row["id"] in data["runs"]}
+    files = stored.runs_files(data)
+    runs = [folder / stored.TRACES / file for name, file in files.items() if name in having]
+    return [*runs, *(folder / stored.MACHINES / files[name] for name in data["scripts"])]
 
 
 def _clear(folder: Path) -> None:
     """Remove the files of an earlier report, if there is one."""
     if not (folder / stored.DATA).is_file():
         return
-    for name, pattern in (*_OWN.items(), *_OLD.items()):
+    for name, pattern in (*_OWN, *_OLD):
         for path in (folder / name).glob(pattern):
             path.unlink()
 

@@ -6,6 +6,7 @@ import re
 import shlex
 from collections.abc import Collection, Mapping
 from typing import Any
+from urllib.parse import urlencode
 
 from markupsafe import Markup, escape
 
@@ -73,13 +74,15 @@ class Links:
         return f"{CERTIFICATES}/{file}" if file in self._certified else ""
 
     def _run(self, row: _Data) -> list[tuple[str, str]]:
-        if row["id"] not in self._runs:
-            return []
-        return [(self.run_file(row), f"run of {self._runs[row['id']]} steps")]
+        return [(at, f"run of {self._runs[row['id']]} steps")] if (at := self.run(row)) else []
+
+    def run(self, row: _Data) -> str:
+        """Return the place of the run of a result in the view of runs; nothing if it has none."""
+        return f"#{urlencode({'result': row['id']})}" if row["id"] in self._runs else ""
 
     def run_file(self, row: _Data) -> str:
         """Return the file with the run of a result, from the folder of the report."""
-        return f"{TRACES}/{self._files[row['machine']]}.json.xz"
+        return f"{TRACES}/{self._files[row['machine']]}.js"
 
     def replay(self, row: _Data, machine: _Data) -> str:
         """Return the command that replays the run of a result, from the folder of the report."""

@@ -64,7 +64,8 @@
     const link = event.target.closest('a[href^="#"]');
     if (!link || document.getElementById(link.hash.slice(1))) return;
     const after = (box) => link.compareDocumentPosition(box) & Node.DOCUMENT_POSITION_FOLLOWING;
-    const box = [...boxes].find(after);
+    const named = (box) => box.dataset.part === link.dataset.in;
+    const box = [...boxes].find(link.dataset.in ? named : after);
     if (!box) return;
     event.preventDefault();
     box.open = true;
@@ -75,8 +76,23 @@
     });
     seen.observe(box, { childList: true, subtree: true });
   });
-  document.getElementById("open-all").addEventListener("click", () => {
+  function openAll() {
     for (const box of boxes) box.open = true;
+  }
+  document.getElementById("open-all").addEventListener("click", openAll);
+
+  /* On paper stands everything: all parts are opened, and each has come or said why not, before the page is printed. */
+  async function printAll() {
+    openAll();
+    const come = (box) => "shown" in box.dataset || box.querySelector("div.violated");
+    while (![...boxes].every(come)) await new Promise((resolve) => setTimeout(resolve, 50));
+    print();
+  }
+  document.getElementById("print-all").addEventListener("click", printAll);
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== "p" || !(event.ctrlKey || event.metaKey)) return;
+    event.preventDefault();
+    printAll();
   });
 
   function warn(what) {
@@ -84,6 +100,10 @@
     place.textContent = `${what}: the parts of this page cannot be opened${again}.`;
     place.hidden = false;
   }
-  window.safelocBeside = (of) => of === made || warn("The files beside this page are of another report");
+  window.safelocBeside = (of) => {
+    if (of === made) return;
+    warn("The files beside this page are of another report");
+    document.documentElement.classList.add("unfit"); // no verdict is shown beside evidence of another
+  };
   load("page/beside.js", null, () => warn("The files beside this page (folder `page`) are missing"));
 })();

@@ -1,18 +1,18 @@
 """The report as an HTML page, made from the report's data alone.
 
-A small report is one self-contained page. The page of a large one holds the overview; the other parts are scripts beside it,
-which `page.js` opens, unless a single page is wanted.
+A small report is one page without parts. The page of a large one holds the overview; the other parts are scripts beside it,
+which `page.js` opens. Runs are shown by a page of their own (safeloc.report.run_page). A single page has everything in it.
 """
 
 from __future__ import annotations
 
-import base64
-import gzip
 import hashlib
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePath
+from types import MappingProxyType
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -23,7 +23,10 @@ from safeloc.report.conditions import conditions, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
+from safeloc.report.overview import RESULTS, results_script
+from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.traces import trace_charts, trace_rows
+from safeloc.runtime.scripts import script
 from safeloc.runtime.streams.gzipped import name_of
 
 _HERE = Path(__file__).parent
@@ -31,6 +34,9 @@ PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
+NO_PARTS: Mapping[str, str] = MappingProxyType({})
+_BARE: Mapping[str, Any] = MappingProxyType({"made": "", "run_at": "", "overview": "", "run": "", "script": ""})
+"""What a page without search, parts and runs has besides the report."""
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
 _LONGEST_RUN, LAST_STEPS = 40, 20
@@ -44,15 +50,32 @@ _SUMMARY: Mapping[str, tuple[str, ...]] = {
 _Data = Mapping[str, Any]
 
 
-def to_pages(data: _Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
-    """Return the page and its parts by file name; there are no parts if the page is small, or `single`."""
+@dataclass(frozen=True)
+class Pages:
+    """The page, the page of runs (empty if there is none), and the parts of both by file name."""
+
+    page: str
+    runs: str
+    parts: Mapping[str, str]
+
+
+def to_pages(data: _Data, *, single: bool = False, runs: Sequence[str] = ()) -> Pages:
+    """Return the pages of a report; the first has no parts if it is small, or `single`.
+
+    runs  the scripts with runs and machines; a single page has them in it
+    """
     rendering = _Rendering(data)
-    page_html = rendering.page()
-    return (page_html, {}) if single or len(page_html) <= MOST_OF_ONE_PAGE else rendering.in_parts(page_html)
+    bare = rendering.page()
+    made = hashlib.sha256(bare.encode()).hexdigest()[:16]
+    if single:
+        return Pages(rendering.with_everything(made, runs), "", {})
+    beside = {RESULTS: results_script(data, rendering.links, made), **dict(views(data, made))}
+    page, parts = rendering.in_parts(made) if len(bare) > MOST_OF_ONE_PAGE else (rendering.whole(made), {})
+    return Pages(page, rendering.run_page(made), {**parts, **beside})
 
 
 def to_html(data: _Data) -> str:
-    """Return the complete page for the result of `report_data`, or for a report that was read from a folder."""
+    """Return the complete page, without search, for the result of `report_data`, or for a report that was read from a folder."""
     return _Rendering(data).page()
 
 
@@ -69,7 +92,7 @@ class _Rendering:
         machines = {machine["name"]: machine for machine in data["machines"]}
         shown = _shown_before(data["machines"])
         files = file_names([*machines, *(row["machine"] for row in results)])
-        links = Links(data, files)
+        self.links = links = Links(data, files)
         self._machines = [_machine(machine, results, shown, links) for machine in data["machines"]]
         self._requirements = _requirements(data, links)
         self._conditions = conditions(data["machines"])
@@ -87,44 +110,62 @@ class _Rendering:
             "conditions": self._conditions,
         }
 
-    def page(self) -> str:
-        """Return one self-contained page."""
+    def page(self, **more: Any) -> str:
+        """Return the page without parts; `more` is what its templates know besides the report."""
         machines = [{**one, "beside": ""} for one in self._machines]
-        return self._filled(
-            "page", **self._given, machines=machines, items_beside="", conditions_beside="", made="", script=""
-        )
+        given = {"machines": machines, "items_beside": "", "conditions_beside": "", **self._given, **_BARE, **more}
+        return self._filled("page", **given)
 
-    def in_parts(self, page_html: str) -> tuple[str, dict[str, str]]:
+    def whole(self, made: str) -> str:
+        """Return the page without parts that searches with the data beside it."""
+        return self.page(run_at=RUN_PAGE, overview=self._overview(made), script=scripts(OVERVIEW))
+
+    def with_everything(self, made: str, runs: Sequence[str]) -> str:
+        """Return the page with search, the view of runs, and all their data in it."""
+        texts = [results_script(self._data, self.links, made), *runs, *dict(views(self._data, made)).values()]
+        script = scripts(OVERVIEW, *([RUNS] if runs else []), calls=texts)
+        known = island(known_runs(self._data, made, report="")) if runs else ""
+        return self.page(overview=self._overview(made, run=""), run=known, script=script)
+
+    def run_page(self, made: str) -> str:
+        """Return the page of runs that lies beside the page; nothing if there is no run."""
+        first = {row["machine"]: at for row in reversed(self._data["results"]) if (at := self.links.run(row))}
+        known, script = known_runs(self._data, made, report="index.html"), scripts(RUNS)
+        given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
+        return self._filled("run_page", **given) if first else ""
+
+    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = NO_PARTS) -> Markup:
+        """Return where the search finds its data, the view of runs, and the part of each machine."""
+        return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts)})
+
+    def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
-        made = hashlib.sha256(page_html.encode()).hexdigest()[:16]
-        files = file_names(["beside", "trace back", "conditions", *(one["name"] for one in self._machines)])
+        files = file_names(["beside", "results", "trace back", "conditions", *(one["name"] for one in self._machines)])
         html = {
-            files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)
+            files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements, run_at=RUN_PAGE)
             for one in self._machines
         }
         html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
         html[files["conditions"]] = self._filled("conditions", conditions=self._conditions)
-        parts = {f"{file}.js": _part(f"{PARTS}/{file}.js", made, text) for file, text in html.items()}
+        parts = {
+            f"{file}.js": script("safelocPart", f"{PARTS}/{file}.js", made, data=text.encode())
+            for file, text in html.items()
+        }
         parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
-        page = self._filled(
-            "page",
-            **self._given,
-            machines=[{**one, "beside": f"{PARTS}/{files[one['name']]}.js"} for one in self._machines],
+        beside = {one["name"]: f"{PARTS}/{files[one['name']]}.js" for one in self._machines}
+        page = self.page(
+            machines=[{**one, "beside": beside[one["name"]]} for one in self._machines],
             items_beside=f"{PARTS}/{files['trace back']}.js",
             conditions_beside=f"{PARTS}/{files['conditions']}.js",
             made=made,
-            script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),  # our own text
+            run_at=RUN_PAGE,
+            overview=self._overview(made, parts=beside),
+            script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
 
     def _filled(self, template: str, **given: Any) -> str:
         return self._environment.get_template(f"{template}.html.jinja").render(**given)
-
-
-def _part(name: str, made: str, html: str) -> str:
-    """Return a script with a part: its name, the digest of its report, and its HTML, packed with gzip, in base64."""
-    content = base64.b64encode(gzip.compress(html.encode(), mtime=0)).decode()
-    return f"safelocPart({json.dumps(name)}, {json.dumps(made)}, {json.dumps(content)});\n"
 
 
 def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
@@ -278,5 +319,6 @@ def _violated(row: _Data, machine: _Data, links: Links) -> dict[str, Any]:
         "steps": steps,
         "groups": [steps] if len(steps) <= _LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
         "at": links.row(row),
+        "run": links.run(row),
         "replay": links.replay(row, machine),
     }

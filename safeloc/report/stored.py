@@ -2,7 +2,8 @@
 
 report.json               verdicts, requirements, and the certificates of each result, by number
 machines/MACHINE.json.xz  content of the page on a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
-traces/MACHINE.json.xz    runs in columns (safeloc.runtime.streams.columns)
+machines/MACHINE.js       the machine itself as a script, with which the page explains its runs
+traces/MACHINE.js         runs in columns, in a script (safeloc.runtime.streams.columns)
 certificates/             safeloc.report.certificates
 """
 
@@ -23,8 +24,10 @@ from safeloc.runtime.streams.columns import Runs, read_runs
 
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
-SUFFIX = ".json.xz"
+SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
+_SAID_ONCE = ("statement", "method", "assumption")
+"""Words of a result that others have as well: report.json has them once."""
 Data = dict[str, Any]
 _T = TypeVar("_T")
 
@@ -39,6 +42,7 @@ def split_data(
     """
     numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
     places = {row["id"]: number for number, row in enumerate(data["results"])}
+    said: dict[str, dict[str, int]] = {field: {} for field in _SAID_ONCE}
     files = machine_files(data)
     small = {
         **data,
@@ -46,16 +50,23 @@ def split_data(
         "results": [
             {
                 **row,
+                **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
                 "certificates": [numbers[name] for name in row["certificates"]],
                 "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
             }
-            for row in data["results"]
+            for number, row in enumerate(data["results"])
         ],
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
         "certificates": {file: list(names) for file, names in certificates.items()},
     }
     bulky = {files[one["name"]]: packed(_text({key: one[key] for key in _BULKY})) for one in data["machines"]}
     return small, bulky
+
+
+def _once(said: dict[str, int], words: str, number: int) -> str | int:
+    """Return the words of a result; in place of those that an earlier result has as well, the number of that result."""
+    first = said.setdefault(words, number) if words else number
+    return words if first == number else first
 
 
 def _text(data: Any) -> bytes:
@@ -74,17 +85,26 @@ def _listed(value: Any) -> str:
     return "[" + ",\n".join(json.dumps(one, separators=(",", ":")) for one in value) + "]"
 
 
+def machine_names(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return the name of the files of each machine, which is the same in all folders, without suffix."""
+    return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
+
+
 def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
-    """Return the file name of each machine, which is the same in the folders of machines and traces."""
-    names = [*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])]
-    return {name: file + SUFFIX for name, file in file_names(names).items()}
+    """Return the name of each machine's file of data."""
+    return {name: file + SUFFIX for name, file in machine_names(data).items()}
+
+
+def runs_files(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return the name of each machine's file of runs."""
+    return {name: file + RUNS for name, file in machine_names(data).items()}
 
 
 # ------------------------------------------------------------------ read
 
 
 def read_report(folder: Path) -> Data:
-    """Return the content of report.json, with names instead of numbers for certificates and results.
+    """Return the content of report.json, with names and words instead of numbers.
 
     InputError if it is no report of this version.
     """
@@ -114,11 +134,27 @@ def _named(data: Data) -> Data:
     """Return the data with names instead of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
     ids = [row["id"] for row in data["results"]]
+    said = {field: [row[field] for row in data["results"]] for field in _SAID_ONCE}
     return {
         **data,
-        "results": [{**row, "certificates": _at(names, row["certificates"])} for row in data["results"]],
+        "results": [
+            {
+                **row,
+                **{field: _said(said[field], row[field]) for field in _SAID_ONCE},
+                "certificates": _at(names, row["certificates"]),
+            }
+            for row in data["results"]
+        ],
         "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
     }
+
+
+def _said(said: Sequence[str | int], words: str | int) -> str:
+    """Return words that stand here or with an earlier result."""
+    found = said[words] if type(words) is int and words >= 0 else words
+    if not isinstance(found, str):
+        raise ValueError(f"no result {words} with words of its own")
+    return found
 
 
 def _at(names: Sequence[str], places: Sequence[int]) -> list[str]:
@@ -135,7 +171,7 @@ def read_for_page(folder: Path) -> Data:
 
 
 def _put_together(folder: Path, data: Data) -> Data:
-    files = machine_files(data)
+    files, runs_of = machine_files(data), runs_files(data)
     machines = [{**one, **_machine(folder / MACHINES / files[one["name"]])} for one in data["machines"]]
     read: dict[str, Runs] = {}
     rows = []
@@ -143,12 +179,13 @@ def _put_together(folder: Path, data: Data) -> Data:
     for row in data["results"]:
         trace = None
         if row["trace"] is not None and row["verdict"] == "violated":
-            file = files[row["machine"]]
+            file = runs_of[row["machine"]]
             if file not in read:
                 read[file] = read_runs(folder / TRACES / file)
             trace = read[file].plain(row["id"])
         rows.append({**row, "trace": trace})
-    return {**data, "machines": machines, "results": rows, "runs": runs}
+    scripts = [name for name, file in runs_files(data).items() if (folder / MACHINES / file).is_file()]
+    return {**data, "machines": machines, "results": rows, "runs": runs, "scripts": scripts}
 
 
 def _machine(path: Path) -> Data:

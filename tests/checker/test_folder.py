@@ -6,14 +6,14 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from safeloc.checker.folder import check_folder
 from safeloc.errors import InputError
 from safeloc.report.certificates import Archives, read_archives, write_archives
-from safeloc.runtime.packed import packed, read_packed
+from safeloc.runtime.scripts import read_script, script
+from safeloc.runtime.streams.columns import FUNCTION
 from tests.checker.small_proofs import Evidence, refused, written
 from tests.cli.calling import Call
 
@@ -109,29 +109,23 @@ def test_a_stranger_among_the_files(copy: Path) -> None:
 
 def test_a_run_that_does_not_show_it(copy: Path) -> None:
     """A witness that was cut is none; nor is one that is gone, or one in a file that was cut."""
-    path = copy / "traces" / "counting.json.xz"
-    data = json.loads(read_packed(path))
-    [run] = [one for one in data["runs"] if any("it comes to eight" in result for result in one["results"])]
-    data["runs"].append({**shortened(run), "results": [one for one in run["results"] if "comes to eight" in one]})
-    path.write_bytes(packed(json.dumps(data).encode()))
+    path = copy / "traces" / "counting.js"
+    data = json.loads(read_script(path, FUNCTION))
+    numbered = enumerate(data["runs"])
+    [(at, run)] = [(at, one) for at, one in numbered if any("it comes to eight" in result for result in one["results"])]
+    cut = {"steps": run["steps"] - 1, "like": [at, run["steps"] - 1]}
+    data["runs"].append({**run, **cut, "results": [one for one in run["results"] if "comes to eight" in one]})
+    path.write_text(script(FUNCTION, "counting", data=json.dumps(data).encode()))
     assert ["its run does not show it"] == not_confirmed(copy)
     data["runs"] = [
         {**one, "results": [id_ for id_ in one["results"] if "to eight" not in id_]} for one in data["runs"]
     ]
-    path.write_bytes(packed(json.dumps(data).encode()))
+    path.write_text(script(FUNCTION, "counting", data=json.dumps(data).encode()))
     assert ["the report stores no run for it"] == not_confirmed(copy)
     path.write_bytes(path.read_bytes()[:-40])
-    assert {f"{path}: damaged, it ends too early. Write the report again."} == set(not_confirmed(copy))
-
-
-def shortened(run: dict[str, Any]) -> dict[str, Any]:
-    """A run without its last step."""
-
-    def cut(column: list[Any]) -> list[Any]:
-        return column[:-2] if column[-1] == 1 else [*column[:-1], column[-1] - 1]
-
-    columns = {kind: [cut(column) for column in run[kind]] for kind in ("inputs", "fired", "state", "outputs")}
-    return {**run, **columns, "steps": run["steps"] - 1, "truth_mm": cut(run["truth_mm"])}
+    assert {f"{path}: damaged, it is no complete call of safelocRuns. Write the report again."} == set(
+        not_confirmed(copy)
+    )
 
 
 def not_confirmed(folder: Path) -> list[str]:

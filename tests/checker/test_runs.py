@@ -12,7 +12,8 @@ import pytest
 from safeloc.catalogue import load_target
 from safeloc.checker.folder import Checked, check_folder
 from safeloc.proof.provers.obligations import obligations
-from safeloc.runtime.packed import packed, read_packed
+from safeloc.runtime.scripts import read_script, script
+from safeloc.runtime.streams.columns import FUNCTION
 from tests.checker.small_proofs import LIMITS, kept, written
 
 BY_ITSELF = "pair/obligation/transition leaper: leap"
@@ -52,17 +53,16 @@ def edited(folder: Path, change: Any) -> None:
 def spoilt(folder: Path, result: str, change: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
     """A result has a run of its own, another one than before."""
     [path] = (folder / "traces").iterdir()
-    data = json.loads(read_packed(path))
-    [run] = [one for one in data["runs"] if result in one["results"]]
+    data = json.loads(read_script(path, FUNCTION))
+    [(number, run)] = [(number, one) for number, one in enumerate(data["runs"]) if result in one["results"]]
     run["results"].remove(result)
-    data["runs"].append(change({**run, "results": [result]}))
-    path.write_bytes(packed(json.dumps(data).encode()))
+    data["runs"].append(change({**run, "results": [result], "like": [number, run["steps"]]}))
+    path.write_text(script(FUNCTION, path.stem, data=json.dumps(data).encode()))
 
 
 def left_at_the_start(run: dict[str, Any]) -> dict[str, Any]:
     """A run of no steps."""
-    nothing: dict[str, Any] = {kind: [[] for _ in run[kind]] for kind in ("inputs", "fired", "state", "outputs")}
-    return {**run, **nothing, "steps": 0, "truth_mm": []}
+    return {**run, "steps": 0, "like": [run["like"][0], 0]}
 
 
 def test_a_machine_by_itself(pair: Path) -> None:

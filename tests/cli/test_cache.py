@@ -38,7 +38,7 @@ def test_an_unchanged_run_is_put_back(call: Call, tmp_path: Path, monkeypatch: p
     made = files(first)
     with monkeypatch.context() as patch:
         patch.setattr(module, "load_target", lambda *_: pytest.fail("a target was loaded"))
-        (first / "traces" / "old.json.xz").write_bytes(b"of another report")
+        (first / "traces" / "old.js").write_bytes(b"of another report")
         for folder in (first, other):
             again = call(*arguments, "--out", str(folder))
             assert (0, once.out) == (again.code, again.out)

@@ -43,7 +43,7 @@ def test_counterexample_replays(call: Call, tmp_path: Path) -> None:
     """The saved trace of a violation, replayed, violates the same property; the right machine keeps it."""
     wrong = wrong_door(tmp_path)
     assert call("verify", wrong, "--out", str(tmp_path / "report"), *QUICK_VERIFY).code == 1
-    trace = (str(tmp_path / "report" / "traces" / "door.json.xz"), "--run", "door/property/opens at speed")
+    trace = (str(tmp_path / "report" / "traces" / "door.js"), "--run", "door/property/opens at speed")
     again = call("replay", wrong, *trace)
     assert again.code == 1
     assert "opens at speed" in next(line for line in again.out.splitlines() if line.startswith("violated"))
@@ -103,7 +103,7 @@ def test_json_is_pure_and_valid(call: Call) -> None:
     data = json.loads(called.out)
     jsonschema.validate(data, schema())
     assert called.err == ""
-    assert (data["schema"], data["verdict"]) == ("safeloc-report/4", "proved")
+    assert (data["schema"], data["verdict"]) == ("safeloc-report/5", "proved")
     assert [machine["name"] for machine in data["machines"]] == ["door"]
 
 

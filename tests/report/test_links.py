@@ -42,7 +42,7 @@ def test_a_result_leads_to_its_evidence(tmp_path: Path) -> None:
     own = re.findall(r'href="(certificates/[^"]*)">certificate<', rows["r0"])
     assert [(tmp_path / file).is_file() for file in own] == [True]
     assert own != re.findall(r'href="(certificates/[^"]*)">certificate<', rows["r1"])
-    assert 'href="traces/door.json.xz">run of 3 steps</a>' in rows["r1"]
+    assert 'href="run.html#result=door%2Fproperty%2Fclock+at+rest">run of 3 steps</a>' in rows["r1"]
     assert re.search(r'href="#(source-door-\d+)">[^<]*door_controller\.py:\d+</a>', rows["r1"])
     assert '<a href="certificates/door.tar.xz">shared certificates of door</a>' in page
 
@@ -52,9 +52,11 @@ def test_every_link_leads_to_a_file_or_a_place(tmp_path: Path) -> None:
     first = write_folder(tmp_path, [*findings(), *some()[:2]], [door()]).read_text(encoding="utf-8")
     assert render_folder(tmp_path).read_text(encoding="utf-8") == first
     links = set(re.findall(r'href="([^"]*)"', first))
-    assert any(link.startswith("traces/") for link in links)
+    assert any(link.startswith("run.html#") for link in links)
     for link in links:
-        assert f'id="{link[1:]}"' in first if link.startswith("#") else (tmp_path / link).is_file(), link
+        assert f'id="{link[1:]}"' in first if link.startswith("#") else (tmp_path / link.partition("#")[0]).is_file(), (
+            link
+        )
 
 
 def test_data_without_a_folder_have_no_links_to_files() -> None:
@@ -66,7 +68,8 @@ def test_a_page_in_parts_leads_into_them(monkeypatch: pytest.MonkeyPatch) -> Non
     """Each place to which a row of the page leads is in the page or in a part."""
     monkeypatch.setattr(page_module, "MOST_OF_ONE_PAGE", 0)
     data = report_data(some(), [door(), load_target("odometry")])
-    page, parts = to_pages(data)
+    pages = to_pages(data)
+    page, parts = pages.page, pages.parts
     assert len(parts) > 3
     whole = to_html(data)
     links = re.findall(r'href="#([^"]*)"', page)

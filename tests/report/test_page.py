@@ -78,7 +78,7 @@ def test_a_long_witness_is_in_its_file_only(tmp_path: Path, monkeypatch: pytest.
     assert good["notes"] == {"witness": "a run of 3 steps, in the folder of traces only"}
     assert len(bad["trace"]["steps"]) == 3
     write_folder(tmp_path, findings(), [door()])
-    assert len(read_runs(tmp_path / "traces" / "door.json.xz").stream("door/property/good").steps) == 3
+    assert len(read_runs(tmp_path / "traces" / "door.js").stream("door/property/good").steps) == 3
 
 
 def test_machine_is_shown() -> None:
@@ -128,7 +128,7 @@ def test_folder(tmp_path: Path) -> None:
         content = archive.extractfile(member)
         assert content is not None
         assert (member.name, content.read()) == ("good.smt2", b"(check-sat)")
-    assert ["door/property/good", "door/property/bad <b>"] == list(read_runs(tmp_path / "traces" / "door.json.xz"))
+    assert ["door/property/good", "door/property/bad <b>"] == list(read_runs(tmp_path / "traces" / "door.js"))
     page.unlink()
     assert render_folder(tmp_path).read_text(encoding="utf-8") == first
     suite = ElementTree.parse(tmp_path / "junit.xml").getroot()[0]
@@ -148,11 +148,11 @@ def test_old_evidence_goes(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("{", "cannot be read as a report"),
-        ("[]", "not a report of schema safeloc-report/4"),
-        (json.dumps({"schema": "safeloc-report/2"}), "not a report of schema safeloc-report/4; write it with"),
+        ("[]", "not a report of schema safeloc-report/5"),
+        (json.dumps({"schema": "safeloc-report/2"}), "not a report of schema safeloc-report/5; write it with"),
         (
-            json.dumps({"schema": "safeloc-report/4"}),
-            "does not fit schema safeloc-report/4: KeyError: 'certificates'",
+            json.dumps({"schema": "safeloc-report/5"}),
+            "does not fit schema safeloc-report/5: KeyError: 'certificates'",
         ),
     ],
 )

@@ -40,9 +40,10 @@ def test_nothing_is_lost() -> None:
     """Page and parts together are the one page."""
     data = report_data(findings(), [door(), load_target("odometry")])
     whole = to_html(data)
-    page, parts = to_pages(data)
-    assert set(parts) == {"door.js", "odometry.js", "trace-back.js", "conditions.js", "beside.js"}
-    html = {name: unpacked(text)[2] for name, text in parts.items() if name != "beside.js"}
+    pages = to_pages(data)
+    page, parts = pages.page, pages.parts
+    assert set(parts) == {"door.js", "odometry.js", "trace-back.js", "conditions.js", "beside.js", "results.js"}
+    html = {name: unpacked(text)[2] for name, text in parts.items() if name not in ("beside.js", "results.js")}
     for text in html.values():
         assert text.strip() in whole
         assert text.strip() not in page
@@ -52,7 +53,7 @@ def test_nothing_is_lost() -> None:
 
 def words(page: str) -> list[str]:
     """The text of a page without markup, scripts, and what speaks of parts."""
-    page = re.sub(r"<(script|style|noscript)>.*?</\1>|<p><button.*?</p>", "", page, flags=re.DOTALL)
+    page = re.sub(r"<(script|style|noscript|search)\b.*?</\1>|<p><button.*?</p>", "", page, flags=re.DOTALL)
     return re.sub(r"<[^>]*>", " ", page).split()
 
 
@@ -70,19 +71,24 @@ def test_parts_are_of_their_page(tmp_path: Path) -> None:
         "trace-back.js",
         "conditions.js",
         "beside.js",
+        "results.js",
     }
     assert made != re.findall(r'data-made="([0-9a-f]{16})"', (tmp_path / "index.html").read_text(encoding="utf-8"))
 
 
 def test_one_page_on_demand(tmp_path: Path) -> None:
-    """It loads nothing; the same as that of the data; the parts come back with the other form."""
+    """It loads nothing and has the runs and their view in it; the parts come back with the other form."""
     write_folder(tmp_path, findings(), [door()], single=True)
     assert not (tmp_path / "page").exists()
     single = (tmp_path / "index.html").read_text(encoding="utf-8")
-    assert "<script" not in single
+    assert "<script src" not in single
+    assert not (tmp_path / "run.html").exists()
+    for called in ("safelocResults(", "safelocRuns(", "safelocView("):
+        assert f"\n{called}" in single
     page = render_folder(tmp_path).read_text(encoding="utf-8")
-    assert "page.js" not in page
+    assert "safelocRuns(" not in page
     assert page.count("<script>") == 1
+    assert (tmp_path / "run.html").is_file()
     assert (tmp_path / "page" / "door.js").is_file()
     assert render_folder(tmp_path, single=True).read_text(encoding="utf-8") == single
     assert list((tmp_path / "page").iterdir()) == []
@@ -98,13 +104,16 @@ def test_a_page_rendered_again_is_the_same(tmp_path: Path) -> None:
     assert before == {path: path.read_bytes() for path in before}
 
 
-@pytest.mark.parametrize("name", ["machines/door.json.xz", "traces/door.json.xz"])
-def test_a_damaged_file(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("machines/door.json.xz", "it ends too early"), ("traces/door.js", "it is no complete call of safelocRuns")],
+)
+def test_a_damaged_file(tmp_path: Path, name: str, why: str) -> None:
     """What the page is made of is refused by name where it was cut or is gone."""
     write_folder(tmp_path, findings(), [door()])
     whole = (tmp_path / name).read_bytes()
     (tmp_path / name).write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(InputError, match=rf"{name}: damaged, it ends too early\."):
+    with pytest.raises(InputError, match=rf"{name}: damaged, {why}\."):
         render_folder(tmp_path)
     (tmp_path / name).unlink()
     with pytest.raises(InputError, match=rf"{name}: (cannot be read|no such file)"):
@@ -118,7 +127,7 @@ def test_a_place_that_there_is_not(tmp_path: Path, key: str, place: int) -> None
     data = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     data["results" if key == "certificates" else "requirements"][0][key] = [place]
     (tmp_path / "report.json").write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(InputError, match=r"report\.json: does not fit schema safeloc-report/4: IndexError"):
+    with pytest.raises(InputError, match=r"report\.json: does not fit schema safeloc-report/5: IndexError"):
         render_folder(tmp_path)
 
 

@@ -36,7 +36,7 @@ from safeloc.runtime.streams.columns import read_runs
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"
-TRACES = "traces/lamp.json.xz"
+TRACES = "traces/lamp.js"
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +99,7 @@ def test_statistics_of_the_tests_are_given_once() -> None:
             ("second", dict(figures)),
             ("third", {**figures, "never happened": "the case (mode = ON)"}),
             ("fourth", {**figures, "steps": "3599"}),
+            ("fifth", {**figures, "steps": "3599"}),
         )
     ]
     made = report_data(every, [target()])
@@ -107,6 +108,7 @@ def test_statistics_of_the_tests_are_given_once() -> None:
         {},
         {"never happened": "the case (mode = ON)"},
         {"steps": "3599"},
+        {"statistics as of": "fourth"},
     ]
     text = to_html(made)
     assert text.count("<summary>statistics of the property tests</summary>") == 1
@@ -368,7 +370,8 @@ def test_folder(folder: Path) -> None:
     assert isinstance(proof, Proved)
     assert proof.certificates
     expected = {"index.html", "report.json", "junit.xml", "results.sarif", TRACES, "machines/lamp.json.xz"}
-    expected |= {"certificates/lamp-property-new.tar.xz"}
+    expected |= {"certificates/lamp-property-new.tar.xz", "run.html", "SHA256SUMS"}
+    expected |= {"page/lamp.view.js", "page/results.js", "machines/lamp.js"}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
     read = read_archives(folder / "certificates", {"lamp-property-new.tar.xz": list(proof.certificates)})

@@ -67,7 +67,7 @@ def read_steps(path: Path) -> StepStream:
                 return _read_csv(path)
             case ".parquet":
                 return _read_parquet(path)
-            case ".xz":
+            case ".js":
                 raise StreamError(f"{path}: holds runs of a report; choose one with --run and the id of its result.")
             case _:
                 raise unknown_kind(path)

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from safeloc.errors import StreamError
 from safeloc.language.interpret import run
 from safeloc.report.data import trace_data
-from safeloc.runtime.packed import packed, read_packed
-from safeloc.runtime.streams.columns import Shown, read_runs, runs_file
+from safeloc.runtime.scripts import read_script, script
+from safeloc.runtime.streams.columns import FUNCTION, Shown, read_runs, runs_file
 from safeloc.runtime.streams.steps import read_steps
 from tests.report.test_page import door
 
@@ -27,8 +27,8 @@ ROW = st.fixed_dictionaries(
 def kept(folder: Path, rows: list[dict[str, Any]], truth_mm: tuple[int | None, ...] = ()) -> tuple[Path, Shown]:
     """A file of one run of the door, which shows two results."""
     one = Shown(["door/property/a", "door/property/b"], run(door().system, rows), truth_mm)
-    path = folder / "door.json.xz"
-    path.write_bytes(runs_file([one]))
+    path = folder / "door.js"
+    path.write_text(runs_file([one], "door"))
     return path, one
 
 
@@ -56,17 +56,42 @@ def test_runs_of_unlike_systems_share_a_file(tmp_path: Path) -> None:
     """A name that one of the runs does not have is not in its steps."""
     row = {"speed": 0, "blocked": False, "released": True}
     whole = run(door().system, [row] * 2)
-    path = tmp_path / "door.json.xz"
-    path.write_bytes(runs_file([Shown(["a"], whole), Shown(["b"], run(door().system, []))]))
+    path = tmp_path / "door.js"
+    path.write_text(runs_file([Shown(["a"], whole), Shown(["b"], run(door().system, []))], "door"))
     assert [2, 0] == [len(read_runs(path).plain(name)["steps"]) for name in "ab"]
+
+
+@given(st.lists(st.lists(st.booleans(), max_size=6), min_size=1, max_size=8))
+def test_runs_with_like_beginnings(tmp_path_factory: pytest.TempPathFactory, blocked: list[list[bool]]) -> None:
+    """Each comes back in full, and steps in common are kept once."""
+    rows = [[{"speed": 1, "blocked": now, "released": True} for now in one] for one in blocked]
+    shown = [Shown([str(number)], run(door().system, one)) for number, one in enumerate(rows)]
+    path = tmp_path_factory.getbasetemp() / "door.js"
+    path.write_text(runs_file(shown, "door"))
+    runs = read_runs(path)
+    assert [repr(trace_data(one.trace)) for one in shown] == [repr(runs.plain(name)) for name in runs]
+    described = json.loads(read_script(path, FUNCTION))["runs"]
+    distinct = {tuple(one[: number + 1]) for one in blocked for number in range(len(one))}
+    assert len(distinct) == sum(one["steps"] - one["like"][1] for one in described)
+
+
+@pytest.mark.parametrize("large", [2**53 - 1, 2**53 + 1, -(2**62)])
+def test_numbers_that_javascript_cannot_hold(tmp_path: Path, large: int) -> None:
+    """They come back exactly, and no number of the file is beyond those that it can."""
+    path, one = kept(tmp_path, [{"speed": 0, "blocked": False, "released": True}] * 3, (0, large, -large))
+    assert [0, large, -large] == read_runs(path).plain("door/property/a")["truth_mm"]
+    columns = json.loads(read_script(path, FUNCTION))["columns"]
+    lists = [column for column in columns if isinstance(column, list)]
+    assert all(abs(value) < 2**53 for column in lists for value in column if isinstance(value, int))
+    assert one.truth_mm == (0, large, -large)
 
 
 def spoilt(folder: Path, change: Callable[[dict[str, Any]], object]) -> Path:
     """A file of which something was changed."""
     path, _ = kept(folder, [{"speed": 0, "blocked": False, "released": True}] * 3)
-    data = json.loads(read_packed(path))
+    data = json.loads(read_script(path, FUNCTION))
     change(data)
-    path.write_bytes(packed(json.dumps(data).encode()))
+    path.write_text(script(FUNCTION, "door", data=json.dumps(data).encode()))
     return path
 
 
@@ -75,26 +100,30 @@ def spoilt(folder: Path, change: Callable[[dict[str, Any]], object]) -> Path:
     [
         lambda data: data.pop("runs"),
         lambda data: data["names"].pop("state"),
-        lambda data: data["runs"][0].pop("inputs"),
+        lambda data: data["runs"][0].pop("like"),
+        lambda data: data["runs"][0].update(like=[1, 0]),
+        lambda data: data["runs"][0].update(like=[0, 1]),
+        lambda data: data["runs"][0].update(like=[0, -1]),
+        lambda data: data["runs"].append({**data["runs"][0], "like": [0, 4]}),
         lambda data: data["runs"][0].update(steps=4),
         lambda data: data["runs"][0].update(steps="3"),
-        lambda data: data["runs"][0]["state"].pop(),
+        lambda data: data["columns"].pop(),
         lambda data: data["runs"][0]["first"].pop(),
-        lambda data: data["runs"][0]["state"].__setitem__(0, [1, -1, 2, 4]),
-        lambda data: data["runs"][0]["state"].__setitem__(0, [1, True, 2, 2]),
-        lambda data: data["runs"][0]["state"].__setitem__(0, 3),
+        lambda data: data["columns"].__setitem__(0, [1, -1, 2, 4]),
+        lambda data: data["columns"].__setitem__(0, [1, True, 2, 2]),
+        lambda data: data["columns"].__setitem__(0, 3),
     ],
 )
 def test_what_is_no_run(tmp_path: Path, change: Callable[[dict[str, Any]], object]) -> None:
     """Columns that do not fit together are refused with the file, never filled up."""
     path = spoilt(tmp_path, change)
-    with pytest.raises(StreamError, match=r"door\.json\.xz: does not fit schema safeloc-runs/1: "):
+    with pytest.raises(StreamError, match=r"door\.js: does not fit schema safeloc-runs/2: "):
         read_runs(path).plain("door/property/a")
 
 
 def test_another_schema(tmp_path: Path) -> None:
     """A later form is refused by name."""
-    with pytest.raises(StreamError, match=r"schema is 'safeloc-runs/9'; this version reads 'safeloc-runs/1'\.$"):
+    with pytest.raises(StreamError, match=r"schema is 'safeloc-runs/9'; this version reads 'safeloc-runs/2'\.$"):
         read_runs(spoilt(tmp_path, lambda data: data.update(schema="safeloc-runs/9")))
 
 

@@ -1,0 +1,69 @@
+"""The digests of a report's files, in the folder itself: `sha256sum -c SHA256SUMS` checks them as well.
+
+They tell a damaged or mixed folder from the one that was written. They are no signature: whoever changes a file on purpose can
+change its digest too. That every proof is one is checked by `safeloc recheck`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from pathlib import Path
+
+from safeloc.errors import InputError
+from safeloc.runtime.outside import read_bytes
+
+SUMS = "SHA256SUMS"
+
+
+def write_digests(folder: Path, files: Iterable[str]) -> None:
+    """Write the digests of these files, which lie in the folder."""
+    lines = [f"{_digest(folder / name)}  {name}\n" for name in files]
+    (folder / SUMS).write_text("".join(lines), encoding="utf-8")
+
+
+def renew_digests(folder: Path, files: Iterable[str]) -> None:
+    """Write the digests of these files in place of those of pages; what the report says of its data stays."""
+    own = {name: digest for name, digest in _read(folder).items() if not _is_page(name)} if _has(folder) else None
+    if own is None:
+        return
+    own |= {name: _digest(folder / name) for name in files if _is_page(name)}
+    lines = [f"{digest}  {name}\n" for name, digest in own.items()]
+    (folder / SUMS).write_text("".join(lines), encoding="utf-8")
+
+
+def misfits(folder: Path, files: Iterable[str]) -> list[str]:
+    """Return what does not fit, each with its file: changed, missing, or not of this report. `files` are those that are there."""
+    if not _has(folder):
+        return [f"{SUMS} is missing: whether the files are those of one report cannot be told"]
+    known, there = _read(folder), set(files)
+    found = [f"{name} is missing" for name in known if name not in there]
+    found += [f"{name} is not of this report" for name in sorted(there - known.keys())]
+    return found + [
+        f"{name} is not the file that was written"
+        for name, digest in known.items()
+        if name in there and _digest(folder / name) != digest
+    ]
+
+
+def _has(folder: Path) -> bool:
+    return (folder / SUMS).is_file()
+
+
+def _is_page(name: str) -> bool:
+    return name.endswith(".html") or name.startswith("page/")
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(read_bytes(path)).hexdigest()
+
+
+def _read(folder: Path) -> dict[str, str]:
+    """Return file -> digest. InputError for lines that are none of `sha256sum`."""
+    found = {}
+    for number, line in enumerate(read_bytes(folder / SUMS).decode("utf-8", errors="replace").splitlines(), 1):
+        digest, blank, name = line.partition("  ")
+        if not blank or len(digest) != 64 or not name:
+            raise InputError(f"{folder / SUMS}:{number}: no digest and name of a file. Write the report again.")
+        found[name] = digest
+    return found

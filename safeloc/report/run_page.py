@@ -1,0 +1,161 @@
+"""The view of runs: a page that steps through the run of any result, with its data in scripts beside it or within it.
+
+The page itself is in explorer/: markup, style, and scripts by what they do. Its data come from the report's data alone:
+machine by machine what a reader has to know beside the runs (`view`), and the runs as the folder has them.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from safeloc.codegen.javascript import javascript, on_board
+from safeloc.errors import InputError
+from safeloc.explain.pytest_file import run_file_pieces
+from safeloc.proof.runs.lawful import first_state
+from safeloc.report.file_names import file_names
+from safeloc.report.links import Links
+from safeloc.runtime.scripts import script
+from safeloc.target import Target
+
+RUN_PAGE, VIEW = "run.html", ".view.js"
+VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
+"""The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
+_HERE = Path(__file__).parent
+SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
+RUNS = ("runs", "charts", "interval", "diagram", "live", "branch", "watch", "view", "control")
+"""Scripts of explorer/, in the order in which they use each other."""
+_PART = re.compile(r"#\d+")
+_Data = Mapping[str, Any]
+
+
+def scripts(*groups: Sequence[str], calls: Sequence[str] = ()) -> Markup:
+    """Return one script of our own texts, and after them calls of its functions with data.
+
+    Each group has names of its own beside those that all of them share.
+    """
+    own = _joined(SHARED) + "".join(f"{{\n{_joined(group)}}}\n" for group in groups)
+    return Markup(f'"use strict";\n(() => {{\n{own}}})();\n{"".join(calls)}')
+
+
+def _joined(names: Sequence[str]) -> str:
+    return "\n".join(asset(f"explorer/{name}.js") for name in names)
+
+
+def asset(name: str) -> Markup:
+    """Return one of our own texts."""
+    return Markup((_HERE / name).read_text(encoding="utf-8"))
+
+
+def island(data: _Data) -> Markup:
+    """Return data as JSON that cannot end the element around it."""
+    return Markup(json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))
+
+
+def known_runs(data: _Data, made: str, *, report: str) -> dict[str, Any]:
+    """Return which machines have runs, and where their data lie; `made` is the digest of the page."""
+    return {
+        "made": made,
+        "report": report,
+        "alone": False,
+        "first": "",
+        "machines": {
+            name: {
+                "file": file,
+                "runs": f"traces/{file}.js",
+                "view": f"page/{file}{VIEW}",
+                "script": f"machines/{file}.js" if name in data.get("scripts", ()) else "",
+            }
+            for name, file in _files(data).items()
+        },
+    }
+
+
+def views(data: _Data, made: str) -> Iterator[tuple[str, str]]:
+    """Yield file name and script of what belongs to each machine with runs."""
+    files, links = _files(data), Links(data, _all_files(data))
+    for machine in data["machines"]:
+        if machine["name"] in files:
+            results = [row for row in data["results"] if row["machine"] == machine["name"]]
+            shown = {row["id"]: _result(row, data, links) for row in results if row["id"] in data["runs"]}
+            file = files[machine["name"]]
+            yield f"{file}{VIEW}", view_script(file, machine, shown, made)
+
+
+def view_script(file: str, machine: _Data, results: _Data, made: str) -> str:
+    """Return the script with what belongs to a machine beside its runs."""
+    text = json.dumps(view(machine, results, made), separators=(",", ":"))
+    return script(VIEW_FUNCTION, file, data=text.encode())
+
+
+def machine_script(file: str, target: Target, *, ghosts: bool = True) -> str:
+    """Return the script with the machine itself, so that the page can explain its steps and take others.
+
+    ghosts  whether the runs of the page have the ghosts of the machine; a recording may be without
+    Nothing for a machine that cannot run as a script: its runs are shown without explanations.
+    """
+    system = target.system if ghosts else on_board(target.system)
+    test = run_file_pieces(target, None) if _by_defaults(target) else ()
+    try:
+        text = javascript(system, first=first_state(system, random.Random(0)), test=test)
+    except InputError:
+        return ""
+    return script(MACHINE_FUNCTION, file, data=text.encode())
+
+
+def _by_defaults(target: Target) -> bool:
+    """Return whether the name alone makes the target again, so that a test of its runs can load it."""
+    return target.given is None and (target.config is None or target.config == type(target.config)())
+
+
+def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
+    broken = [[row["statement"], data["runs"][row["id"]]]] if row["verdict"] == "violated" else []
+    return {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
+
+
+def _all_files(data: _Data) -> dict[str, str]:
+    return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
+
+
+def _files(data: _Data) -> dict[str, str]:
+    """Return the file name of each machine that has a run."""
+    having = {row["machine"] for row in data["results"] if row["id"] in data.get("runs", {})}
+    return {name: file for name, file in _all_files(data).items() if name in having}
+
+
+def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:
+    """Return what the page needs of a machine beside its runs: units and labels, tables, diagrams, and the results.
+
+    results  id -> verdict, statement, place on the report's page, and what is broken, each with the step that breaks it
+    """
+    configuration = machine["configuration"]
+    tolerance = configuration.get("tolerance_mm") if isinstance(configuration, dict) else None
+    return {
+        "made": made,
+        "name": machine["name"],
+        "spec": machine["spec"],
+        "signals": machine["signals"],
+        "reported": machine["reported"],
+        "tolerance_mm": tolerance if type(tolerance) is int else None,
+        "parts": [_part(part) for part in machine["parts"]],
+        "results": dict(results),
+    }
+
+
+def _part(part: _Data) -> dict[str, Any]:
+    """Return name, diagram and table of a machine, with the terms that its guards name, directly or through others."""
+    meaning = {line["name"]: line["text"] for line in part["definitions"]}
+    table = [{key: row[key] for key in ("name", "source", "target", "guard")} for row in part["table"]]
+    terms, left = dict[str, str](), [name for row in table for name in _PART.findall(row["guard"])]
+    while left:
+        name = left.pop()
+        if name in meaning and name not in terms:
+            terms[name] = meaning[name]
+            left += _PART.findall(meaning[name])
+    return {"name": part["name"], "svg": part["svg"], "table": table, "terms": terms}
