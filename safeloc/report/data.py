@@ -173,7 +173,7 @@ def result_data(finding: Finding) -> dict[str, Any]:
             **finding.notes,
             **_left(finding),
         },
-        "trace": None if _left(finding) else trace_data(_trace(finding), finding.truth_mm),
+        "trace": None if _left(finding) else trace_data(run_of(finding), finding.truth_mm),
     }
 
 
@@ -219,13 +219,14 @@ def _reason(finding: Finding) -> str:
     return finding.result.reason if isinstance(finding.result, (Violated, Unknown, Vacuous, NotAsked)) else ""
 
 
-def _trace(finding: Finding) -> Trace | None:
+def run_of(finding: Finding) -> Trace | None:
+    """Return the run that is the evidence of a verdict: a witness, a violation, or a counterexample to induction."""
     match finding.result:
-        case Violated(trace=trace) | Vacuous(trace=trace):
+        case Violated(trace=trace) | Vacuous(trace=trace) | Unknown(escape=trace):
             return trace
         case Proved(witness=witness):
             return witness
-        case Held() | Unknown() | NotAsked():
+        case Held() | NotAsked():
             return None
         case _:
             assert_never(finding.result)

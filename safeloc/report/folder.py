@@ -19,7 +19,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any
 
 from jinja2 import UndefinedError
 
@@ -27,10 +27,9 @@ from safeloc.assurance.mutation.strength import Strengths
 from safeloc.catalogue import Target
 from safeloc.errors import InputError
 from safeloc.language.trace import Trace
-from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, stored
-from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
+from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, run_of, schema
 from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
@@ -218,7 +217,7 @@ def _runs(findings: Sequence[Finding]) -> dict[str, list[Shown]]:
     """Return the runs that show the results of each machine; a run shared by several results occurs once."""
     found: dict[str, dict[tuple[int, tuple[int | None, ...]], tuple[Trace, list[str]]]] = {}
     for finding in findings:
-        trace = _run_of(finding)
+        trace = run_of(finding)
         if trace is not None:
             own = found.setdefault(finding.machine, {})
             own.setdefault((id(trace), finding.truth_mm), (trace, []))[1].append(finding.id)
@@ -226,13 +225,3 @@ def _runs(findings: Sequence[Finding]) -> dict[str, list[Shown]]:
         machine: [Shown(results, trace, truth_mm) for (_, truth_mm), (trace, results) in own.items()]
         for machine, own in found.items()
     }
-
-
-def _run_of(finding: Finding) -> Trace | None:
-    match finding.result:
-        case Proved(witness=trace) | Violated(trace=trace) | Vacuous(trace=trace):
-            return trace
-        case Held() | Unknown() | NotAsked():
-            return None
-        case _:
-            assert_never(finding.result)

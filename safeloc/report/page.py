@@ -34,7 +34,7 @@ PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
 """Most characters of a page without parts: such a page opens within a second."""
-NO_PARTS: Mapping[str, str] = MappingProxyType({})
+_NO_PARTS: Mapping[str, str] = MappingProxyType({})
 _BARE: Mapping[str, Any] = MappingProxyType({"made": "", "run_at": "", "overview": "", "run": "", "script": ""})
 """What a page without search, parts and runs has besides the report."""
 _MANY_ROWS = 4
@@ -134,7 +134,7 @@ class _Rendering:
         given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
         return self._filled("run_page", **given) if first else ""
 
-    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = NO_PARTS) -> Markup:
+    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS) -> Markup:
         """Return where the search finds its data, the view of runs, and the part of each machine."""
         return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts)})
 

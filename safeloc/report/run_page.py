@@ -31,6 +31,8 @@ _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
 RUNS = ("runs", "charts", "interval", "diagram", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
+_BREAKS = {"violated", "unknown"}
+"""Verdicts whose run breaks the statement in its last step; that of an undecided one begins in a state to which no run need come."""
 _PART = re.compile(r"#\d+")
 _Data = Mapping[str, Any]
 
@@ -115,7 +117,7 @@ def _by_defaults(target: Target) -> bool:
 
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
-    broken = [[row["statement"], data["runs"][row["id"]]]] if row["verdict"] == "violated" else []
+    broken = [[row["statement"], data["runs"][row["id"]]]] if row["verdict"] in _BREAKS else []
     return {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
 
 

@@ -43,7 +43,7 @@ def split_data(
     numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
     places = {row["id"]: number for number, row in enumerate(data["results"])}
     said: dict[str, dict[str, int]] = {field: {} for field in _SAID_ONCE}
-    files = machine_files(data)
+    files = _machine_files(data)
     small = {
         **data,
         "machines": [{key: part for key, part in one.items() if key not in _BULKY} for one in data["machines"]],
@@ -90,7 +90,7 @@ def machine_names(data: Mapping[str, Any]) -> dict[str, str]:
     return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
 
 
-def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
+def _machine_files(data: Mapping[str, Any]) -> dict[str, str]:
     """Return the name of each machine's file of data."""
     return {name: file + SUFFIX for name, file in machine_names(data).items()}
 
@@ -171,7 +171,7 @@ def read_for_page(folder: Path) -> Data:
 
 
 def _put_together(folder: Path, data: Data) -> Data:
-    files, runs_of = machine_files(data), runs_files(data)
+    files, runs_of = _machine_files(data), runs_files(data)
     machines = [{**one, **_machine(folder / MACHINES / files[one["name"]])} for one in data["machines"]]
     read: dict[str, Runs] = {}
     rows = []

@@ -114,6 +114,7 @@ function choices(read, result) {
 
 function wordOf(result, trace, data) {
   const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}`;
+  if (data.results[result]?.verdict === "unknown") return `a counterexample to induction, ${steps} from a state that keeps all that is proved to one that breaks the property; no run need come there`;
   const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
   return broken.length ? `at step ${broken.join(", ")} of ${trace.steps}` : `a run of ${steps}`;
 }
