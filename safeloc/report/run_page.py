@@ -29,7 +29,7 @@ VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
 """The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
-RUNS = ("runs", "charts", "interval", "diagram", "live", "branch", "watch", "view", "control")
+RUNS = ("runs", "charts", "interval", "strip", "diagram", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _BREAKS = {"violated", "unknown"}
 """Verdicts whose run breaks the statement in its last step; that of an undecided one begins in a state to which no run need come."""

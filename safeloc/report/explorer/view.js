@@ -19,6 +19,7 @@ class View {
     this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
     this.charts.marks = this.broken.map(([statement, step]) => ({ step, words: `violated at step ${step}: ${statement}` }));
     if (trace.from !== undefined) this.charts.marks.push({ step: trace.from, words: "other inputs from here on", kind: "branch" });
+    this.strip = new Strip(place("run-line"), this);
     this.values = [];
     this.watched = [];
     this.live = null;
@@ -27,6 +28,7 @@ class View {
 
   close() {
     this.charts.resized.disconnect();
+    this.strip.close();
   }
 
   /* Takes the machine itself, when the page has loaded it. */
@@ -251,6 +253,7 @@ class View {
   show(step) {
     this.step = Math.max(0, Math.min(this.trace.steps, step));
     this.charts.move(this.step);
+    this.strip.show(this.step);
     this.showFired();
     this.showWatched();
     this.showDiagram();
