@@ -81,7 +81,13 @@ async function openRun(result, words) {
   go(Number.isInteger(step) ? step : 0);
   const opened = view;
   const live = await machineOf(file, script, trace);
-  if (!live || view !== opened) return;
+  if (view !== opened) return;
+  if (live) return start(live);
+  view.unexplained = script ? "this is a run of one machine by itself" : "this page has no script of the machine";
+  view.show(view.step);
+}
+
+function start(live) {
   view.setLive(live);
   offer(live);
 }
