@@ -376,7 +376,11 @@ document.addEventListener("keydown", (event) => {
   pressed();
 });
 
-addEventListener("hashchange", open);
+addEventListener("hashchange", async () => {
+  const before = view;
+  await open();
+  if (view !== before) place("run-title").focus(); // whoever does not see the page hears that another run is shown
+});
 addEventListener("beforeprint", () => view?.rowsAround(0, true));
 addEventListener("afterprint", () => view?.follow());
 queueMicrotask(open); // after the data that stand behind this script
