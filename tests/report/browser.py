@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 PHONE, DESK = (390, 844), (1300, 900)
+RIGHT, LEFT, DOWN, ENTER, ESCAPE, END, SHIFT = "\ue014", "\ue012", "\ue015", "\ue007", "\ue00c", "\ue010", "\ue008"
 
 
 class Page:
@@ -108,3 +109,15 @@ def page(browser: Page) -> Page:
     browser.dark(False)
     browser.size(*DESK)
     return browser
+
+
+def runs_of(report: Path) -> Path:
+    """The page that shows the runs of a report."""
+    beside = report.with_name("run.html")
+    return beside if beside.exists() else report
+
+
+def opened(page: Page, path: Path, place: str = "") -> None:
+    """Open the run of a place."""
+    page.open(path, place)
+    page.until("document.getElementById('run-said').textContent !== ''")

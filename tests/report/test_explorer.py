@@ -9,27 +9,33 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.catalogue import Target, load_target
-from safeloc.language.expr import boolean, number
+from safeloc.catalogue import load_target
 from safeloc.language.interpret import run
-from safeloc.language.machine import Machine, Transition, modes
-from safeloc.language.spec import never
-from safeloc.language.system import lower
-from safeloc.language.units import MM
-from safeloc.language.verdict import Violated
-from safeloc.proof.results import Finding
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
 from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset
-from safeloc.runtime.streams.steps import read_steps, write_steps
-from tests.report.browser import DESK, PHONE, Page, browser, page
-from tests.report.test_page import DOOR, door, findings
+from safeloc.runtime.streams.steps import read_steps
+from tests.report.browser import (
+    DESK,
+    DOWN,
+    END,
+    ENTER,
+    ESCAPE,
+    LEFT,
+    PHONE,
+    RIGHT,
+    SHIFT,
+    Page,
+    browser,
+    opened,
+    page,
+    runs_of,
+)
+from tests.report.test_page import door, findings
 
 __all__ = ["browser", "page"]  # fixtures
 WRONG = "#result=door%2Fproperty%2Fbad+%3Cb%3E"
-RIGHT, LEFT = "\ue014", "\ue012"
-DOWN, ENTER, ESCAPE, END, SHIFT = "\ue015", "\ue007", "\ue00c", "\ue010", "\ue008"
 
 
 @pytest.fixture(scope="module", params=["parts", "whole", "single"])
@@ -42,18 +48,6 @@ def report(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         return write_folder(folder, findings(), [door()], single=request.param == "single")
     finally:
         page_module.MOST_OF_ONE_PAGE = most
-
-
-def runs_of(report: Path) -> Path:
-    """The page that shows the runs of a report."""
-    beside = report.with_name("run.html")
-    return beside if beside.exists() else report
-
-
-def opened(page: Page, path: Path, place: str = "") -> None:
-    """Open the run of a place."""
-    page.open(path, place)
-    page.until("document.getElementById('run-said').textContent !== ''")
 
 
 @pytest.fixture(scope="module")
@@ -381,75 +375,3 @@ def test_a_barrier_is_found(page: Page, tmp_path: Path) -> None:
     )
     page.open(path)
     assert {"label", "color-contrast"} == {one.partition(":")[0] for one in page.barriers()}
-
-
-# ------------------------------------------------------------------ texts that try to act
-
-EVIL = "\"'><script>window.acted = 1</script><img src=x onerror='window.acted = 2'>"
-
-
-def evil() -> Target:
-    """A machine whose every text tries to act."""
-    on, off = modes("ON", "OFF")
-    there, far = boolean("there"), number("far", MM, 0, 100)
-    machine = Machine(
-        "evil",
-        modes=(on, off),
-        inputs=[there, far],
-        state={},
-        outputs={},
-        transitions=[Transition(f"go {EVIL}", on, off, there), Transition(f"back {EVIL}", off, on, ~there)],
-        doc=f"doc {EVIL}",
-    )
-    claims = (never(f"claim {EVIL}", machine.fired(f"go {EVIL}"), statement=f"statement {EVIL}"),)
-    return Target("evil", (machine,), lower(machine), claims, doc=machine.doc, spec=f"evil:{EVIL}", given={EVIL: EVIL})
-
-
-def quiet(page: Page) -> None:
-    """Nothing acted, and nothing tried to load."""
-    assert page.js("window.acted === undefined")
-    assert page.js("document.querySelectorAll('img').length") == 0
-    assert page.said() == []
-
-
-@pytest.mark.parametrize("single", [False, True])
-def test_texts_of_a_machine_are_inert(page: Page, tmp_path: Path, single: bool) -> None:
-    """Names of transitions and properties, statements, reasons, documentation, the configuration, and the place asked for."""
-    target = evil()
-    trace = run(target.system, [{"there": True, "far": 1}, {"there": False, "far": 2}])
-    wrong = Finding(
-        f"evil/property/claim {EVIL}",
-        "evil",
-        "property",
-        f"statement {EVIL}",
-        Violated(trace, EVIL, EVIL),
-        EVIL,
-        1.0,
-        (),
-        EVIL,
-    )
-    path = write_folder(tmp_path, [wrong], [target], single=single)
-    page.open(path, "#search=claim")
-    page.until("document.querySelectorAll('#overview-found summary').length > 0")
-    page.click("#overview-found summary")
-    quiet(page)
-    page.driver.find_element("link text", "run of 2 steps").click()
-    page.until("document.getElementById('run-said')?.textContent")
-    page.until("document.querySelector('#run-rows .tag') !== null")
-    assert f"go {EVIL}" in page.text("#run-steps")
-    page.type("#run-expression", EVIL, ENTER)
-    quiet(page)
-    page.open(runs_of(path), f"#result={EVIL}&step={EVIL}&chart={EVIL}&watch={EVIL}")
-    page.until("document.getElementById('run-flaw').textContent")
-    assert page.js("window.acted === undefined")
-
-
-def test_texts_of_a_stream_are_inert(page: Page, tmp_path: Path) -> None:
-    """The name of the file and remarks in its steps."""
-    stream = tmp_path / "<img src=x onerror=window.acted=3>'\".jsonl"
-    write_steps(stream, [{"speed": 0, "released": True, "blocked": False}] * 3, machine="door")
-    path = tmp_path / "page.html"
-    path.write_text(recordings_page(load_target(DOOR), [stream], made=f"{EVIL}"), encoding="utf-8")
-    opened(page, path)
-    assert "<img src=x" in page.text("#run-title")
-    quiet(page)

@@ -52,6 +52,7 @@ class Charts {
     this.width = this.box.clientWidth;
     if (this.width < LEFT + RIGHT + 20) return;
     this.lines = [];
+    this.hovers = [];
     this.readouts = [];
     const made = this.lanes.length ? [this.drawLanes()] : [];
     for (const chart of this.charts) made.push(this.drawChart(chart));
@@ -77,10 +78,22 @@ class Charts {
     }
   }
 
+  /* Says the values of a step under the pointer, in all charts at once; without one those of the cursor. */
+  hover(step) {
+    this.read(step ?? this.step);
+    for (const line of this.hovers) {
+      line.style.visibility = step === null ? "hidden" : "visible";
+      if (step !== null) line.setAttribute("transform", `translate(${this.x(step).toFixed(1)} 0)`);
+    }
+  }
+
   frame(height, label) {
     const svg = drawn("svg", { viewBox: `0 0 ${this.width} ${height}`, height, role: "img", "aria-label": label });
     const cursor = drawn("line", { class: "cursor", x1: 0, x2: 0, y1: 0, y2: height });
+    const hover = drawn("line", { class: "hover", x1: 0, x2: 0, y1: 0, y2: height });
     this.lines.push(cursor);
+    this.hovers.push(hover);
+    svg.append(hover);
     this.listen(svg);
     return [svg, cursor];
   }
@@ -194,8 +207,8 @@ class Charts {
   listen(svg) {
     const at = (event) => this.stepAt(event.clientX - svg.getBoundingClientRect().left);
     svg.addEventListener("pointerdown", (event) => (this.drag = { from: at(event), x: event.clientX }));
-    svg.addEventListener("pointermove", (event) => this.read(at(event)));
-    svg.addEventListener("pointerleave", () => this.read(this.step));
+    svg.addEventListener("pointermove", (event) => this.hover(at(event)));
+    svg.addEventListener("pointerleave", () => this.hover(null));
     svg.addEventListener("pointerup", (event) => {
       const drag = this.drag;
       this.drag = null;

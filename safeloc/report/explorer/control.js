@@ -81,7 +81,13 @@ async function openRun(result, words) {
   go(Number.isInteger(step) ? step : 0);
   const opened = view;
   const live = await machineOf(file, script, trace);
-  if (!live || view !== opened) return;
+  if (view !== opened) return;
+  if (live) return start(live);
+  view.unexplained = script ? "this is a run of one machine by itself" : "this page has no script of the machine";
+  view.show(view.step);
+}
+
+function start(live) {
   view.setLive(live);
   offer(live);
 }
@@ -371,7 +377,11 @@ document.addEventListener("keydown", (event) => {
   pressed();
 });
 
-addEventListener("hashchange", open);
+addEventListener("hashchange", async () => {
+  const before = view;
+  await open();
+  if (view !== before) place("run-title").focus(); // whoever does not see the page hears that another run is shown
+});
 addEventListener("beforeprint", () => view?.rowsAround(0, true));
 addEventListener("afterprint", () => view?.follow());
 queueMicrotask(open); // after the data that stand behind this script

@@ -44,27 +44,29 @@ class Live {
     return this.read("inputs", this.inputs.map((one) => one.name), step);
   }
 
-  /* The rows of the tables in the modes before a step, each with the parts of its guard that decide; null if it cannot be told. */
-  rows(step) {
-    if (!this.fits || step < 1) return null;
+  /* What the machine says of a step; `flaw` is why it says nothing. */
+  asked(step, nothing, ask) {
+    this.flaw = this.fits ? "" : "this run has not all variables of the machine";
+    if (!this.fits || step < 1) return nothing;
     try {
-      return this.machine.explain(this.before(step), this.given(step));
-    } catch {
-      return null;
+      return ask(this.before(step), this.given(step));
+    } catch (error) {
+      this.flaw = error.message;
+      return nothing;
     }
+  }
+
+  /* The rows of the tables in the modes before a step, each with the parts of its guard that decide. */
+  rows(step) {
+    return this.asked(step, null, (state, inputs) => this.machine.explain(state, inputs));
   }
 
   values(step) {
-    if (!this.fits || step < 1) return {};
-    try {
-      return this.machine.values(this.before(step), this.given(step));
-    } catch {
-      return {};
-    }
+    return this.asked(step, {}, (state, inputs) => this.machine.values(state, inputs));
   }
 
   broken(step) {
-    return this.fits && step > 0 && this.machine.laws.length ? this.machine.broken(this.before(step), this.given(step)) : [];
+    return this.asked(step, [], (state, inputs) => this.machine.broken(state, inputs));
   }
 }
 

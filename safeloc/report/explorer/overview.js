@@ -125,7 +125,7 @@ function fromLink() {
 
 /* A link to a place within a part that is not open yet: the part of the machine that has it is opened first. */
 async function toPart() {
-  const at = decodeURIComponent(location.hash.slice(1));
+  const at = location.hash.slice(1);
   if (!at || at.includes("=") || !Object.keys(overview.parts).length) return;
   if (place(at)) return unfold(place(at));
   const one = (await results().catch(() => [])).find((row) => row.at === at || row.source === at);

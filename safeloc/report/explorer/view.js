@@ -23,6 +23,7 @@ class View {
     this.values = [];
     this.watched = [];
     this.live = null;
+    this.unexplained = ""; // why the page has no machine that could explain this run
     this.fill();
   }
 
@@ -309,7 +310,9 @@ class View {
   showRows(part, mode) {
     const numbers = new Map(part.table.map((row, at) => [row.name, at + 1]));
     const rows = this.explained(part) ?? this.rowsAtHome(part, mode);
-    place("run-rows").replaceChildren(element("ol", {}, ...rows.map((row) => rowLine(row, numbers.get(row.transition)))));
+    const why = this.live?.flaw ?? this.unexplained;
+    const note = why && this.step ? element("p", { class: "soft" }, `Why a transition is refused cannot be told: ${why}.`) : null;
+    place("run-rows").replaceChildren(element("ol", {}, ...rows.map((row) => rowLine(row, numbers.get(row.transition)))), ...(note ? [note] : []));
     place("run-rows-box").firstElementChild.textContent = `transitions of ${part.name} in ${mode}`;
   }
 
