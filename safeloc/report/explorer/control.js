@@ -379,7 +379,7 @@ document.addEventListener("keydown", (event) => {
 addEventListener("hashchange", async () => {
   const before = view;
   await open();
-  if (view !== before) place("run-title").focus(); // whoever does not see the page hears that another run is shown
+  if (view !== before && document.activeElement !== place("run-choice")) place("run-title").focus(); // whoever does not see the page hears that another run is shown
 });
 addEventListener("beforeprint", () => view?.rowsAround(0, true));
 addEventListener("afterprint", () => view?.follow());
