@@ -46,6 +46,7 @@ HEAVY = {
     "transitions": ("safeloc/runtime/embedding/follower.py",),
     "typer": ("safeloc/cli/",),
     "rich": ("safeloc/cli/",),
+    "textual": ("safeloc/cli/step_window.py",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/runtime/streams/",),
     "vcd": ("safeloc/report/run_files/",),

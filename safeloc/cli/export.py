@@ -19,13 +19,13 @@ from safeloc.proof.exported import c_folder, fmi_unit, script
 from safeloc.proof.provers.proved_base import base
 
 _TEXTS: Mapping[str, Callable[[Target], str]] = {
-    "javascript": script,
     "python": lambda target: to_python(without_ghosts(target.system)),
     "mermaid": lambda target: "".join(map(to_mermaid, target.machines)),
     "dot": lambda target: "".join(map(to_dot, target.machines)),
     "svg": lambda target: "".join(map(to_svg, target.machines)),
     "table": lambda target: to_table_text(target.machines),
     "smtlib": lambda target: "\n".join(base(target.system).certificates.values()),
+    "javascript": script,
 }
 _FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
     "c": lambda target: c_folder(target, _say),

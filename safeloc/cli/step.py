@@ -1,10 +1,14 @@
-"""The command `safeloc step`: run a machine by hand, in a terminal, also over ssh or from a script on standard input."""
+"""The command `safeloc step`: run a machine by hand, in a terminal, also over ssh or from a script on standard input.
+
+With the extra `step` a terminal shows a window (`step_window`); else, and from a script, commands are lines.
+"""
 
 from __future__ import annotations
 
 import cmd
+import importlib.util
+import os
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -13,9 +17,9 @@ import typer
 from safeloc.catalogue import load_target
 from safeloc.cli.console import print_line
 from safeloc.cli.options import ConfigOption, TargetArgument
+from safeloc.cli.step_lines import assignments, number_of_steps, refuse_unknown, row_lines, words
 from safeloc.errors import InputError
-from safeloc.explain.failing_parts import Part
-from safeloc.explain.stepping import RowView, Stepper
+from safeloc.explain.stepping import Stepper
 from safeloc.proof.verification.replay import read_recording
 from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target, find_recording
@@ -41,6 +45,9 @@ def step(
         ),
     ] = None,
     config: ConfigOption = None,
+    lines: Annotated[
+        bool, typer.Option("--lines", help="commands line by line, also where a window can be shown")
+    ] = False,
 ) -> None:
     """Run a machine step by step: set inputs, see which transition fires and what refuses the others, go back, save the run."""
     loaded = load_target(target, config)
@@ -48,12 +55,23 @@ def step(
     first, inputs = ({}, []) if recording is None else (recording.first, _inputs(recording, loaded))
     stepper = Stepper(loaded, first, inputs, config)
     typed = sys.stdin.isatty()
+    if typed and not lines and _can_show():
+        from safeloc.cli.step_window import StepWindow  # an extra
+
+        StepWindow(stepper).run()
+        return
     shell = _Shell(stepper, prompting=typed)
     if typed:
         print_line("help lists the commands; quit or Ctrl-D ends.")
         shell.show()
     shell.cmdloop()
     raise typer.Exit(2 if shell.failed and not typed else 0)
+
+
+def _can_show() -> bool:
+    """Return whether standard output is a terminal on which a window can be shown, and Textual is installed."""
+    is_terminal = sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
+    return is_terminal and importlib.util.find_spec("textual") is not None
 
 
 def _inputs(recording: StepStream, target: Target) -> list[dict[str, object]]:
@@ -120,7 +138,7 @@ class _Shell(cmd.Cmd):
 
     def do_step(self, text: str) -> None:
         """Take steps."""
-        for _ in range(_number(text, "step")):
+        for _ in range(number_of_steps(text, "step")):
             if self._ends_here():
                 break
             broken = self._stepper.broken_laws()
@@ -147,17 +165,14 @@ class _Shell(cmd.Cmd):
 
     def do_set(self, text: str) -> None:
         """Set inputs of the next step."""
-        for word in text.split():
-            name, equal, value = word.partition("=")
-            if not equal:
-                raise InputError(f"{word!r}: write NAME=VALUE, without blanks around the sign.")
+        for name, value in assignments(text):
             self._stepper.give(name, value)
         self.do_inputs("")
 
     def do_rows(self, _: str) -> None:
         """Show the transitions of the present mode."""
         for row in self._stepper.rows():
-            for line in _row_lines(row):
+            for line in row_lines(row):
                 print_line(line)
 
     def do_inputs(self, word: str) -> None:
@@ -174,11 +189,8 @@ class _Shell(cmd.Cmd):
 
     def do_watch(self, text: str) -> None:
         """Choose what is shown after every step."""
-        known = {**self._stepper.state, **self._stepper.outputs}
-        for name in text.split():
-            if name not in known:
-                raise InputError(f"there is no variable or output {name!r}; `state` and `outputs` list them.")
-        self._watched = text.split()
+        refuse_unknown(words(text), self._stepper.watchable)
+        self._watched = words(text)
         self.show()
 
     def do_broken(self, _: str) -> None:
@@ -193,7 +205,7 @@ class _Shell(cmd.Cmd):
 
     def do_back(self, text: str) -> None:
         """Take steps back."""
-        self._stepper.back(_number(text, "back"))
+        self._stepper.back(number_of_steps(text, "back"))
         self.show()
 
     def do_save(self, text: str) -> None:
@@ -212,7 +224,7 @@ class _Shell(cmd.Cmd):
         """Show the modes and what is watched."""
         state = self._stepper.state
         modes = {name: value for name, value in state.items() if name.split(".")[-1] == "mode"}
-        known = {**state, **self._stepper.outputs}
+        known = self._stepper.watchable
         self._values("", {**modes, **{name: known[name] for name in self._watched}}, "")
 
     def _values(self, what: str, values: dict[str, str], word: str) -> None:
@@ -228,23 +240,3 @@ def _by_step(names: dict[str, int]) -> dict[int, list[str]]:
 
 def _joined(values: dict[str, str]) -> str:
     return "  ".join(f"{name}={value}" for name, value in values.items()) or "none"
-
-
-def _number(text: str, command: str) -> int:
-    if not text:
-        return 1
-    if not text.isdecimal() or int(text) < 1:
-        raise InputError(f"{command} {text!r}: give a number of steps, 1 or more.")
-    return int(text)
-
-
-def _row_lines(row: RowView) -> Iterator[str]:
-    word = "fires" if row.fires else "enabled" if row.enabled else "refused"
-    yield f"{word:8} {row.machine}: {row.name} -> {row.target}"
-    if not row.enabled:
-        yield from (_part_line(part) for part in row.why)
-
-
-def _part_line(part: Part) -> str:
-    values = ", ".join(f"{name} = {value}" for name, value in part.values.items())
-    return f"         {'  ' * part.depth}{'true ' if part.holds else 'false'} {part.text}    {values}".rstrip()

@@ -1,6 +1,6 @@
 """A system's moves, outputs and first state as JavaScript functions over arrays of values.
 
-In all of them `s` is the state before the step, `i` the inputs, `o` the state after it, and `f` the numbers of the transitions
+No cases are written apart (`case_splitting`): here the size of the text counts more than the time of a step. In all functions `s` is the state before the step, `i` the inputs, `o` the state after it, and `f` the numbers of the transitions
 that fired. Values are in the order of the system: numbers and members of enumerations are BigInt, truth values are truth values.
 """
 
@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import assert_never
 
 from safeloc.codegen.c99_statements import given_names
-from safeloc.codegen.case_splitting import moves
 from safeloc.codegen.dead_code import live
 from safeloc.codegen.javascript_terms import JavaScriptTerms
 from safeloc.codegen.nested_statements import Bind, Block, Blocks, Choice, End, Test
@@ -18,8 +17,6 @@ from safeloc.codegen.simplify_under_facts import Known
 from safeloc.codegen.stages import Stage, stages
 from safeloc.language.nodes import Expr, Var
 from safeloc.language.system import TransitionSystem
-
-_LONGEST = 1  # cases that are written apart make the text longer, and here its size counts more than the time of a step
 
 Leaf = Callable[[Sequence[str]], str]
 """A function from the targets' values to the text at the end of a branch."""
@@ -69,8 +66,8 @@ def _stage(system: TransitionSystem, stage: Stage, *, checked: bool) -> str:
     fired = {var: f"f[{place}]" for place, var in enumerate(system.fired)}
     slots = [*((after[var], before[var]) for var in stage.moved), *((fired[var], "0n") for var in stage.fired)]
     terms = [*stage.moved.values(), *stage.fired.values()]
-    targets = [(f"n{place}", term) for place, term in enumerate(terms)]
-    block = live(moves(system, targets, Blocks(written), _LONGEST))
+    folded = Known({})
+    block = live(Blocks(written).ending([(f"n{place}", folded(term)) for place, term in enumerate(terms)]))
 
     def leaf(values: Sequence[str]) -> str:
         moved = zip(slots, values, strict=True)

@@ -25,6 +25,7 @@ function machineOf(data, moves, outputs, first, values) {
   const shown = data.variables.filter((one) => one.role === "output");
   const byName = { state: named(state), input: named(inputs) };
   const flags = Object.fromEntries(inputs.filter((one) => one.optional).map((one) => [one.present, one]));
+  const inputNames = { ...byName.input, ...flags };
   const places = Object.fromEntries(data.inputs.map((name, place) => [name, place]));
   const transitions = data.transitions.map((one) => ({
     ...one, guard: data.texts[one.guard], sets: one.sets.map((place) => updateOf(data.texts[place])),
@@ -93,7 +94,7 @@ function machineOf(data, moves, outputs, first, values) {
   }
 
   function inputsOf(given) {
-    refuseUnknown(given, { ...byName.input, ...flags }, "inputs");
+    refuseUnknown(given, inputNames, "inputs");
     const list = new Array(data.inputs.length);
     for (const one of inputs) {
       const value = Object.hasOwn(given, one.name) ? given[one.name] : null;

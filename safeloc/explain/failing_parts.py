@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -53,20 +53,13 @@ def failing_parts(trace: Trace, prop: Property) -> list[Part]:
 
 
 def parts_of(
-    term: Bool,
-    values: Mapping[Var, Value],
-    in_a_step: Callable[[Expr], Expr],
-    *,
-    wanted: bool,
-    names: Mapping[Expr, str] = MappingProxyType({}),
+    term: Bool, known: Mapping[Expr, Value], *, wanted: bool, names: Mapping[Expr, str] = MappingProxyType({})
 ) -> list[Part]:
     """Return the parts that keep a term from being what is wanted; the whole term alone if it is that.
 
-    values  of the variables of the term as `in_a_step` rewrites it
-    names   terms that are shown by a name, and not taken apart
+    known  the values of the term and of all terms in it
+    names  terms that are shown by a name, and not taken apart
     """
-    nodes: list[Expr] = list(in_order([term]))
-    known = dict(zip(nodes, Program([in_a_step(node) for node in nodes])(values), strict=True))
     tree = _Tree(known, names)
     return [tree.part(term, 0)] if bool(known[term]) == wanted else list(tree.parts(term, wanted=wanted, depth=0))
 

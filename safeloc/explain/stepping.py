@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,13 +14,14 @@ from safeloc.explain.mattering_inputs import open_first
 from safeloc.explain.pytest_file import run_file
 from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.expr import Bool, Expr, NumVar, Var
-from safeloc.language.interpret import admitted, evaluate, fired_names, holds, named, outputs, read_inputs, start, step
+from safeloc.language.interpret import Program, admitted, fired_names, holds, named, outputs, read_inputs, start, step
 from safeloc.language.machine import Machine
 from safeloc.language.monitor import Broken, Monitor, Status, Undecided
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import observe
 from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.terms import in_order
 from safeloc.language.trace import Step, Trace, present_inputs, shown
 from safeloc.runtime.streams.steps import write_steps
 from safeloc.target import Target
@@ -98,6 +100,12 @@ class Stepper:
         }
 
     @property
+    def watchable(self) -> dict[str, str]:
+        """The present state and all outputs by name, as text; an output may be `absent`."""
+        outputs = self.outputs
+        return {**self.state, **{name: outputs.get(name, ABSENT[0]) for name in self.system.outputs}}
+
+    @property
     def inputs(self) -> dict[str, str]:
         """The inputs of the next step by name, as text; absent ones are left out."""
         values = self._next_inputs()
@@ -105,6 +113,16 @@ class Stepper:
             name: shown(self.system.variable(name), value)
             for name, value in present_inputs(self.system, named(values)).items()
         }
+
+    @property
+    def given(self) -> frozenset[str]:
+        """The names of the inputs that are set for the next step."""
+        return frozenset(self._set)
+
+    @property
+    def input_variables(self) -> list[Var]:
+        """The inputs that can be set, without presence flags."""
+        return [var for var in self.system.inputs if var.name not in self._flags]
 
     def broken_laws(self) -> list[str]:
         """Return the laws of the world, each with its machine, that the next step breaks; no proof speaks of what follows."""
@@ -135,7 +153,7 @@ class Stepper:
 
     def give(self, name: str, text: str) -> None:
         """Set an input of the next step: a whole number, true, false, a label, or `absent`. InputError for anything else."""
-        known = {var.name: var for var in self.system.inputs if var.name not in self._flags}
+        known = {var.name: var for var in self.input_variables}
         if name not in known:
             raise InputError(f"{self.system.name} has no input {name!r}; it has {', '.join(known)}.{hint(name, known)}")
         if text.lower() in ABSENT:
@@ -213,7 +231,9 @@ def _value(text: str) -> object:
 def rows_at(system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]) -> list[RowView]:
     """Return the transitions of each machine's present mode, in the order in which they are tried."""
     taken = fired_names(step(system, state, inputs)[1])
-    return [row for part in _parts(system) for row in part.rows({**state, **inputs}, taken)]
+    if system not in _GUARDS:
+        _GUARDS[system] = _Guards(system)
+    return list(_GUARDS[system].rows({**state, **inputs}, taken))
 
 
 def laws_broken(system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]) -> list[str]:
@@ -230,15 +250,38 @@ class _Machine:
     fired: str
     in_a_step: Callable[[Expr], Expr]
 
-    def rows(self, values: Mapping[Var, Value], taken: Mapping[str, str]) -> Iterator[RowView]:
-        """Yield the transitions of the present mode in the order in which they are tried."""
-        [mode] = evaluate([self.in_a_step(self.machine.mode)], values)
+    def terms(self) -> list[Expr]:
+        """Return the mode, the guards and all terms in them."""
+        return list(in_order([self.machine.mode, *(one.when for one in self.machine.transitions)]))
+
+    def rows(self, known: Mapping[Expr, Value], taken: Mapping[str, str]) -> Iterator[RowView]:
+        """Yield the transitions of the present mode in the order in which they are tried; `known` has the values of `terms`."""
+        mode = known[self.machine.mode]
         present = [one for one in self.machine.transitions if mode in [source.value for source in one.sources]]
         names = {term: name for name, term in self.machine.definitions.items()}
         for one in sorted(present, key=lambda row: row.rank):
-            enabled = bool(evaluate([self.in_a_step(one.when)], values)[0])
-            why = tuple(parts_of(one.when, values, self.in_a_step, wanted=True, names=names))
+            enabled = bool(known[one.when])
+            why = tuple(parts_of(one.when, known, wanted=True, names=names))
             yield RowView(self.machine.name, one.name, one.target.label, enabled, taken[self.fired] == one.name, why)
+
+
+class _Guards:
+    """The guards of all machines of a system, prepared to be evaluated at once: later machines read what earlier ones compute."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self._machines = _parts(system)
+        self._terms = [machine.terms() for machine in self._machines]
+        read = zip(self._machines, self._terms, strict=True)
+        self._program = Program([machine.in_a_step(term) for machine, terms in read for term in terms])
+
+    def rows(self, values: Mapping[Var, Value], taken: Mapping[str, str]) -> Iterator[RowView]:
+        """Yield the transitions of each machine's present mode, in the order in which they are tried."""
+        found = iter(self._program(values))
+        for machine, terms in zip(self._machines, self._terms, strict=True):
+            yield from machine.rows({term: next(found) for term in terms}, taken)
+
+
+_GUARDS: weakref.WeakKeyDictionary[TransitionSystem, _Guards] = weakref.WeakKeyDictionary()
 
 
 def _laws(system: TransitionSystem) -> dict[str, Bool]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -70,6 +72,27 @@ def test_a_session(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> No
     ]
     replayed = call("replay", lamp, "run.jsonl")
     assert (replayed.code, "the assumption is broken" in replayed.out) == (3, True)
+
+
+def test_a_run_is_saved_as_a_test(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It passes, and fails where the machine moves otherwise."""
+    lines = "set go=true\nstep\nstep\nset go=true\nstep\nsave test_run.py\nsave test_run.py\n"
+    called = typed(call, monkeypatch, lamp, lines=lines)
+    assert (called.code, "test_run.py exists; give another file" in called.out) == (2, True)
+    for passed in (True, False):
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", ".", "test_run.py"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert ("2 passed" if passed else "1 failed, 1 passed") in done.stdout, done.stdout
+        weak = LAMP.replace("uses < 9", "uses < 1")
+        assert weak != LAMP
+        Path("lamp.py").write_text(weak, encoding="utf-8")
+
+
+def test_an_absent_output_is_watched(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Odometry has no position before its first marker; the output is there, and absent."""
+    called = typed(call, monkeypatch, "odometry", lines="watch position_mm\nstep\n")
+    assert called.code == 0
+    assert called.out.splitlines()[-1].strip() == "mode=DELOCALIZED  position_mm=absent"
 
 
 def test_a_recording_is_gone_through(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,10 +36,13 @@ class Node:
             ["node", driver], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8"
         )
 
-    def load(self, text: str, name: str) -> None:
-        """Run the text of a script, and choose the machine of that name that it hands over."""
-        self.ask("load", text)
-        self.ask("choose", name)
+    def load(self, text: str, key: str = "") -> None:
+        """Run the text of a script; the machine that it hands over is chosen, and can be chosen again by the key."""
+        self.ask("load", text, key)
+
+    def choose(self, key: str) -> None:
+        """Go on with a machine that was loaded before."""
+        self.ask("choose", key)
 
     def ask(self, word: str, *given: object) -> Any:
         """What the driver tells; NodeError where it threw."""
@@ -70,7 +73,7 @@ def node() -> Iterator[Node]:
 
 def loaded(node: Node, system: TransitionSystem, first: Mapping[str, Value] | None = None) -> None:
     """The machine in the process."""
-    node.load(javascript(system, first=first), system.name)
+    node.load(javascript(system, first=first))
 
 
 def as_json(values: Mapping[str, object]) -> dict[str, object]:

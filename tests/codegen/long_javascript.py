@@ -35,8 +35,9 @@ from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
 from safeloc.proof.runs.sampled import recorded_run
 from safeloc.shipped import ENTRIES
 from safeloc.target import Target
+from tests.codegen import in_node
 from tests.codegen.explained import broken, explained
-from tests.codegen.in_node import Node, NodeError, as_json, expected, loaded, state_told
+from tests.codegen.in_node import Node, NodeError, as_json, expected, state_told
 from tests.kept_lines import keep, kept_lines
 
 A_BLOCK = 500
@@ -55,6 +56,11 @@ class Bench:
     code: Compiled
     node: Node
     repair: Repair
+
+    @property
+    def key(self) -> str:
+        """The key of the script in the process."""
+        return f"{self.target.name}{' with its world' if self.system.ghosts else ''}"
 
 
 @dataclass
@@ -79,7 +85,9 @@ def bench(name: str, whole: bool, node: Node) -> Bench:
     """The machine of the catalogue in the process; on board, or with its world."""
     target = _target(name)
     system = target.system if whole else on_board(target.system)
-    return Bench(target, system, compile_system(system), node, Repair(system))
+    made = Bench(target, system, compile_system(system), node, Repair(system))
+    node.load(in_node.javascript(system, first=first_state(system, random.Random(0))), made.key)
+    return made
 
 
 # ------------------------------------------------------------------ inputs
@@ -152,7 +160,7 @@ def block(on: Bench, number: int, seed: int, steps: int = A_BLOCK) -> Outcome:
     draw, outcome = random.Random(f"{seed} {on.system.name} {bool(on.system.ghosts)} {number}"), Outcome()
     state, left = begun(on, number, draw)
     source = Source(on, left, draw, faithful=number < len(on.target.streams))
-    loaded(on.node, on.system, first_state(on.system, random.Random(0)))
+    on.node.choose(on.key)
     on.node.ask("put", as_json(dict(zip(on.code.state_names, state, strict=True))))
     fired: dict[tuple[str, str], None] = {}
     interpreted, explains = draw.randrange(INTERPRETED_EVERY), draw.randrange(EXPLAINED_EVERY)

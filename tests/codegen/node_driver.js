@@ -2,12 +2,12 @@
 "use strict";
 
 const machines = {};
-globalThis.safelocMachine = (name, machine) => { machines[name] = machine; };
-let machine, state;
+let handed, machine, state;
+globalThis.safelocMachine = (_, made) => { handed = made; };
 
 const words = {
-  load: (text) => { (0, eval)(text); },
-  choose: (name) => { machine = machines[name]; },
+  load: (text, key) => { (0, eval)(text); machine = machines[key] = handed; },
+  choose: (key) => { machine = machines[key]; },
   first: (chosen) => { state = machine.first(machine.fromJson(chosen)); return state; },
   put: (values) => { state = machine.fromJson(values); },
   step: (inputs) => { const made = machine.step(state, machine.fromJson(inputs)); state = made.state; return made; },

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
+import os
+import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,10 +18,11 @@ from safeloc.codegen.batch import simulate
 from safeloc.codegen.batch_lanes import compile_lanes
 from safeloc.codegen.c_loader import load_c
 from safeloc.codegen.compiled import compile_system
+from safeloc.codegen.javascript import on_board
 from safeloc.codegen.smt import Terms
 from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
-from safeloc.language.expr import Bool, Lit, Num, NumVar, Var
+from safeloc.language.expr import Bool, Expr, Lit, Num, NumVar, Var
 from safeloc.language.interpret import run
 from safeloc.language.machine import STAY_NAME
 from safeloc.language.nodes import TRUE
@@ -26,6 +31,8 @@ from safeloc.proof.provers.recheck import decide
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.snapshot import opened
 from safeloc.target import Target
+from tests.codegen import in_node
+from tests.codegen.in_node import Node, NodeError, as_json, loaded
 from tests.fuzz.bounds import fits
 from tests.fuzz.build import Built
 from tests.fuzz.draw import Draw
@@ -145,6 +152,7 @@ def all_back_ends(game: Game, built: Built, draw: Draw, tally: Tally, *, compile
     bench = Bench(bare, built, system, runs(bare, draw))
     narrow = _fits(bare)
     checks = {"interpreter": _interpreted, "Python": _python, "solvers": _solvers}
+    checks |= {"JavaScript": _javascript} if shutil.which("node") else {}
     checks |= {"transitions": _transitions} if isinstance(game, World) else {}
     wide = {"numpy": _numpy, **({"C": _c, "lanes": _lanes} if compiled_c else {})}
     for name, check in {**checks, **wide}.items():
@@ -212,6 +220,42 @@ def _python(on: Bench) -> Iterator[str]:
             same = "" if state == later else f"history tells {later}, step {state}"
             named = dict(zip(code.state_names, state, strict=True))
             yield same or _differs(moment, named, code.fired(fired), code.named_outputs(state))
+
+
+@cache
+def _node(process: int) -> Node:  # noqa: ARG001 # one for each process, also for those of a pool
+    node = Node()
+    atexit.register(node.close)
+    return node
+
+
+def _javascript(on: Bench) -> Iterator[str]:
+    """The script; where a term leaves 64 bits it may say so instead."""
+    node, system = _node(os.getpid()), on_board(on.built.system)
+    loaded(node, system, _chosen(on.game, system, on.made[0]))
+    for one in on.made:
+        node.ask("first", as_json(_chosen(on.game, system, one)))
+        for step, moment in enumerate(one.moments):
+            try:
+                found = node.ask("step", as_json(one.record(on.game, step)))
+            except NodeError as error:
+                if _fits(on.game) or "exceeds 64 bits" not in str(error):
+                    raise
+                break
+            yield "" if found == _told(system, moment) else f"tells {found}, not {moment}"
+
+
+def _told(system: TransitionSystem, moment: Moment) -> dict[str, Any]:
+    """A moment as a script tells it."""
+
+    def text(term: Expr, number: int) -> str | bool | None:
+        return in_node.told(term, int(number) if isinstance(term, Num) else bool(number))
+
+    return {
+        "state": {var.name: text(var, moment.state[var.name]) for var in system.state},
+        "outputs": {name: text(term, moment.outputs[name]) for name, term in system.outputs.items()},
+        "fired": [moment.fired[var.name] for var in system.fired],
+    }
 
 
 def _transitions(on: Bench) -> Iterator[str]:
