@@ -43,6 +43,11 @@ class Page:
         """Click on an element."""
         self.driver.find_element("css selector", selector).click()
 
+    def follow(self, words: str) -> None:
+        """Click on the link with these words, as soon as it is there."""
+        self.until("[...document.querySelectorAll('a')].some(a => a.textContent === arguments[0])", words)
+        self.driver.find_element("link text", words).click()
+
     def type(self, selector: str, *keys: str) -> None:
         """Send keys to an element."""
         self.driver.find_element("css selector", selector).send_keys(*keys)

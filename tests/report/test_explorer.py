@@ -110,7 +110,7 @@ def test_a_result_leads_to_its_evidence(page: Page, report: Path) -> None:
         "[...document.querySelectorAll('#overview-found .leads a')].map(a => [a.textContent, a.getAttribute('href')])"
     )
     assert {"run of 3 steps", "door-property-good.tar.xz", "in the report"} <= {words for words, _ in links}
-    page.driver.find_element("link text", "run of 3 steps").click()
+    page.follow("run of 3 steps")
     page.until("document.getElementById('run-title')?.textContent === 'good'")
     page.until("document.getElementById('run-said').textContent !== ''")
     assert page.said() == []
@@ -121,7 +121,7 @@ def test_a_place_in_a_part_is_found(page: Page, report: Path) -> None:
     page.open(report, "#search=tried")
     page.until("document.getElementById('overview-count').textContent === '1 found'")
     page.click("#overview-found summary")
-    page.driver.find_element("link text", "in the report").click()
+    page.follow("in the report")
     page.until("document.getElementById('door').getBoundingClientRect().top < innerHeight")
     assert page.said() == []
 

@@ -217,9 +217,10 @@ function branching(on) {
   place("run-if-open").hidden = on;
   place("run-if-flaw").hidden = true;
   if (!on) place("run-if-inputs").replaceChildren();
-  place("run-if-says").textContent = on
-    ? `The stored run up to step ${view.trace.from}; then the inputs below. Nothing here is checked against the properties: save the run, and \`safeloc replay\` checks it.`
-    : "From this step on the machine goes on in the page, with inputs that you choose.";
+  const says = on
+    ? [`The stored run up to step ${view.trace.from}; then the inputs below. No property is checked on it: save the run, and `, element("code", {}, "safeloc replay"), " checks it."]
+    : ["From this step on the machine goes on in the page, with inputs that you choose."];
+  place("run-if-says").replaceChildren(...says);
 }
 
 function branchOff() {
@@ -380,7 +381,7 @@ document.addEventListener("keydown", (event) => {
 addEventListener("hashchange", async () => {
   const before = view;
   await open();
-  if (view !== before) place("run-title").focus(); // whoever does not see the page hears that another run is shown
+  if (view !== before && document.activeElement !== place("run-choice")) place("run-title").focus(); // whoever does not see the page hears that another run is shown
 });
 addEventListener("beforeprint", () => view?.rowsAround(0, true));
 addEventListener("afterprint", () => view?.follow());
