@@ -9,8 +9,10 @@ from tests.rooms import ROOT, files
 
 SHARED = {
     "safeloc-certificate/1": {"safeloc/codegen/smtlib.py", "safeloc/checker/text.py"},
+    "safeloc-stream/1": {"safeloc/runtime/streams/steps.py", "safeloc/codegen/javascript.py"},
 }
-"""Schemas with a writer and a reader that may not import each other: the checker states the form for itself."""
+"""Schemas with a writer and a reader that may not import each other: the checker states the form for itself, and a machine as a script
+writes the streams that the runtime reads."""
 
 
 def test_a_schema_is_one_form() -> None:

@@ -14,6 +14,7 @@ from safeloc.errors import InputError
 from safeloc.report.certificates import Archives, read_archives, write_archives
 from safeloc.runtime.scripts import read_script, script
 from safeloc.runtime.streams.columns import FUNCTION
+from tests.checker.raw_report import with_words
 from tests.checker.small_proofs import Evidence, refused, written
 from tests.cli.calling import Call
 
@@ -157,7 +158,7 @@ def test_a_declaration_that_cannot_be_loaded(copy: Path) -> None:
 
 def test_a_result_that_claims_more(copy: Path) -> None:
     """Ranges of more variables than there are proofs of, a property that nobody declared, a lemma for all inputs."""
-    data = json.loads((copy / "report.json").read_text())
+    data = with_words(copy)
     for row in data["results"]:
         row["statement"] = row["statement"].replace("5 of 5", "6 of 6")
         row["id"] = row["id"].replace("never above eight", "never above one")

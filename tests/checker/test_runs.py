@@ -14,6 +14,7 @@ from safeloc.checker.folder import Checked, check_folder
 from safeloc.proof.provers.obligations import obligations
 from safeloc.runtime.scripts import read_script, script
 from safeloc.runtime.streams.columns import FUNCTION
+from tests.checker.raw_report import with_words
 from tests.checker.small_proofs import LIMITS, kept, written
 
 BY_ITSELF = "pair/obligation/transition leaper: leap"
@@ -45,7 +46,7 @@ def rows(folder: Path) -> dict[str, Checked]:
 
 def edited(folder: Path, change: Any) -> None:
     """The report with each result changed; None leaves it out."""
-    data = json.loads((folder / "report.json").read_text())
+    data = with_words(folder)
     data["results"] = [row for row in map(change, data["results"]) if row is not None]
     (folder / "report.json").write_text(json.dumps(data))
 
