@@ -28,6 +28,8 @@ SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
 _SAID_ONCE = ("statement", "method", "assumption")
 """Words of a result that others have as well: report.json has them once."""
+_OMITTED: Mapping[str, Any] = {"by_construction": "", "reason": "", "notes": {}}
+"""Fields of a result that report.json has only where they say something, and what they are elsewhere."""
 Data = dict[str, Any]
 _T = TypeVar("_T")
 
@@ -49,7 +51,7 @@ def split_data(
         "machines": [{key: part for key, part in one.items() if key not in _BULKY} for one in data["machines"]],
         "results": [
             {
-                **row,
+                **{key: value for key, value in row.items() if value or key not in _OMITTED},
                 **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
                 "certificates": [numbers[name] for name in row["certificates"]],
                 "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
@@ -139,6 +141,7 @@ def _named(data: Data) -> Data:
         **data,
         "results": [
             {
+                **_OMITTED,
                 **row,
                 **{field: _said(said[field], row[field]) for field in _SAID_ONCE},
                 "certificates": _at(names, row["certificates"]),
