@@ -70,7 +70,7 @@ def test_help_lists_every_command(call: Call, monkeypatch: pytest.MonkeyPatch) -
 def test_the_commands_are_these() -> None:
     """None is lost or added by accident."""
     names = (
-        "init list docs import audit drive guard export simulate run recheck migrate cache prove explain test replay step report mutate cores "
+        "init list docs import audit drive guard export simulate run recheck migrate cache prove explain test replay step report open mutate cores "
         "faults verify"
     )
     assert names.split() == list(COMMANDS)
