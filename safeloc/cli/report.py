@@ -31,19 +31,23 @@ def report(
             "--diff", help="instead of the page, print what changed since the report in this folder", file_okay=False
         ),
     ] = None,
+    since: Annotated[
+        Path | None,
+        typer.Option("--since", help="the page says what changed since the report in this folder", file_okay=False),
+    ] = None,
 ) -> None:
     """Render the page of a report folder again, unpack its certificates and traces, or compare it with an earlier report.
 
     With --diff: exit code 1 if a verdict is worse than before, a new result is neither proved nor held, or a result is gone.
     """
     if earlier is not None:
-        if single or to is not None:
-            raise typer.BadParameter("--diff writes nothing; leave out --single-file and --extract.")
+        if single or to is not None or since is not None:
+            raise typer.BadParameter("--diff writes nothing; leave out --single-file, --extract and --since.")
         raise typer.Exit(_compared(earlier, folder))
     if to is None:
-        err.print(f"report: {render_folder(folder, single=single)}", markup=False)
-    elif single:
-        raise typer.BadParameter("--single-file applies to the page, and --extract writes no page.")
+        err.print(f"report: {render_folder(folder, single=single, since=since)}", markup=False)
+    elif single or since is not None:
+        raise typer.BadParameter("--single-file and --since apply to the page, and --extract writes no page.")
     else:
         texts, runs = extract(folder, to)
         err.print(f"{to}: {texts} certificates, {runs} traces", markup=False)

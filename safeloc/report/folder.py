@@ -29,6 +29,7 @@ from safeloc.errors import InputError
 from safeloc.language.trace import Trace
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, stored
+from safeloc.report.changes import changes
 from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, run_of, schema
 from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
 from safeloc.report.junit import to_junit
@@ -152,13 +153,18 @@ def cleared(folder: Path) -> Iterator[None]:
         yield
 
 
-def render_folder(folder: Path, *, single: bool = False) -> Path:
-    """Write the page again from the data in the folder; InputError if they are no report of this version."""
+def render_folder(folder: Path, *, single: bool = False, since: Path | None = None) -> Path:
+    """Write the page again from the data in the folder; InputError if they are no report of this version.
+
+    since  folder of an earlier report: the page says what changed since then
+    """
     path = folder / stored.DATA
     data = stored.read_report(folder)
     try:
         stored.checked(path, lambda: _refuse_unknown_verdicts(path, data))
         everything = stored.read_for_page(folder)
+        if since is not None:
+            everything["changed"] = _changed(stored.read_for_page(since), everything, folder)
         with _alone(folder):
             page_path = _write_page(folder, everything, single=single)
             renew_digests(folder, _present(folder))
@@ -167,6 +173,12 @@ def render_folder(folder: Path, *, single: bool = False) -> Path:
         raise InputError(f"{path}: does not fit schema {SCHEMA}: {error}") from error
     except OSError as error:
         raise InputError(f"{folder}: the page cannot be written here: {error}") from error
+
+
+def _changed(old: Mapping[str, Any], new: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return what changed between two reports, for the page."""
+    found = stored.checked(folder / stored.DATA, lambda: changes(old, new))
+    return {"since": old["made"], "worse": found.worse, "sections": found.sections}
 
 
 def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:

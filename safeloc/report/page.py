@@ -99,6 +99,7 @@ class _Rendering:
         self._data = data
         self._given: dict[str, Any] = {
             "data": data,
+            "changed": data.get("changed"),
             "headline": headline(_verdicts(results)),
             "counted": counted(_verdicts(results), ALWAYS_COUNTED),
             "undecided": [row for row in results if row["verdict"] == "unknown"],

@@ -154,3 +154,29 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     assert (more.code, "gone" in more.out.splitlines(), "new" in more.out.splitlines()) == (0, False, True)
     assert call("report", "--diff", old, new, "--single-file").code == 2
     assert call("report", "--diff", str(tmp_path), new).code == 2
+    assert call("report", "--since", old, new, "--diff", old).code == 2
+    assert call("report", "--since", old, new, "--extract", str(tmp_path / "out")).code == 2
+
+
+def test_the_page_says_what_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Below the headline, open where something got worse; rendered again without it, it is gone."""
+    call = caller(monkeypatch, capsys)
+    for name, found in (("old", findings()), ("new", findings()[1:])):
+        write_folder(tmp_path / name, found, [target()])
+    old, new = tmp_path / "old", tmp_path / "new"
+
+    def page(*arguments: str) -> str:
+        assert call("report", *arguments).code == 0
+        return (Path(arguments[0]) / "index.html").read_text(encoding="utf-8")
+
+    less = page(str(new), "--since", str(old))
+    assert (
+        '<details id="changed" open>' in less
+        and findings()[0].id in less.split('id="changed"')[1].split("</details>")[0]
+    )
+    assert '<details id="changed">' in page(str(old), "--since", str(new))
+    assert "nothing but the times" in page(str(old), "--since", str(old))
+    assert 'id="changed"' not in page(str(new))
+    assert call("report", str(new), "--since", str(tmp_path)).code == 2
