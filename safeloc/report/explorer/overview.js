@@ -50,7 +50,8 @@ async function search(most = MOST_ROWS) {
     const found = (await results()).filter(
       (one) => chosen.every(([field, value]) => one[field] === value) && words.every((word) => one.text.includes(word)),
     );
-    found.sort((one, other) => rank(one) - rank(other));
+    const asked = words.join(" ");
+    found.sort((one, other) => rank(one, asked) - rank(other, asked));
     place("overview-count").textContent = found.length === 1 ? "1 found" : `${found.length} found`;
     const more = element("button", { onclick: () => search(most + 10 * MOST_ROWS) }, `show more of ${found.length}`);
     box.replaceChildren(element("ul", {}, ...found.slice(0, most).map(row)), ...(found.length > most ? [more] : []));
@@ -60,8 +61,8 @@ async function search(most = MOST_ROWS) {
   }
 }
 
-/* What does not hold comes first, then claims before the evidence for them. */
-const rank = (one) => (HELD.has(one.verdict) ? 100 : 0) + KIND_ORDER.indexOf(one.kind);
+/* What has exactly this name comes first, then what does not hold, then claims before the evidence for them. */
+const rank = (one, asked) => (one.name?.toLowerCase() === asked ? 0 : 1000) + (HELD.has(one.verdict) ? 100 : 0) + KIND_ORDER.indexOf(one.kind);
 
 function remember(words, chosen) {
   const given = new URLSearchParams([["search", words.join(" ")], ...chosen]);
