@@ -90,8 +90,14 @@ def _listed(lines: Iterable[str]) -> str:
 
 def _loading(target: Target, config: Path | None) -> str:
     """Return the call that loads the target."""
-    path = "" if config is None else f", Path({_quoted(str(config))})"
-    return f"load_target({_quoted(target.spec or target.name)}{path})"
+    path = "" if config is None else f", Path({_quoted(str(config.resolve()))})"
+    return f"load_target({_quoted(_anywhere(target.spec or target.name))}{path})"
+
+
+def _anywhere(spec: str) -> str:
+    """Return the address of a target so that it leads to the same file from every folder."""
+    file, colon, name = spec.rpartition(":")
+    return f"{Path(file).resolve()}{colon}{name}" if file.endswith(".py") else spec
 
 
 def name_of_test(name: str) -> str:
