@@ -11,11 +11,15 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.language.interpret import run
+from safeloc.proof.provers import portfolio
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.verification.calls import prove_target
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
 from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset
 from safeloc.runtime.streams.steps import read_steps
+from tests.explain import pump
 from tests.report.browser import (
     DESK,
     DOWN,
@@ -252,6 +256,19 @@ def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) 
     page.click("#run-if-close")
     page.until("document.getElementById('run-said').textContent === 'step 1 of 3: open'")
     assert "violated" in page.text("#run-verdict")
+
+
+def test_a_run_from_any_state_is_not_saved(page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A counterexample to induction begins where no run begins: a stream of it would be another run."""
+    monkeypatch.setattr(portfolio, "_ENGINES", portfolio._QUICK)  # Spacer would prove it
+    undecided = pump.target(pump.OPEN)
+    folder = write_folder(tmp_path, prove_target(undecided, limits=Limits(depth=3), jobs=1), [undecided]).parent
+    opened(page, runs_of(folder / "index.html"), "#result=pump%2Fproperty%2Fcounted+too+high&step=1")
+    page.until("!document.getElementById('run-if').hidden")
+    page.click("#run-if-open")
+    page.click("#run-if-stream")
+    assert "begins in a state that is no first state of the machine" in page.text("#run-if-flaw")
+    assert page.said() == []
 
 
 def test_recordings_of_a_machine(page: Page, recordings: Path) -> None:

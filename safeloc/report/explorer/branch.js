@@ -41,7 +41,10 @@ class Branch extends Trace {
     const { machine } = this.live;
     const rows = Array.from({ length: this.steps }, (_, at) => this.live.given(at + 1));
     const open = machine.variables.filter((one) => one.role === "state" && one.open).map(({ name }) => name);
-    return machine[form](rows, this.live.read("state", open, 0));
+    const first = this.live.read("state", open, 0);
+    const [begun, here] = [machine.first(first), this.live.before(1)];
+    if (this.live.state.some((name) => begun[name] !== here[name])) throw new Error("this run begins in a state that is no first state of the machine, so no stream can hold it.");
+    return machine[form](rows, first);
   }
 }
 

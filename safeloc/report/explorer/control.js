@@ -80,10 +80,14 @@ async function openRun(result, words) {
   view.watched = words.getAll("watch");
   go(Number.isInteger(step) ? step : 0);
   const opened = view;
-  const live = await machineOf(file, script, trace);
+  let flaw = script ? "this is a run of one machine by itself" : "this page has no script of the machine";
+  const live = await machineOf(file, script, trace).catch((error) => {
+    flaw = error.message;
+    return null;
+  });
   if (view !== opened) return;
   if (live) return start(live);
-  view.unexplained = script ? "this is a run of one machine by itself" : "this page has no script of the machine";
+  view.unexplained = flaw;
   view.show(view.step);
 }
 

@@ -5,10 +5,11 @@ const machines = new Map();
 window.safelocMachine = (name, machine) => machines.set(name, machine);
 window.safelocScript = (name, text) => arrive(`script ${name}`, text);
 
-/* The machine of a target, by the name of its system; null where the page has none, or a run is one of a part by itself. */
+/* The machine of a target, by the name of its system; null where the page has none, or a run is one of a part by itself. Error for a
+   script that cannot be loaded. */
 async function machineOf(file, script, trace) {
   if (script && !machines.has(trace.machine)) {
-    const text = await fetchedText(`script ${file}`, script).catch(() => "");
+    const text = await fetchedText(`script ${file}`, script);
     if (!machines.has(trace.machine) && text) {
       document.head.append(element("script", {}, text)); // our own text, as safe as that of this page
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from safeloc.errors import EngineError
 from safeloc.language.expr import number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Goal, observe, reachable
@@ -11,6 +12,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, word
 from safeloc.language.world import World
+from safeloc.proof.provers import recorded_witnesses
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
@@ -60,6 +62,17 @@ def test_the_shortest_recorded_run_counts() -> None:
     [run] = shown([full(system())], [long, short]).values()
     assert DEEP + 1 == len(run.steps)
     assert run.steps[-1].fired == {"fired": "full"}
+
+
+def test_generated_code_that_reaches_a_goal_too_soon_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The interpreter makes the step that reaches a goal."""
+    right = recorded_witnesses.compiled_terms
+    always_reached = lambda reads, terms: (lambda _: [False]) if len(terms) == 1 else right(reads, terms)  # noqa: E731
+    monkeypatch.setattr(recorded_witnesses, "compiled_terms", always_reached)
+    with pytest.raises(
+        EngineError, match="the interpreter does not reach 'full' in the step in which generated code does"
+    ):
+        shown([full(system())], [recording(8)])
 
 
 def test_what_breaks_the_assumption_ends_a_recording() -> None:

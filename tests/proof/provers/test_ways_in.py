@@ -457,3 +457,27 @@ def test_a_violated_unconditional_property_comes_with_its_run() -> None:
     assert isinstance(verdict, Violated)
     assert verdict.trace is not None
     assert replayed(goal, verdict.trace.initial, [step.inputs for step in verdict.trace.steps]) is not None
+
+
+@pytest.mark.parametrize("high", [3, 9], ids=["contract kept", "contract broken"])
+def test_what_a_machine_excludes_is_excluded_in_the_whole_if_its_assumption_is_kept(
+    high: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the machines before it break its assumption, what it excludes under that assumption may still happen, found or not."""
+    calm, alarm = modes("CALM", "ALARM")
+    heard = number("q", ONE, 0, 9)
+    second = declared(
+        name="b", modes=(calm, alarm), inputs=[heard], state={}, outputs={}, clauses={"quiet": heard <= 5}, reads_machine="the test asks it",
+        transitions=[Transition("raise", calm, alarm, heard > 5)],
+    )  # fmt: skip
+    first = follower("a", clauses={"low": ANYTHING <= high}, reads_machine="the test asks it")
+    whole = compose("w", [first, second], {heard: X}, discharge=[second]).system
+    search = reachability.first_runs
+
+    def hurried(goals: Sequence[Goal], *more: Any) -> Runs:
+        return Runs({}, -1) if any(goal.original is whole for goal in goals) else search(goals, *more)
+
+    monkeypatch.setattr(reachability, "first_runs", hurried)
+    monkeypatch.setattr(reachability, "drawn", lambda *_: {})
+    (told,) = [one for one in reachability.reached(whole, LIMITS) if one.name == "transition b: raise"]
+    assert ("impossible" in told.method) == (high == 3), told.method
