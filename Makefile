@@ -17,6 +17,8 @@ ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
 # Of the tests that take more than three seconds a sample is ordinary (tests/ordinary.py). WHICH="not slow" are all that take less
 # than minutes.
 WHICH := ordinary
+# Many tests and all proofs start processes: what is compiled once is kept, also where the environment says otherwise.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: verify test test-all test-long docs lint formatted ruff mypy pyright bench coverage clean
 

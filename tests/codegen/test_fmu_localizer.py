@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,20 +14,19 @@ from safeloc.cli.export import export
 from safeloc.codegen.c99 import Run
 from safeloc.language.interpret import run
 from safeloc.language.nodes import Value
-from safeloc.language.system import without_ghosts
+from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Step
 from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import drawn_run, recorded_run
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.shipped import ENTRIES
+from safeloc.target import recorded
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.fmi_unit import Unit, loaded
 
 pytestmark = [needs_compiler, pytest.mark.slow]  # exporting proves first what a state has to keep: a minute
 PERIOD_S = 0.1
-TARGET = ENTRIES["localizer"].make(ENTRIES["localizer"].config())
-ON_BOARD = without_ghosts(TARGET.system)
-JOURNEYS = {name_of(path): path for path in TARGET.streams}
+JOURNEYS = {name_of(path): path for path in recorded("localizer")}
 SHORT, WHOLE, DRAWN = 60, 10_000, 300
 
 
@@ -38,9 +38,15 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@cache
+def on_board() -> TransitionSystem:
+    """The localizer without ghosts."""
+    return without_ghosts(ENTRIES["localizer"].make(ENTRIES["localizer"].config()).system)
+
+
 def interpreted(chosen: Run) -> tuple[Step, ...]:
     """Every step of a run, with all inputs, as the interpreter takes it."""
-    return run(ON_BOARD, chosen.steps, first=chosen.first).steps
+    return run(on_board(), chosen.steps, first=chosen.first).steps
 
 
 def simulated(path: Path, steps: Sequence[Step]) -> Any:
@@ -85,12 +91,12 @@ def test_nothing_is_found_wrong(path: Path) -> None:
 
 def test_a_journey_begins_as_interpreted(path: Path) -> None:
     """Under fmpy's own master the first seconds of a shipped journey give the interpreter's outputs."""
-    require_equal(path, interpreted(recorded_run(ON_BOARD, JOURNEYS["localizer-metro"], SHORT)))
+    require_equal(path, interpreted(recorded_run(on_board(), JOURNEYS["localizer-metro"], SHORT)))
 
 
 def test_a_saved_state_goes_on_as_before(path: Path) -> None:
     """A state that was saved as bytes gives the same steps in another instance, also its state variables."""
-    steps = interpreted(recorded_run(ON_BOARD, JOURNEYS["localizer-metro"], SHORT))
+    steps = interpreted(recorded_run(on_board(), JOURNEYS["localizer-metro"], SHORT))
     expected = [[*step.outputs.values(), *step.state.values()] for step in steps]
     half = SHORT // 2
     with loaded(path) as unit, loaded(path) as other:
@@ -107,11 +113,11 @@ def test_a_saved_state_goes_on_as_before(path: Path) -> None:
 @pytest.mark.parametrize("journey", JOURNEYS)
 def test_a_whole_journey_is_as_interpreted(journey: str, path: Path) -> None:
     """Every output of every step of a shipped journey."""
-    require_equal(path, interpreted(recorded_run(ON_BOARD, JOURNEYS[journey], WHOLE)))
+    require_equal(path, interpreted(recorded_run(on_board(), JOURNEYS[journey], WHOLE)))
 
 
 @pytest.mark.slow
 def test_inputs_that_no_journey_has_are_as_interpreted(path: Path) -> None:
     """Every output on inputs that are in range and keep no assumption."""
-    assert first_state(ON_BOARD, random.Random(0)) == first_state(ON_BOARD, random.Random(1))  # nothing to choose
-    require_equal(path, interpreted(drawn_run(ON_BOARD, 5, DRAWN, lawful=False)))
+    assert first_state(on_board(), random.Random(0)) == first_state(on_board(), random.Random(1))  # nothing to choose
+    require_equal(path, interpreted(drawn_run(on_board(), 5, DRAWN, lawful=False)))

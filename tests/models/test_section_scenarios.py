@@ -7,6 +7,7 @@ docs/sections.md says where these states differ from the published rules for vir
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -175,15 +176,12 @@ BY_HALVES: dict[str, tuple[str, str, str, str]] = {
 "The states of the same situations with detection in both halves."
 
 
+@cache
 def model(borders: str, *, trusted: bool, inner: int = 0) -> Sections:
-    """Area and four sections."""
+    """Area and four sections; `inner=2` detects in both halves of the area."""
     kind: Any = borders
     area = AreaConfig(trains=2, borders=kind, integrity_is_trusted=trusted, inner_detection=inner)
     return compose_machines(SectionsConfig(area=area, sections=4))
-
-
-MODELS = {setting: model(setting[0], trusted=setting[1]) for setting in SETTINGS}
-HALVES = {setting: model(setting[0], trusted=setting[1], inner=2) for setting in SETTINGS}
 
 
 def scene(what: Situation, borders: str) -> Scene:
@@ -204,12 +202,12 @@ def scene(what: Situation, borders: str) -> Scene:
 
 def seen(what: Situation, setting: tuple[str, bool]) -> Trace:
     """The run, in which every claim holds and every law is kept."""
-    return _ran(MODELS[setting], scene(what, setting[0]))
+    return _ran(model(setting[0], trusted=setting[1]), scene(what, setting[0]))
 
 
 def seen_by_halves(what: Situation, setting: tuple[str, bool]) -> Trace:
     """The same, with detection in both halves of the area."""
-    return _ran(HALVES[setting], replace(scene(what, setting[0]), inner_mm=INNER))
+    return _ran(model(setting[0], trusted=setting[1], inner=2), replace(scene(what, setting[0]), inner_mm=INNER))
 
 
 def _ran(one: Sections, place: Scene) -> Trace:
@@ -221,7 +219,7 @@ def _ran(one: Sections, place: Scene) -> Trace:
 
 def states(trace: Trace, second: int) -> str:
     """The four sections after a second."""
-    table = MODELS[SETTINGS[0]].sections[0].machine.modes
+    table = model(SETTINGS[0][0], trusted=SETTINGS[0][1]).sections[0].machine.modes
     return "".join(table[int(trace.steps[second].state[f"section_{n}.mode"])].label[0] for n in range(1, 5))
 
 
@@ -258,7 +256,7 @@ def test_a_follower_spreads_across_an_inner_border_that_is_not_clear() -> None:
 def test_a_follower_that_does_not_fit_is_refused(borders: str, loose: tuple[int, int] | None) -> None:
     """Counters count it; and it is the only vehicle that was never counted."""
     place = replace(scene(SITUATIONS["a ghost train"], "occupancy"), trains=(TRAIN,), loose=loose)
-    config = SectionsConfig(area=MODELS[borders, True].area.own.config, sections=4)
+    config = SectionsConfig(area=model(borders, trusted=True).area.own.config, sections=4)
     with pytest.raises(
         InputError, match=r"^the scene has a follower: it comes in where borders report occupancy alone"
     ):
@@ -268,7 +266,7 @@ def test_a_follower_that_does_not_fit_is_refused(borders: str, loose: tuple[int,
 def test_a_scene_without_trains_that_does_not_fit_is_refused() -> None:
     """Its sections are counted although there is no train."""
     place = replace(scene(SITUATIONS["a ghost train"], "occupancy"), sections_mm=CUTS[:2])
-    config = SectionsConfig(area=MODELS["occupancy", True].area.own.config, sections=4)
+    config = SectionsConfig(area=model("occupancy", trusted=True).area.own.config, sections=4)
     message = r"^the scene has 2 sections and slots up to 0; the configuration has 4 and 2\.$"
     with pytest.raises(InputError, match=message):
         simulate(config, place, seed=0)
@@ -277,7 +275,7 @@ def test_a_scene_without_trains_that_does_not_fit_is_refused() -> None:
 def test_inner_detection_that_does_not_fit_is_refused() -> None:
     """The scene names the places of the sections that the configuration has."""
     place = replace(scene(SITUATIONS["a sweep"], "counted"), inner_mm=INNER)
-    config = SectionsConfig(area=MODELS["counted", True].area.own.config, sections=4)
+    config = SectionsConfig(area=model("counted", trusted=True).area.own.config, sections=4)
     with pytest.raises(
         InputError, match=r"^the scene has 2 detection sections inside the area; the configuration has 0 "
     ):

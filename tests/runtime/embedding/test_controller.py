@@ -33,7 +33,6 @@ from tests.random_machines import Record as Inputs
 from tests.random_machines import first_states, streams
 from tests.runtime.embedding.driving import PERIOD_MS, distances, drive, marker, shipped, trusting
 
-ODOMETRY = trusting()
 SHIPPED = ("odometry", "balise", "reflector", "fibre", "sections")
 
 
@@ -45,7 +44,7 @@ def own(system_of: Any) -> Program:
 
 def located() -> Controller:
     """A controller that has read its first marker."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     for records in drive(3):
         controller.step(records)
     assert controller.report.interval is not None
@@ -102,8 +101,8 @@ def test_any_machine_can_be_embedded(example: Any) -> None:
 def test_records_make_the_cycles_that_a_replay_makes() -> None:
     """Records given cycle by cycle become the same inputs as a recording that is cut into cycles afterwards."""
     stream = [record for records in drive(120) for record in records]
-    made = cycles(stream, PERIOD_MS, channels=ODOMETRY.channels)
-    by_inputs, by_records = Controller(ODOMETRY), Controller(ODOMETRY)
+    made = cycles(stream, PERIOD_MS, channels=trusting().channels)
+    by_inputs, by_records = Controller(trusting()), Controller(trusting())
     for cycle, records in zip(made, drive(120), strict=True):
         assert by_records.step(records) == by_inputs.step_inputs(cycle.inputs)
     assert by_records.report.interval is not None
@@ -120,7 +119,7 @@ def test_a_report_says_it_in_words() -> None:
 
 def test_a_report_is_plain_data() -> None:
     """For JSON: modes, transitions by name, interval, labels instead of numbers; nothing that does not apply."""
-    report = Controller(ODOMETRY).step([*distances(100), marker(100)])
+    report = Controller(trusting()).step([*distances(100), marker(100)])
     data = report.as_data()
     assert data.pop("outputs") == report.outputs
     assert report.outputs["values"] == "M1"
@@ -135,7 +134,7 @@ def test_a_report_is_plain_data() -> None:
 
 def test_moves_name_their_requirements() -> None:
     """A transition comes with the modes it went between and the requirements it answers for."""
-    (move,) = Controller(ODOMETRY).step([*distances(100), marker(100)]).moves
+    (move,) = Controller(trusting()).step([*distances(100), marker(100)]).moves
     assert (move.source, move.target, move.requirements, move.changes_mode) == (
         "DELOCALIZED",
         "FRONT",
@@ -192,7 +191,7 @@ READING = {"front_marker": 7, "front_marker_position_mm": 250_000, "front_marker
 )
 def test_a_reading_that_is_told_value_by_value_goes_as_a_whole(more: dict[str, int], refused: set[str]) -> None:
     """A marker of which the accuracy was refused would count as accurate as any."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     controller.step(distances(100))
     values = [ValueRecord(time_ms=200, name=name, value=value) for name, value in (READING | more).items()]
     report = controller.step([*distances(200), *values])
@@ -204,7 +203,7 @@ def test_a_reading_that_is_told_value_by_value_goes_as_a_whole(more: dict[str, i
 
 def test_two_channels_that_say_the_same_input() -> None:
     """Neither is used: nobody knows which is right. Also where an input has several names."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     controller.step(distances(100))
     own = MarkerRecord(time_ms=200, end="front", marker=7, position_mm=250_000, accuracy_mm=20_000)
     other = ValueRecord(time_ms=200, name="front_marker_accuracy_mm", value=0)
@@ -264,7 +263,7 @@ def test_a_flood_is_not_used() -> None:
 
 def test_missing_channels_are_named() -> None:
     """A channel of which fewer records came than expected gives no input."""
-    controller = Controller(ODOMETRY, expected={"front_wheel": 2})
+    controller = Controller(trusting(), expected={"front_wheel": 2})
     (fault,) = controller.step(distances(100)).rejections
     assert (fault.channel, fault.reason, fault.detail) == ("front_wheel", Reason.MISSING, "1 of 2")
 
@@ -346,7 +345,7 @@ def test_beginning_anew_forgets_the_place() -> None:
 def test_a_beginning_that_is_no_time(start_ms: Any) -> None:
     """Refused, and nothing has happened: with NaN no record would ever be late."""
     with pytest.raises(InputError, match=r"^start_ms is .*; give whole ms"):
-        Controller(ODOMETRY, start_ms=start_ms)
+        Controller(trusting(), start_ms=start_ms)
     controller = located()
     with pytest.raises(InputError, match="start_ms"):
         controller.begin_anew("test", start_ms=start_ms)
@@ -364,7 +363,7 @@ def test_the_period_is_said_once() -> None:
     with pytest.raises(InputError, match=r"^the configuration of door has no cycle length; give period_ms\.$"):
         Controller(own(door))
     with pytest.raises(InputError, match="configured for cycles of 100 ms, not 50 ms"):
-        Controller(ODOMETRY, period_ms=50)
+        Controller(trusting(), period_ms=50)
     with pytest.raises(InputError, match="at least 1 ms"):
         Controller(own(door), period_ms=0)
 
@@ -387,7 +386,7 @@ class Host:
 
 def test_a_host_object_follows_the_modes() -> None:
     """Its callbacks run when a mode is entered, with the report."""
-    controller, host = Controller(ODOMETRY), Host()
+    controller, host = Controller(trusting()), Host()
     controller.follow(host)
     for records in drive(3):
         controller.step(records)
@@ -413,7 +412,7 @@ def test_one_machine_of_several_is_followed() -> None:
 
 def test_listeners_get_each_report_and_fail_together() -> None:
     """One that fails keeps nobody from being told, and the step is done."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     got: list[Report] = []
 
     def fail(report: Report) -> None:
@@ -429,7 +428,7 @@ def test_listeners_get_each_report_and_fail_together() -> None:
 
 def test_a_listener_must_not_step() -> None:
     """A step within a step would have two orders of time."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     controller.listen(lambda _report: controller.step([]))
     with pytest.raises(ExceptionGroup) as failed:
         controller.step([])
@@ -449,7 +448,7 @@ def hasty() -> Iterator[None]:
 @pytest.mark.usefixtures("hasty")
 def test_threads_take_turns() -> None:
     """Steps of several threads are all taken, one after the other, each with a cycle of its own."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     seen: list[int] = []
     controller.listen(lambda report: seen.append(report.cycle))
     together = threading.Barrier(4)
@@ -470,7 +469,7 @@ def test_threads_take_turns() -> None:
 
 def test_controllers_share_nothing_but_the_program() -> None:
     """One vehicle's marker does not locate another one."""
-    one, other = Controller(ODOMETRY), Controller(ODOMETRY)
+    one, other = Controller(trusting()), Controller(trusting())
     for records in drive(3):
         one.step(records)
         other.step(records[:4])
@@ -502,7 +501,7 @@ def test_no_record_is_too_odd(kinds: list[str]) -> None:
 @pytest.mark.thorough
 def test_memory_does_not_grow() -> None:
     """A thousand cycles, with senders that invent channels and faults, leave no more behind than hundreds."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
 
     def go(first: int, count: int) -> None:
         for number, records in enumerate(drive(count, first), first):

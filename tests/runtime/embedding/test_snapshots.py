@@ -26,12 +26,11 @@ from tests.data.door_controller import machine as door
 from tests.runtime.embedding.driving import distances, drive, shipped, trusting
 
 ROOT = Path(__file__).parents[3]
-ODOMETRY = trusting()
 
 
 def driven(cycles: int) -> Controller:
     """After so many cycles."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     for records in drive(cycles):
         controller.step(records)
     return controller
@@ -41,7 +40,7 @@ def driven(cycles: int) -> Controller:
 def test_going_on_is_as_if_nothing_had_been(cut: int) -> None:
     """Restored after any cycle, the rest of the run gives the very same reports."""
     whole = driven(cut)
-    rest = Controller(ODOMETRY)
+    rest = Controller(trusting())
     assert rest.restore(whole.snapshot()).interval == whole.report.interval
     for records in drive(30, cut + 1):
         assert rest.step(records) == whole.step(records)
@@ -50,7 +49,7 @@ def test_going_on_is_as_if_nothing_had_been(cut: int) -> None:
 
 def test_what_was_delivered_is_remembered() -> None:
     """A record that was used before the snapshot is late after it."""
-    rest = Controller(ODOMETRY)
+    rest = Controller(trusting())
     rest.restore(driven(3).snapshot())
     assert {fault.reason.name for fault in rest.step(distances(300)).rejections} == {"DUPLICATE"}
 
@@ -59,7 +58,7 @@ def test_a_restored_follower_stands_where_the_machine_stands() -> None:
     """Nothing was entered, so nobody is told."""
     told: list[str] = []
     host = SimpleNamespace(on_enter_front=lambda event: told.append("entered"))
-    rest = Controller(ODOMETRY)
+    rest = Controller(trusting())
     rest.follow(host)
     rest.listen(lambda report: told.append("report"))
     rest.restore(driven(3).snapshot())
@@ -95,7 +94,7 @@ def odometry(**figures: Any) -> Controller:
             r"of another configuration \(tolerance_mm 30000, here 20000\)",
         ),
         (
-            lambda: Controller(ODOMETRY, expected={"front_wheel": 1}),
+            lambda: Controller(trusting(), expected={"front_wheel": 1}),
             r"of another setting \(expected \{\}, here \{'front_wheel'",
         ),
     ],
@@ -115,7 +114,7 @@ def test_of_another_build_of_the_machine() -> None:
     body = json.loads(driven(3).snapshot())
     body["program"] = "0" * 64
     with pytest.raises(SnapshotError, match="of another build of the machine"):
-        Controller(ODOMETRY).restore(resealed(body))
+        Controller(trusting()).restore(resealed(body))
 
 
 def resealed(body: dict[str, Any]) -> bytes:
@@ -131,20 +130,20 @@ def test_newer_than_this_version() -> None:
     with pytest.raises(
         SnapshotError, match=r"^the snapshot has version 2, but this safeloc reads versions up to 1; use the "
     ):
-        Controller(ODOMETRY).restore(resealed({**body, "version": 2}))
+        Controller(trusting()).restore(resealed({**body, "version": 2}))
 
 
 @pytest.mark.parametrize("data", [b"", b"{", b"[]", b'{"kind": "other"}', b"\xff", b"null"])
 def test_what_is_no_snapshot(data: bytes) -> None:
     """Refused as damaged, or as no snapshot at all."""
     with pytest.raises(SnapshotError, match=r"damaged|no snapshot of kind 'safeloc-controller'"):
-        Controller(ODOMETRY).restore(data)
+        Controller(trusting()).restore(data)
 
 
 def test_what_are_no_bytes() -> None:
     """Such as that of a file that was not there."""
     with pytest.raises(SnapshotError, match="expected a snapshot as bytes, got NoneType"):
-        Controller(ODOMETRY).restore(None)  # type: ignore[arg-type] # that is the point
+        Controller(trusting()).restore(None)  # type: ignore[arg-type] # that is the point
 
 
 @given(st.integers(0, 10**6), st.integers(1, 255))
@@ -152,7 +151,7 @@ def test_damage_is_seen(place: int, change: int) -> None:
     """One changed byte anywhere: refused, or the very same content."""
     data = bytearray(driven(2).snapshot())
     data[place % len(data)] ^= change
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     with pytest.raises(SnapshotError):
         controller.restore(bytes(data))
     assert controller.report.cycle == 0
@@ -168,7 +167,7 @@ def test_a_state_that_is_none(spoil: Callable[[dict[str, Any]], object]) -> None
     body = json.loads(driven(2).snapshot())
     spoil(body["state"])
     with pytest.raises(SnapshotError, match="start without the snapshot"):
-        Controller(ODOMETRY).restore(resealed(body))
+        Controller(trusting()).restore(resealed(body))
 
 
 def test_another_process_reads_it() -> None:
@@ -186,5 +185,5 @@ def test_another_process_reads_it() -> None:
 
 def test_a_program_is_shared() -> None:
     """Its fingerprint is one of content: made twice, it is the same."""
-    assert trusting().fingerprint == ODOMETRY.fingerprint
-    assert Program(ODOMETRY.target).fingerprint == ODOMETRY.fingerprint != shipped("balise").fingerprint
+    assert trusting().fingerprint == trusting().fingerprint
+    assert Program(trusting().target).fingerprint == trusting().fingerprint != shipped("balise").fingerprint

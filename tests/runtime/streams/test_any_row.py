@@ -22,7 +22,6 @@ from safeloc.runtime.streams.records import Unusable
 from safeloc.runtime.streams.steps import read_steps
 from tests.runtime.embedding.driving import shipped
 
-PROGRAM = shipped("odometry")
 SCALARS = st.one_of(
     st.none(), st.booleans(), st.integers(-3, 3_000), st.integers(), st.floats(), st.text(max_size=5),
     st.sampled_from([10**30, -(2**63), 2**63, "1", "nan", "front", "rear", "wheel", "\ud800", "\u0661", "", "truth", "cycle"]),
@@ -95,7 +94,7 @@ def test_any_row_is_a_record_a_fault_or_refused(row: dict[str, Any]) -> None:
 @given(st.lists(rows(), max_size=6), st.booleans(), st.booleans())
 def test_any_lines_leave_a_fleet_running(said: list[dict[str, Any]], inputs: bool, numbered: bool) -> None:
     """Nothing raises, nothing is a defect, and a refusal names its line."""
-    fleet = Fleet(PROGRAM, FleetSettings(100, inputs=inputs, numbered=numbered))
+    fleet = Fleet(shipped("odometry"), FleetSettings(100, inputs=inputs, numbered=numbered))
     for number, row in enumerate(said, 1):
         for told in fleet.handle("peer", Line(number, text_of(row).encode()), from_start=True):
             assert UNFORESEEN not in str(told.get("reason", ""))
@@ -147,7 +146,7 @@ def _read_or_refused(read: Read, path: Path) -> None:
 @given(st.lists(st.tuples(st.integers(0, 10_000), st.integers(0, 255)), min_size=1, max_size=4))
 def test_a_damaged_snapshot_changes_nothing(changes: list[tuple[int, int]]) -> None:
     """It is an InputError, or the same content."""
-    controller = Controller(PROGRAM)
+    controller = Controller(shipped("odometry"))
     before = controller.snapshot()
     damaged = bytearray(before)
     for at, byte in changes:
