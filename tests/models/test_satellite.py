@@ -522,7 +522,7 @@ def test_a_term_that_is_not_added_misses_the_truth(
     assert {"containment": "violated"} == lost_by(model.composition.system, properties(model), "containment")
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_unit_less_is_noticed(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine that adds 1 mm, or 1 mm/s, less than a usable signal may be wrong by; in place with a run that misses the truth."""
