@@ -83,7 +83,8 @@ def _found(spec: str, config: Path | None) -> Target:
             f"no machine {spec!r}; there are {', '.join(ENTRIES)}, or package.module:name for your own.{hint}"
         )
     entry = ENTRIES[spec]
-    return _made(entry, read_config(entry.config, config), config)
+    own = read_config(entry.config, config)
+    return replace(_made(entry, own, config), other_figures=own != entry.config())
 
 
 def sources_of(spec: str) -> list[str]:

@@ -38,6 +38,7 @@ class Target:
     """A system with its properties, recordings, simulation and pictures: one item under verification.
 
     streams   recorded step streams that ship with it; `verify` replays them
+    other_figures  the streams were recorded with other figures than those of `config`: one that the machine cannot take is left out
     reported  the outputs that form the reported interval; None for a machine that reports none
     simulate  simulation, if there is one: seed -> steps of simulated sensors
     pictures  drawings of its recorded runs in a report
@@ -57,6 +58,7 @@ class Target:
     config: BaseModel | None = None
     doc: str = ""
     streams: tuple[Path, ...] = ()
+    other_figures: bool = field(default=False, kw_only=True)
     reported: Reported | None = None
     simulate: Simulate | None = None
     pictures: tuple[Picture, ...] = ()

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from safeloc.catalogue import DEFAULTS, configured, load_target
+from safeloc.errors import StreamError
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.verification.one import Plan, Work
 from tests.cli.calling import Call
 
 ONE = ("--property", "only the own pattern passes", "--cache")
@@ -72,3 +78,29 @@ def test_the_defaults_keep_their_recordings() -> None:
     assert by_name.pop(DEFAULTS) == shipped
     assert by_name
     assert set(by_name.values()) == {()}
+
+
+def test_recordings_of_other_figures_are_left_out_and_named(call: Call, tmp_path: Path) -> None:
+    """A vehicle with a reader at one end alone: a recording of both ends is no evidence about it, and no failure."""
+    one_end = tmp_path / "one_end.toml"
+    one_end.write_text("devices = 1\n", encoding="utf-8")
+    called = call("verify", "odometry", "--quick", "--config", str(one_end), "--out", str(tmp_path / "report"))
+    assert called.code == 3  # quick
+    assert "leaving out odometry-service, recorded with other figures" in called.err
+    results = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))["results"]
+    assert "replay" not in {one["kind"] for one in results}
+    [note] = [one["notes"]["recordings left out"] for one in results if "recordings left out" in one.get("notes", {})]
+    assert note.startswith("odometry-reversal, odometry-service, odometry-wheel-slide: recorded with figures")
+
+
+def test_a_recording_that_the_defaults_cannot_take_is_an_error(tmp_path: Path) -> None:
+    """It was made for them, so something is broken."""
+    stream = tmp_path / "odometry-broken.jsonl"
+    stream.write_text(
+        '{"schema": "safeloc-stream/1", "machine": "odometry", "first": {}}\n{"no_such_input": 1}\n', encoding="utf-8"
+    )
+    target = replace(load_target("odometry"), streams=(stream,))
+    with pytest.raises(StreamError, match="no_such_input"):
+        Work(target, 1, lambda *_: None, lambda _: None).verified(
+            Plan(Limits(), examples=1, steps=1, seed=0, quick=True)
+        )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
+from safeloc.errors import StreamError
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers.antecedents import found
@@ -18,9 +20,10 @@ from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
 from safeloc.proof.provers.workers import Queue
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
-from safeloc.proof.verification.replay import replay_stream, run_with_truth
+from safeloc.proof.verification.replay import replay_stream, run_recorded, run_with_truth
 from safeloc.proof.verification.unasked import as_left_open, left_open, nothing_asked
 from safeloc.proof.verification.witness_files import read_witnesses
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 
@@ -65,11 +68,21 @@ class Work:
         else:
             proved, obliged = self.proved_and_obliged(plan.limits)
             findings = [*proved, *obliged, *self.tested(plan, obliged)]
-        return [*findings, *self._replayed()]
+        return self._noted([*findings, *self._replayed()])
+
+    def _noted(self, findings: list[Finding]) -> list[Finding]:
+        """Return the findings; the first one gets a note of the recordings that were left out."""
+        left_out = [name_of(path) for path in self.target.streams if path not in self._streams]
+        if not left_out:
+            return findings
+        note = {
+            "recordings left out": f"{', '.join(left_out)}: recorded with figures that this configuration cannot take"
+        }
+        return [replace(findings[0], notes={**findings[0].notes, **note}), *findings[1:]]
 
     def _replayed(self) -> list[Finding]:
         findings = list[Finding]()
-        for stream in self.target.streams:
+        for stream in self._streams:
             self.on_phase(f"replaying {stream.name}", len(self.target.properties))
             findings += self._announced(replay_stream(self.target, stream)[1])
         return findings
@@ -135,17 +148,31 @@ class Work:
         witnesses = [
             run for run in shown if run is not None and not run.system.composition
         ]  # of the composition, not of one machine alone
-        streams = [run_with_truth(self.target, path) for path in self.target.streams]
+        streams = [run_with_truth(self.target, path) for path in self._streams]
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
         return self._announced(list(map(as_left_open, tests)) if plan.quick else tests)
+
+    @cached_property
+    def _streams(self) -> tuple[Path, ...]:
+        """The recordings of the target, but for those of other figures that the machine cannot take; each of these is announced."""
+        if not self.target.other_figures:
+            return self.target.streams
+        found = []
+        for path in self.target.streams:
+            try:
+                run_recorded(self.target, path)
+                found.append(path)
+            except StreamError as error:
+                self.on_phase(f"leaving out {name_of(path)}, recorded with other figures: {error}", 0)
+        return tuple(found)
 
     @cached_property
     def _witnesses(self) -> Witnesses:
         return read_witnesses(self.target.witnesses)
 
     def _recordings(self) -> list[Recording]:
-        return [Recording(stream.first, stream.steps) for stream in map(read_steps, self.target.streams)]
+        return [Recording(stream.first, stream.steps) for stream in map(read_steps, self._streams)]
 
     def _announced(self, findings: list[Finding]) -> list[Finding]:
         for one in findings:

@@ -186,6 +186,12 @@ def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
         )
 
 
+def run_recorded(target: Target, path: Path) -> Trace:
+    """Run a recording of steps, with its ghosts if it has them; StreamError, with file and line, if the machine cannot take it."""
+    stream, _ = read_recording(target, path)
+    return run_of(_asked(target, with_truth=has_truth(target, stream)).system, path, stream)
+
+
 def run_with_truth(target: Target, path: Path) -> Trace | None:
     """Return a stream with the ghosts of the machine, as a run of the machine; None for a stream without them."""
     stream = read_steps(path)
