@@ -15,7 +15,7 @@ from safeloc.language.render import infix
 from safeloc.language.spec import Property, observe
 from safeloc.language.terms import Sharing
 from safeloc.language.trace import Trace, shown
-from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated, word
+from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated, told
 from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.escape import escape
 from safeloc.proof.provers.limits import Limits
@@ -122,7 +122,7 @@ def _assumes(target: Target, prop: Property) -> Iterator[str]:
 
 
 def _decided(finding: Finding) -> Iterator[str]:
-    yield f"{word(finding.result)}: {finding.method}, {finding.seconds:.1f} s"
+    yield f"{told(finding.result)}: {finding.method}, {finding.seconds:.1f} s"
     match finding.result:
         case Proved(by_construction=why) if why:
             yield why
