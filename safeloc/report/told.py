@@ -11,9 +11,9 @@ from typing import Any
 
 from safeloc.language.verdict import SHOWN
 
-INTERPRETER = "interpreter"
+_INTERPRETER = "interpreter"
 """What confirms a run, in `rechecked` of a result."""
-NOT_AS_SUCH = "properties proved"
+_NOT_AS_SUCH = "properties proved"
 """The verdict of a requirement: no proof is of the requirement itself."""
 _KINDS: Mapping[str, tuple[str, str]] = {
     "property": ("property", "properties"),
@@ -28,14 +28,14 @@ _Data = Mapping[str, Any]
 
 def told_of(row: _Data) -> str:
     """Return the verdict of a result of a report: its own, but `shown by a run` where one run is the whole evidence."""
-    return SHOWN if row["verdict"] == "proved" and INTERPRETER in row["rechecked"] else str(row["verdict"])
+    return SHOWN if row["verdict"] == "proved" and _INTERPRETER in row["rechecked"] else str(row["verdict"])
 
 
 def requirement_verdict(row: _Data, results: Sequence[_Data]) -> str:
     """Return the verdict of a requirement in a few words; nothing if nothing is about it."""
     if row["verdict"] != "proved":
         return str(row["verdict"])
-    return NOT_AS_SUCH if any(told_of(one) == "proved" for one in results) else SHOWN
+    return _NOT_AS_SUCH if any(told_of(one) == "proved" for one in results) else SHOWN
 
 
 def requirement_lines(results: Sequence[_Data]) -> Iterator[tuple[str, str]]:
