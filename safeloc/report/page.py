@@ -20,7 +20,7 @@ from markupsafe import Markup
 
 from safeloc.language.verdict import SHOWN
 from safeloc.proof.verification.unasked import QUICK
-from safeloc.report.conditions import conditions, needs
+from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
@@ -111,6 +111,7 @@ class _Rendering:
             ],
             "requirements": self._requirements,
             "conditions": self._conditions,
+            "resting": counts(self._conditions),
         }
 
     def page(self, **more: Any) -> str:

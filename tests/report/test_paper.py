@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.catalogue import load_target
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from tests.report import lamp
@@ -91,3 +92,24 @@ def test_a_program_prints_all_of_it(report: Path, tmp_path: Path) -> None:
 def pages(pdf: Path) -> int:
     """The number of pages of a PDF."""
     return pdf.read_bytes().count(b"/Type /Page\n") or pdf.read_bytes().count(b"/Type /Page/")
+
+
+def test_conditions_are_narrowed(page: Page, tmp_path: Path) -> None:
+    """To one owner, and to those with a figure from memory; how many are left is said, and on paper all stand."""
+    page.open(write_folder(tmp_path / "odometry", [], [load_target("odometry")]))
+    rows = "[...document.querySelectorAll('table.conditions tr[data-owner]')]"
+    every = page.js(f"{rows}.length")
+    owner = page.js("document.querySelector('[data-narrows=owner] option:nth-child(2)').value")
+    page.driver.execute_script("const s = document.querySelector('[data-narrows=owner]'); s.value = arguments[0]; s.dispatchEvent(new Event('change', {bubbles: true}))", owner)  # fmt: skip
+    left = page.js(f"{rows}.filter(row => row.offsetParent).map(row => row.dataset.owner)")
+    assert set(left) == {owner}
+    assert 0 < len(left) < every
+    page.click("[data-narrows=confirm]")
+    confirmed = page.js(f"{rows}.filter(row => row.offsetParent).length")
+    assert 0 < confirmed <= len(left)
+    assert f"{confirmed} of {every}" == page.text(".narrows [role=status]")
+    on_paper(page, True)
+    try:
+        assert every == page.js(f"{rows}.filter(row => row.offsetParent).length")
+    finally:
+        on_paper(page, False)
