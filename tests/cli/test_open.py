@@ -34,7 +34,7 @@ def test_a_report(call: Call, tmp_path: Path, asked: list[str]) -> None:
     before = {path: path.read_bytes() for path in page.parent.rglob("*") if path.is_file()}
     assert call("open", str(page.parent)) == Called(0, f"{page}\n", f"{origin(page.parent)[0]}\n")
     assert asked == [page.as_uri()]
-    assert call("open", str(page.parent), "--no-browser") == Called(0, f"{page}\n", "")
+    assert call("open", str(page.parent), "--no-browser") == Called(0, f"{page}\n", f"{origin(page.parent)[0]}\n")
     assert len(asked) == 1
     assert before == {path: path.read_bytes() for path in page.parent.rglob("*") if path.is_file()}
 
