@@ -16,7 +16,7 @@ from safeloc.runtime.outside import read_bytes
 SUMS = "SHA256SUMS"
 
 
-SIGNATURES: Mapping[str, str] = {
+_SIGNATURES: Mapping[str, str] = {
     f"{SUMS}.asc": f"gpg --verify {SUMS}.asc {SUMS}",
     f"{SUMS}.sig": f"ssh-keygen -Y verify -f ALLOWED_SIGNERS -I WHO -n safeloc-report -s {SUMS}.sig < {SUMS}",
 }
@@ -27,7 +27,7 @@ _SSH = b"-----BEGIN SSH SIGNATURE-----"
 def origin(folder: Path) -> list[str]:
     """Return what the digests of a folder that fits them show, and what is known of who made it."""
     shown = f"the files fit {SUMS}: nothing was changed by accident since the report was written; who made it, that does not show"
-    found = [name for name in SIGNATURES if (folder / name).is_file()]
+    found = [name for name in _SIGNATURES if (folder / name).is_file()]
     if not found:
         return [f"{shown} ({SUMS} is not signed; sign it: gpg --armor --detach-sign {SUMS})"]
     told = [f"{name} is there, and not checked by safeloc; this checks it: {_checks(folder, name)}" for name in found]
@@ -38,7 +38,7 @@ def _checks(folder: Path, name: str) -> str:
     """Return the command that checks a signature; one that ends in .sig may be of either program."""
     if name.endswith(".sig") and not read_bytes(folder / name).startswith(_SSH):
         return f"gpg --verify {name} {SUMS}"
-    return SIGNATURES[name]
+    return _SIGNATURES[name]
 
 
 def write_digests(folder: Path, files: Iterable[str]) -> None:
