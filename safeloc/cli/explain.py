@@ -20,6 +20,7 @@ from safeloc.cli.show import code
 from safeloc.errors import InputError
 from safeloc.explain.explanation import Explanation, explained
 from safeloc.explain.pytest_file import pytest_file
+from safeloc.explain.recording import explained_recording
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.proof.cache.store import Store
@@ -27,6 +28,7 @@ from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.calls import prove_target
+from safeloc.target import find_recording
 
 SCHEMA = "safeloc-explanation/1"
 
@@ -34,6 +36,12 @@ SCHEMA = "safeloc-explanation/1"
 def explain(
     target: TargetArgument,
     name: Annotated[str, typer.Argument(metavar="PROPERTY", help="name of the property (safeloc list properties)")],
+    stream: Annotated[
+        Path | None,
+        typer.Argument(
+            help="explain it on this recording instead: a file, or the name of one that ships", show_default=False
+        ),
+    ] = None,
     config: ConfigOption = None,
     depth: DepthOption = 25,
     seconds: SecondsOption = 30.0,
@@ -53,15 +61,32 @@ def explain(
         store_in(cache),
     )
     prop = _chosen(loaded, name)
+    if stream is not None:
+        told, finding = explained_recording(loaded, prop, find_recording(loaded, stream))
+        raise typer.Exit(_show(told, finding, loaded, prop, config, test, as_json=as_json))
     findings = prove_target(loaded, only=[prop.name], limits=limits, jobs=jobs, store=store, fresh=fresh)
     print_cached(findings, quiet=as_json)
     [finding] = [one for one in findings if one.kind == "property"]
     find_core = partial(_core, loaded, limits, jobs, store, fresh)
     told = explained(loaded, prop, finding, limits, find_core=find_core, shown_by=_strengths(store, loaded, prop))
+    raise typer.Exit(_show(told, finding, loaded, prop, config, test, as_json=as_json))
+
+
+def _show(
+    told: Explanation,
+    finding: Finding,
+    target: Target,
+    prop: Property,
+    config: Path | None,
+    test: Path | None,
+    *,
+    as_json: bool,
+) -> int:
+    """Print an explanation, write its run as a test if wanted, and return the exit code."""
     _print(told, finding, as_json=as_json)
     if test is not None:
-        _write_test(test, loaded, prop, told, config)
-    raise typer.Exit(code([finding]))
+        _write_test(test, target, prop, told, config)
+    return code([finding])
 
 
 def _core(target: Target, limits: Limits, jobs: int, store: Store, fresh: bool, prop: Property) -> Core:

@@ -41,6 +41,8 @@ def open_(
         )
     page = found.page or _written(found, out)
     print_line(str(page))
+    for line in found.origin:
+        err.print(line, markup=False)
     for line in found.unfit:
         err.print(f"safeloc: {line}", markup=False)
     if browser and _has_screen():

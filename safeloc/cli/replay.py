@@ -12,8 +12,11 @@ import typer
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err, out, print_json, print_line
 from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
-from safeloc.cli.show import EXIT_CODES, code, findings_table
+from safeloc.cli.show import EXIT_CODES, code, findings_table, summed_up
 from safeloc.errors import InputError
+from safeloc.explain.explanation import part_line
+from safeloc.explain.failing_parts import failing_parts
+from safeloc.language.verdict import Violated
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.assumptions import Judged, judge_recording
 from safeloc.proof.verification.replay import Row, as_table, replay_stream
@@ -26,6 +29,7 @@ from safeloc.report.run_files.columns import RunColumns, run_columns
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.target import find_recording
 
+_MOST_PARTS = 20
 _FIRST_AND_LAST = 5
 """Steps at either end of a recording that a terminal always gets."""
 
@@ -61,6 +65,7 @@ def replay(
             help="check the laws of the worlds instead: the least distance of each to a breach, and every breach",
         ),
     ] = False,
+    every: Annotated[bool, typer.Option("--all", help="every row of the table, also on a terminal")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run a recorded stream through a machine; check every property on it, or the proofs' assumptions about the world."""
@@ -95,10 +100,31 @@ def replay(
         for row in rows:
             sys.stdout.write(row.as_json() + "\n")
     else:
-        for line in _shown(rows, as_table(rows)) if out.is_terminal else as_table(rows):
-            out.print(line, markup=False)
-        findings_table(findings)
+        _print_run(loaded, rows, findings, every_row=every or not out.is_terminal)
     raise typer.Exit(code(findings))
+
+
+def _print_run(target: Target, rows: Sequence[Row], findings: Sequence[Finding], *, every_row: bool) -> None:
+    """Print the verdict, the table of steps, each finding with the term that broke, and the verdict again."""
+    out.print(summed_up(findings), markup=False)
+    lines = as_table(rows)
+    for line in lines if every_row else _shown(rows, lines):
+        out.print(line, markup=False)
+    findings_table(findings, sum_up=False)
+    for line in _broken_terms(target, findings):
+        print_line(line)
+    out.print(summed_up(findings), markup=False)
+
+
+def _broken_terms(target: Target, findings: Sequence[Finding]) -> Iterator[str]:
+    """Yield, of each violated property, the parts of its term that fail in the first step that violates it."""
+    claims = {prop.name: prop for prop in target.properties}
+    for finding in findings:
+        prop = claims.get(finding.id.partition(": ")[2])
+        if prop is not None and isinstance(finding.result, Violated) and finding.result.trace is not None:
+            at = len(finding.result.trace.steps)
+            yield f"\n{prop.name}: the part that fails in step {at}, with its values"
+            yield from (f"  {part_line(part)}" for part in failing_parts(finding.result.trace, prop)[:_MOST_PARTS])
 
 
 def _columns(target: Target, findings: Sequence[Finding], period_ms: int | None) -> RunColumns:
@@ -120,7 +146,7 @@ def _shown(rows: Sequence[Row], lines: Sequence[str]) -> Iterator[str]:
         ends = number < _FIRST_AND_LAST or number >= len(rows) - _FIRST_AND_LAST
         if ends or rows[number].modes != rows[number - 1].modes:
             if number > before:
-                yield f"... {number - before} more steps without a change of mode; in a pipe all are printed"
+                yield f"... {number - before} more steps without a change of mode; --all prints them"
             yield line
             before = number + 1
 

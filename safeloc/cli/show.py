@@ -9,8 +9,8 @@ from typing import Any, assert_never
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from safeloc.cli.console import err, folded, out, print_json, print_line
-from safeloc.cli.finding_lines import finding_line, finding_lines
-from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
+from safeloc.cli.finding_lines import finding_line, finding_lines, verdict_word
+from safeloc.language.verdict import SHOWN, Held, NotAsked, Proved, Unknown, Vacuous, Violated, told, word, worst
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.data import report_data
@@ -24,6 +24,7 @@ _OF_THE_ASSUMPTION = ("assumption", "assumption lasts", "dead ends")
 """Obligations that are violated if nothing can keep the assumption."""
 _COLOURS: Mapping[str, str] = {
     "proved": "green",
+    "shown": "blue",
     "held": "cyan",
     "violated": "bold red",
     "unknown": "yellow",
@@ -77,7 +78,7 @@ class Progressing:
 
     def add(self, finding: Finding) -> None:
         """Count a finding; print it in a pipe."""
-        self.tick(f"{word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)")
+        self.tick(f"{verdict_word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)")
 
     def tick(self, line: str) -> None:
         """Count one item; print the line in a pipe."""
@@ -123,7 +124,9 @@ def print_summary(findings: Sequence[Finding]) -> None:
 
 def summed_up(findings: Sequence[Finding]) -> str:
     """Return one line with the overall verdict and the number of findings of each verdict."""
-    verdicts = [KindAndVerdict(one.kind, word(one.result), one.method == QUICK) for one in findings]
+    verdicts = [
+        KindAndVerdict(one.kind, word(one.result), one.method == QUICK, told(one.result) == SHOWN) for one in findings
+    ]
     return ": ".join(part for part in (headline(verdicts), counted(verdicts)) if part)
 
 
@@ -137,7 +140,7 @@ def _finding(finding: Finding) -> None:
     if not out.is_terminal:
         out.print(finding_line(finding), markup=False)
         return
-    verdict = word(finding.result)
+    verdict = verdict_word(finding.result)
     first, *rest = finding_lines(finding, out.width)
     out.print(f"[{_COLOURS[verdict]}]{verdict}[/]{_escape(first.removeprefix(verdict))}")
     for line in rest:

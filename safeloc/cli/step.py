@@ -17,7 +17,15 @@ import typer
 from safeloc.catalogue import load_target
 from safeloc.cli.console import print_line
 from safeloc.cli.options import ConfigOption, TargetArgument
-from safeloc.cli.step_lines import assignments, number_of_steps, refuse_unknown, row_lines, words
+from safeloc.cli.step_lines import (
+    assignments,
+    broken_lines,
+    end_told,
+    number_of_steps,
+    refuse_unknown,
+    row_lines,
+    words,
+)
 from safeloc.errors import InputError
 from safeloc.explain.stepping import Stepper
 from safeloc.proof.verification.replay import read_recording
@@ -27,10 +35,12 @@ from safeloc.target import Target, find_recording
 _HELP = """\
 ENTER, step [N]       take one step, or N; an empty line of a script takes none
 set NAME=VALUE ...    inputs of the next step: 12, true, a label, absent; after it they are recorded ones, or at rest
+hold NAME=VALUE ...   the same in every step from now on, also over a recording: hold NAME=absent; `hold` alone: what is held
+release NAME ...      hold it no more
 rows                  the transitions of this mode: which fires, and what keeps the others from it
 inputs  state  outputs  [WORD]   their values now; with a word, those that have it in their name
 watch NAME ...        show these after every step; `watch` alone: nothing
-broken                the properties that the run has broken
+broken                the properties that the run has broken; each is told at once, when a step breaks it
 back [N]              take back one step, or N
 save FILE             write the run as a stream for `safeloc replay`; save FILE.py: as a test for pytest
 quit                  end"""
@@ -64,6 +74,7 @@ def step(
     if typed:
         print_line("help lists the commands; quit or Ctrl-D ends.")
         shell.show()
+    shell.tell_broken()
     shell.cmdloop()
     raise typer.Exit(2 if shell.failed and not typed else 0)
 
@@ -138,23 +149,30 @@ class _Shell(cmd.Cmd):
 
     def do_step(self, text: str) -> None:
         """Take steps."""
-        for _ in range(number_of_steps(text, "step")):
-            if self._ends_here():
+        wanted = number_of_steps(text, "step")
+        for taken in range(wanted):
+            if self._ends_here(taken, wanted):
                 break
             broken = self._stepper.broken_laws()
             made = self._stepper.take()
             print_line(f"{self._stepper.number:4}  {', '.join(made.fired.values())}")
             if broken != self._broken_laws:
                 self._tell_laws(broken)
+            self.tell_broken()
         self.show()
 
-    def _ends_here(self) -> bool:
+    def tell_broken(self) -> None:
+        """Tell the properties that the last step broke, with the parts that fail."""
+        for line in broken_lines(self._stepper.broken_now()):
+            print_line(f"      {line}")
+
+    def _ends_here(self, taken: int, wanted: int) -> bool:
         """Say once that the recording has ended, and whether it ends here: no step is then taken with invented inputs."""
         recorded = len(self._stepper.recorded)
         if not recorded or self._told_end or self._stepper.number < recorded:
             return False
         self._told_end = True
-        print_line(f"the recording ends at step {recorded}; further steps take what you set, and all else is at rest")
+        print_line(end_told(recorded, taken, wanted))
         return True
 
     def _tell_laws(self, broken: list[str]) -> None:
@@ -168,6 +186,18 @@ class _Shell(cmd.Cmd):
         for name, value in assignments(text):
             self._stepper.give(name, value)
         self.do_inputs("")
+
+    def do_hold(self, text: str) -> None:
+        """Hold inputs in every step."""
+        for name, value in assignments(text):
+            self._stepper.hold(name, value)
+        print_line(f"held: {_joined(self._stepper.held)}")
+
+    def do_release(self, text: str) -> None:
+        """Hold inputs no more."""
+        for name in words(text):
+            self._stepper.release(name)
+        print_line(f"held: {_joined(self._stepper.held)}")
 
     def do_rows(self, _: str) -> None:
         """Show the transitions of the present mode."""

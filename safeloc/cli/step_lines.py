@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from safeloc.errors import InputError
 from safeloc.explain.failing_parts import Part
 from safeloc.explain.stepping import RowView
+
+_MOST_PARTS = 12
 
 
 def number_of_steps(text: str, command: str) -> int:
@@ -46,6 +48,21 @@ def refuse_unknown(names: list[str], known: dict[str, str]) -> None:
     for name in names:
         if name not in known:
             raise InputError(f"there is no variable or output {name!r}; `state` and `outputs` list them.")
+
+
+def end_told(recorded: int, taken: int, wanted: int) -> str:
+    """Return what is said where a recording ends, and a number of steps was wanted."""
+    some = f": {taken} of {wanted} steps taken" if wanted > 1 else ""
+    return f"the recording ends at step {recorded}{some}; further steps take what you set, and all else is at rest"
+
+
+def broken_lines(broken: Mapping[str, Sequence[Part]]) -> Iterator[str]:
+    """Yield the properties that a step broke, each with the parts of its term that fail."""
+    for name, parts in broken.items():
+        yield f"VIOLATED {name}"
+        yield from (_part_line(part) for part in parts[:_MOST_PARTS])
+        if len(parts) > _MOST_PARTS:
+            yield f"         ... {len(parts) - _MOST_PARTS} more parts; `safeloc explain` shows them on the saved run"
 
 
 def row_lines(row: RowView) -> Iterator[str]:

@@ -15,13 +15,22 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.widgets import DataTable, Footer, Input, Static
 
-from safeloc.cli.step_lines import assignments, number_of_steps, quoted, refuse_unknown, row_lines, words
+from safeloc.cli.step_lines import (
+    assignments,
+    broken_lines,
+    end_told,
+    number_of_steps,
+    quoted,
+    refuse_unknown,
+    row_lines,
+    words,
+)
 from safeloc.errors import InputError
 from safeloc.explain.stepping import ABSENT, Stepper
 from safeloc.language.expr import NumVar, Var
 from safeloc.language.units import Enumeration
 
-_HELP = "set NAME=VALUE ...   step N   back N   watch NAME ...   filter WORD   broken   save FILE   quit"
+_HELP = "set NAME=VALUE ...   hold NAME=VALUE ...   release NAME ...   step N   back N   watch NAME ...   filter WORD   broken   save FILE   quit"
 _STYLES = {"fires": "bold green", "enabled": "green", "refused": "dim"}
 
 
@@ -56,6 +65,8 @@ class StepWindow(App[None]):
         self._before: Mapping[str, str] = {}
         self._commands: Mapping[str, Callable[[str], None]] = {
             "set": self._set,
+            "hold": self._hold,
+            "release": self._release,
             "step": self._step,
             "back": self._back,
             "watch": self._watch,
@@ -150,17 +161,27 @@ class StepWindow(App[None]):
         for name, value in assignments(text):
             self.stepper.give(name, value)
 
+    def _hold(self, text: str) -> None:
+        for name, value in assignments(text):
+            self.stepper.hold(name, value)
+        self._tell(f"held: {', '.join(f'{name}={value}' for name, value in self.stepper.held.items()) or 'none'}")
+
+    def _release(self, text: str) -> None:
+        for name in words(text):
+            self.stepper.release(name)
+
     def _step(self, text: str) -> None:
         wanted, recorded = number_of_steps(text, "step"), len(self.stepper.recorded)
-        for _ in range(wanted):
-            if wanted > 1 and recorded == self.stepper.number:
-                self._tell(
-                    f"the recording ends at step {recorded}; further steps take what you set, and all else is at rest"
-                )
+        broken = list[str]()
+        for taken in range(wanted):
+            if wanted > 1 and recorded and recorded == self.stepper.number:
+                self._tell("\n".join([*broken, end_told(recorded, taken, wanted)]), style="bold red" if broken else "")
                 return
             self._before = self.stepper.watchable
             made = self.stepper.take()
-            self._tell(f"step {self.stepper.number}: {', '.join(made.fired.values())}")
+            broken += [f"step {self.stepper.number}: {line}" for line in broken_lines(self.stepper.broken_now())]
+            step = f"step {self.stepper.number}: {', '.join(made.fired.values())}"
+            self._tell("\n".join([step, *broken]), style="bold red" if broken else "")
 
     def _back(self, text: str) -> None:
         self.stepper.back(number_of_steps(text, "back"))
@@ -210,11 +231,16 @@ class StepWindow(App[None]):
         return text
 
     def _input_rows(self) -> Iterable[tuple[str, ...]]:
-        values, given = self.stepper.inputs, self.stepper.given
+        values, given, held = self.stepper.inputs, self.stepper.given, self.stepper.held
         rest = "recorded" if self.stepper.number < len(self.stepper.recorded) else "rest"
         for var in self.stepper.input_variables:
             if self._word in var.name:
-                yield var.name, values.get(var.name, ABSENT[0]), "set" if var.name in given else rest, _range(var)
+                yield (
+                    var.name,
+                    values.get(var.name, ABSENT[0]),
+                    "set" if var.name in given else "held" if var.name in held else rest,
+                    _range(var),
+                )
 
     def _value_rows(self) -> Iterable[tuple[str, ...]]:
         known = self.stepper.watchable

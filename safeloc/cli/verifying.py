@@ -11,10 +11,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
-from safeloc.language.verdict import WORST_FIRST
+from safeloc.cli.finding_lines import one_word
 from safeloc.proof.verification.many import Began, Event, Found, Kept, Over, Phase
 from safeloc.proof.verification.one import expected
 from safeloc.proof.verification.time_left import TimeLeft
+from safeloc.report.headline import BEST_FIRST
 
 
 class Verifying:
@@ -76,7 +77,7 @@ class Verifying:
                 expected_yet = int(self._counts[target].total() <= self._expected[target])
                 self._bars.advance(self._running[target], expected_yet)
                 self._bars.advance(self._all, expected_yet)
-                self._line(f"{verdict:9} {id_}  ({seconds:.1f} s)")
+                self._line(f"{one_word(verdict):9} {id_}  ({seconds:.1f} s)")
             case Kept(target, findings, since):
                 self._bars.advance(self._all, self._expected[target])
                 self._time_left.over(target, 0.0)
@@ -92,7 +93,7 @@ class Verifying:
         self._bars.remove_task(self._running.pop(target))
         self._bars.advance(self._all, max(0, self._expected[target] - sum(found.values())))
         if not self._quiet:
-            counts = ", ".join(f"{found[verdict]} {verdict}" for verdict in WORST_FIRST if found[verdict])
+            counts = ", ".join(f"{found[verdict]} {verdict}" for verdict in reversed(BEST_FIRST) if found[verdict])
             err.print(f"{target}: {counts or 'nothing found'} in {seconds:.0f} s", markup=False)
 
     def _line(self, text: str) -> None:

@@ -20,7 +20,8 @@ import typer
 
 from safeloc.catalogue import sources_of
 from safeloc.cli.console import err, out
-from safeloc.language.verdict import WORST_FIRST
+from safeloc.language.verdict import SHOWN, WORST_FIRST
+from safeloc.report.told import told_of
 
 WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
 PACKAGE = Path(__file__).parents[1]
@@ -33,24 +34,27 @@ _Seen = Mapping[Path, tuple[int, int]]
 
 @dataclass(frozen=True)
 class Row:
-    """One result of a run: verdict, time, and the verdict in the run before ("" if it is new)."""
+    """One result of a run: verdict, time, the verdict in the run before ("" if it is new), and whether one run is all its evidence."""
 
     id: str
     verdict: str
     seconds: float
     before: str
+    by_run: bool = False
 
     @property
     def line(self) -> str:
         """Return the row as text."""
         before = "new" if not self.before else "as before" if self.before == self.verdict else f"was {self.before}"
-        return f"{self.verdict:9} {self.seconds:6.1f} s  {before:12} {self.id}"
+        return f"{'shown' if self.by_run else self.verdict:9} {self.seconds:6.1f} s  {before:12} {self.id}"
 
 
 def rows(data: Mapping[str, Any], before: Mapping[str, str]) -> list[Row]:
     """Return the results that were computed in this run: worst verdict first; of equal verdicts, changed ones first."""
     now = [row for row in data["results"] if row["machine"] not in data["kept"]]
-    made = [Row(row["id"], row["verdict"], row["seconds"], before.get(row["id"], "")) for row in now]
+    made = [
+        Row(row["id"], row["verdict"], row["seconds"], before.get(row["id"], ""), told_of(row) == SHOWN) for row in now
+    ]
     return sorted(made, key=lambda row: (WORST_FIRST.index(row.verdict), row.before == row.verdict, -row.seconds))
 
 

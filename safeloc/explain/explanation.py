@@ -15,7 +15,7 @@ from safeloc.language.render import infix
 from safeloc.language.spec import Property, observe
 from safeloc.language.terms import Sharing
 from safeloc.language.trace import Trace, shown
-from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated, word
+from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated, told
 from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.escape import escape
 from safeloc.proof.provers.limits import Limits
@@ -71,7 +71,7 @@ def explained(
         f"not measured: `safeloc mutate {_address(target)}` makes the machine wrong on purpose and says what notices it"
     )
     sections = (
-        Section("What it says", tuple(_says(target, prop))),
+        Section("What it says", tuple(says(target, prop))),
         Section("What it assumes", tuple(_assumes(target, prop))),
         Section("How it was decided", tuple(_decided(finding))),
         *found,
@@ -87,7 +87,8 @@ def _address(target: Target) -> str:
 # ------------------------------------------------------------------ what it says
 
 
-def _says(target: Target, prop: Property) -> Iterator[str]:
+def says(target: Target, prop: Property) -> Iterator[str]:
+    """Yield what a property says: its statement, its term, its cases, and where it is declared."""
     share = Sharing()
     names = {share(term): name for term, name in _outputs(target).items()}
     yield prop.statement
@@ -122,7 +123,7 @@ def _assumes(target: Target, prop: Property) -> Iterator[str]:
 
 
 def _decided(finding: Finding) -> Iterator[str]:
-    yield f"{word(finding.result)}: {finding.method}, {finding.seconds:.1f} s"
+    yield f"{told(finding.result)}: {finding.method}, {finding.seconds:.1f} s"
     match finding.result:
         case Proved(by_construction=why) if why:
             yield why
@@ -156,7 +157,7 @@ def _evidence(
             return [Section("What the proof rests on", tuple(_rests_on(target, find_core(prop))))], None
         case Violated(trace=Trace() as found):
             run = simplest(found, prop, _SIMPLER_SECONDS)
-            return list(_violation(run, prop)), run
+            return list(violation(run, prop)), run
         case Unknown():
             return list(_open(target, prop, limits)), None
         case Vacuous() | Violated() | NotAsked() | Held():
@@ -189,7 +190,8 @@ def _rests_on(target: Target, found: Core) -> Iterator[str]:
         yield f"The proof needs each of these{open_}."
 
 
-def _violation(run: Trace, prop: Property) -> Iterator[Section]:
+def violation(run: Trace, prop: Property) -> Iterator[Section]:
+    """Yield the inputs of a run that violates a property, and the part of its term that fails."""
     first = {name: shown(run.system.variable(name), value) for name, value in open_first(run).items()}
     lines = [f"first: {_values(first)}"] if first else []
     rows = mattering_rows(run)
@@ -198,15 +200,15 @@ def _violation(run: Trace, prop: Property) -> Iterator[Section]:
         lines.insert(1, f"... {len(rows) - _MOST_STEPS} more steps")
     yield Section("The inputs that matter; all others are absent, false or nearest to zero", tuple(lines))
     parts = failing_parts(run, prop)
-    told = [_part(one) for one in parts[:_MOST_PARTS]]
+    lines = [part_line(one) for one in parts[:_MOST_PARTS]]
     if len(parts) > _MOST_PARTS:
-        told.append(f"... {len(parts) - _MOST_PARTS} more parts")
+        lines.append(f"... {len(parts) - _MOST_PARTS} more parts")
     if prop.kind == "within":
-        told.insert(
+        lines.insert(
             0,
             f"the trigger came in step {len(run.steps) - prop.steps}; this is the response in step {len(run.steps)}, the last one in time:",
         )
-    yield Section("The part that fails, with its values", tuple(told))
+    yield Section("The part that fails, with its values", tuple(lines))
 
 
 def _row(row: Row) -> str:
@@ -217,7 +219,8 @@ def _values(values: Mapping[str, str]) -> str:
     return " ".join(f"{name}={value}" for name, value in values.items())
 
 
-def _part(part: Part) -> str:
+def part_line(part: Part) -> str:
+    """Return a part of a term in a line: whether it holds, its text, and the values that it reads."""
     if part.depth:
         text = f"{'  ' * part.depth}{'true ' if part.holds else 'false'} {part.text}"
     else:

@@ -12,6 +12,7 @@ from safeloc.language.interpret import Program, start, step
 from safeloc.language.nodes import And, ChooseBool, Compare, Node, Not, Or, Value
 from safeloc.language.render import infix
 from safeloc.language.spec import Property, StepReading, step_reading
+from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Sharing, in_order, variables
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
@@ -43,13 +44,16 @@ def failing_parts(trace: Trace, prop: Property) -> list[Part]:
     """
     if prop.kind == "reachable":
         raise PropertyError(f"{prop.src}: {prop.name!r} is reachable in some run; no run violates it.")
-    share = Sharing()
-    names = {
-        share(term): name for name, term in trace.system.outputs.items() if not isinstance(term, (NumVar, BoolVar))
-    }
-    prop = replace(prop, term=share.bool(prop.term), response=share.bool(prop.response))
+    prop, names = with_outputs(trace.system, prop)
     term = prop.response if prop.kind == "within" else prop.term
     return list(_Tree(_values(trace, prop, term), names).parts(term, wanted=True, depth=0))
+
+
+def with_outputs(system: TransitionSystem, prop: Property) -> tuple[Property, dict[Expr, str]]:
+    """Return the property, and the names of the computed outputs by the terms in it that are equal to them."""
+    share = Sharing()
+    names = {share(term): name for name, term in system.outputs.items() if not isinstance(term, (NumVar, BoolVar))}
+    return replace(prop, term=share.bool(prop.term), response=share.bool(prop.response)), names
 
 
 def parts_of(

@@ -24,13 +24,16 @@ def pytest_file(target: Target, prop: Property, trace: Trace, config: Path | Non
     config  file of the configuration in which the property fails; None for the defaults
     """
     loaded = _loading(target, config)
+    on_board = trace.system is not target.system
+    system = "without_ghosts(target.system)" if on_board else "target.system"
+    imported = "from safeloc.language.system import without_ghosts\n" if on_board else ""
     statement = prop.statement.rstrip(".")
     return f'''"""A run that violated {_plain(prop.name)} of {_plain(target.name)}."""
 {"" if config is None else "from pathlib import Path" + chr(10)}
 from safeloc.catalogue import load_target
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check
-from safeloc.language.verdict import Violated
+{imported}from safeloc.language.verdict import Violated
 
 FIRST = {_literal(open_first(trace))}
 STEPS = [
@@ -41,7 +44,7 @@ def {name_of_test(prop.name)}() -> None:
     """It must hold: {_plain(statement)}."""
     target = {loaded}
     [claim] = [one for one in target.properties if one.name == {_quoted(prop.name)}]
-    verdict = check(run(target.system, STEPS, first=FIRST), claim)
+    verdict = check(run({system}, STEPS, first=FIRST), claim)
     assert not isinstance(verdict, Violated), verdict.trace and verdict.trace.table()
 '''
 

@@ -6,20 +6,21 @@ import re
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from safeloc.errors import InputError
-from safeloc.explain.failing_parts import Part, parts_of, value_text
+from safeloc.explain.failing_parts import Part, failing_parts, parts_of, value_text
 from safeloc.explain.mattering_inputs import open_first
 from safeloc.explain.pytest_file import run_file
 from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.expr import Bool, Expr, NumVar, Var
 from safeloc.language.interpret import Program, admitted, fired_names, holds, named, outputs, read_inputs, start, step
 from safeloc.language.machine import Machine
-from safeloc.language.monitor import Broken, Monitor, Status, Undecided
+from safeloc.language.monitor import Broken, Checks, Holds, Look, Status, Undecided
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
-from safeloc.language.spec import observe
+from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.terms import in_order
 from safeloc.language.trace import Step, Trace, present_inputs, shown
@@ -65,6 +66,8 @@ class Stepper:
     _inputs: list[dict[str, object]] = field(default_factory=list, init=False)
     _states: list[dict[Var, Value]] = field(default_factory=list, init=False)
     _steps: list[Step] = field(default_factory=list, init=False)
+    _held: dict[str, object] = field(default_factory=dict, init=False)
+    _looks: list[Look] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         self._states.append(start(self.system, self.first))
@@ -120,6 +123,14 @@ class Stepper:
         return frozenset(self._set)
 
     @property
+    def held(self) -> dict[str, str]:
+        """The inputs that are held in every step until they are released, as text by name."""
+        return {
+            name: ABSENT[0] if value is None else shown(self.system.variable(name), value)  # type: ignore[arg-type] # admitted
+            for name, value in self._held.items()
+        }
+
+    @property
     def input_variables(self) -> list[Var]:
         """The inputs that can be set, without presence flags."""
         return [var for var in self.system.inputs if var.name not in self._flags]
@@ -136,35 +147,63 @@ class Stepper:
         """Return the properties that the run has broken, each with the step that did."""
         return {name: one.at for name, one in self._statuses() if isinstance(one, Broken)}
 
+    def broken_now(self) -> dict[str, list[Part]]:
+        """Return the properties that the last step broke, or the first state, each with the parts of its term that fail."""
+        broken = self.broken()
+        return {
+            prop.name: failing_parts(self.trace, prop) for prop in self._claims if broken.get(prop.name) == self.number
+        }
+
     def without_assumption(self) -> dict[str, int]:
         """Return the properties that claim nothing any more, each with the step that broke their assumption."""
         return {name: one.at for name, one in self._statuses() if isinstance(one, Undecided)}
 
     def _statuses(self) -> Iterator[tuple[str, Status]]:
         """Yield each property that no single run shows, with its status after the run so far."""
-        for prop in self.target.properties:
-            if prop.kind != "reachable":
-                monitor = Monitor(observe(self.system, prop), self.first)
-                for inputs in self._inputs:
-                    monitor.step(inputs)
-                yield prop.name, monitor.status
+        self._look()
+        for number, prop in enumerate(self._claims):
+            yield prop.name, _status([(look.values[number], look.kept[number]) for look in self._looks])
+
+    @cached_property
+    def _claims(self) -> list[Property]:
+        return [prop for prop in self.target.properties if prop.kind != "reachable"]
+
+    @cached_property
+    def _checks(self) -> Checks:
+        return Checks(self.system, self._claims)
+
+    def _look(self) -> None:
+        """Look at every state that was not looked at yet."""
+        if not self._looks:
+            self._looks.append(self._checks.first(self.first))
+        for inputs in self._inputs[len(self._looks) - 1 :]:
+            self._looks.append(self._checks.after(self._looks[-1], inputs))
 
     # -------------------------------------------------------------- what is done
 
     def give(self, name: str, text: str) -> None:
         """Set an input of the next step: a whole number, true, false, a label, or `absent`. InputError for anything else."""
+        self._set[name] = self._admitted(name, text)
+
+    def hold(self, name: str, text: str) -> None:
+        """Hold an input in every step from the next one on, whatever is recorded; `give` takes precedence. Errors as of `give`."""
+        self._held[name] = self._admitted(name, text)
+
+    def release(self, name: str) -> None:
+        """Hold an input no more. InputError for one that is not held."""
+        if name not in self._held:
+            raise InputError(f"input {name!r} is not held; held are {', '.join(self._held) or 'none'}.")
+        del self._held[name]
+
+    def _admitted(self, name: str, text: str) -> object:
         known = {var.name: var for var in self.input_variables}
         if name not in known:
             raise InputError(f"{self.system.name} has no input {name!r}; it has {', '.join(known)}.{hint(name, known)}")
-        if text.lower() in ABSENT:
-            self._make_absent(name)
-        else:
-            self._set[name] = admitted(known[name], _value(text))
-
-    def _make_absent(self, name: str) -> None:
+        if text.lower() not in ABSENT:
+            return admitted(known[name], _value(text))
         if name not in {option.value.name for option in self.system.optionals}:
             raise InputError(f"{self.system.name}: input {name!r} is never absent; give it a value.")
-        self._set[name] = None
+        return None
 
     def take(self) -> Step:
         """Take a step with the inputs that are set, and return it; the next one begins with nothing set."""
@@ -182,7 +221,7 @@ class Stepper:
         if not 0 <= steps <= self.number:
             raise InputError(f"there are {self.number} steps to take back, not {steps}.")
         kept = self.number - steps
-        del self._steps[kept:], self._inputs[kept:], self._states[kept + 1 :]
+        del self._steps[kept:], self._inputs[kept:], self._states[kept + 1 :], self._looks[kept + 1 :]
         self._set.clear()
 
     def save(self, path: Path) -> None:
@@ -209,7 +248,7 @@ class Stepper:
         """Return all inputs of the next step: what is set, else what is recorded, else rest."""
         recorded = self.recorded[self.number] if self.number < len(self.recorded) else None
         record = _rest(self.system) if recorded is None else dict(recorded)
-        return read_inputs(self.system, {**record, **self._set})
+        return read_inputs(self.system, {**record, **self._held, **self._set})
 
 
 def _rest(system: TransitionSystem) -> dict[str, object]:
@@ -217,6 +256,16 @@ def _rest(system: TransitionSystem) -> dict[str, object]:
     return {
         var.name: canonical(var) if isinstance(var, NumVar) else False for var in system.inputs if var not in optional
     }
+
+
+def _status(seen: Sequence[tuple[Value, bool]]) -> Status:
+    """Return what a run says of a property: for each state, whether it holds there and whether the step kept its assumption."""
+    for number, (holds_there, kept) in enumerate(seen):
+        if not kept:
+            return Undecided(number, "the assumption is broken from here on")
+        if not holds_there:
+            return Broken(number)
+    return Holds()
 
 
 def _value(text: str) -> object:

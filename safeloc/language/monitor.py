@@ -107,6 +107,19 @@ def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Viola
 Evaluator = Callable[[Mapping[Var, Value]], Sequence[Value]]
 
 
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What `Checks` sees at one state of a run.
+
+    values  whether each property holds, in order, and then whether each of their cases happens
+    kept    whether the step into the state kept the assumption of each property
+    """
+
+    state: Mapping[Var, Value]
+    values: Sequence[Value]
+    kept: tuple[bool, ...]
+
+
 class Checks:
     """Checks properties of a system on recorded traces; `program` turns terms into a function that evaluates them."""
 
@@ -127,20 +140,33 @@ class Checks:
         self._advance = program([environment(system), *further, *self._moves.values()])
         self._evaluate = program([*(goal.good for goal in self._goals), *(one.term for one in observers)])
 
+    def first(self, initial: Mapping[str, Value]) -> Look:
+        """Return the look at the first state; `initial` has its values, at least of the variables that are left open."""
+        known = {var.name for var in self._watched.state}
+        first = start(self._watched, {name: value for name, value in initial.items() if name in known})
+        state: dict[Var, Value] = {**first, **self._first}
+        return Look(state, self._evaluate(state), (True,) * len(self._goals))
+
+    def after(self, look: Look, inputs: Mapping[str, object]) -> Look:
+        """Return the look at the state after a step with these inputs by name."""
+        allowed, *values = self._advance({**look.state, **read_inputs(self._watched, inputs)})
+        number = len(self._goals)
+        state = dict(zip(self._moves, values[number:], strict=True))
+        kept = tuple(bool(values[n] and (allowed or goal.prop.unconditional)) for n, goal in enumerate(self._goals))
+        return Look(state, self._evaluate(state), kept)
+
     def __call__(self, trace: Trace) -> list[Held | Violated | Unknown]:
         """Return one verdict per property. A verdict Held names the cases that never happened."""
         goals = self._goals
-        first = start(self._watched, {var.name: trace.initial[var.name] for var in trace.system.state})
-        state: dict[Var, Value] = {**first, **self._first}
-        rows: list[Sequence[Value]] = [self._evaluate(state)]
+        look = self.first({var.name: trace.initial[var.name] for var in trace.system.state})
+        rows: list[Sequence[Value]] = [look.values]
         broken_at = [len(trace.steps) + 1] * len(goals)
         for number, step in enumerate(trace.steps, 1):
-            allowed, *values = self._advance({**state, **read_inputs(self._watched, step.inputs)})
-            state = dict(zip(self._moves, values[len(goals) :], strict=True))
-            for n, goal in enumerate(goals):
-                if not (values[n] and (allowed or goal.prop.unconditional)):
+            look = self.after(look, step.inputs)
+            for n, kept in enumerate(look.kept):
+                if not kept:
                     broken_at[n] = min(broken_at[n], number)
-            rows.append(self._evaluate(state))
+            rows.append(look.values)
         never: dict[int, list[str]] = {}
         for place, (n, one) in enumerate(self._cases, len(goals)):
             if not any(row[place] for row in rows[: broken_at[n]]):

@@ -129,11 +129,20 @@ def word(result: Result) -> str:
             assert_never(result)
 
 
+SHOWN = "shown by a run"
+"""What a reader is told of a verdict `proved` whose evidence is one run: that something can happen, not that something always holds."""
+
+
+def told(result: Result) -> str:
+    """Return the verdict as a reader is told it: `word`, but `shown by a run` where one run is the whole evidence."""
+    return SHOWN if isinstance(result, Proved) and result.witness is not None else word(result)
+
+
 def _as_html(result: Result) -> str:
     """Return a verdict as HTML: its word, how it was found or why it is open, and its run."""
     match result:
         case Proved(engine=engine, witness=witness):
-            return verdict_html("proved", f"by {engine}", witness)
+            return verdict_html(told(result), f"by {engine}", witness)
         case Violated(trace, engine, reason):
             return verdict_html("violated", f"found by {engine}. {reason}".rstrip(), trace)
         case Vacuous(reason, trace):

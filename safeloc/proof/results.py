@@ -9,7 +9,7 @@ from typing import Literal
 
 from safeloc.language.html_views import html_table
 from safeloc.language.trace import Trace
-from safeloc.language.verdict import Result, word
+from safeloc.language.verdict import Result, told
 
 Kind = Literal["property", "obligation", "lemma", "test", "replay"]
 
@@ -61,9 +61,9 @@ class Findings(list[Finding]):
     """A list of findings, which a notebook shows as a table."""
 
     def _repr_html_(self) -> str:
-        count = Counter(word(one.result) for one in self)
+        count = Counter(told(one.result) for one in self)
         rows = (
-            (word(one.result), one.machine, one.kind, one.id.split("/", 2)[-1], one.statement, one.method)
+            (told(one.result), one.machine, one.kind, one.id.split("/", 2)[-1], one.statement, one.method)
             for one in self
         )
         total = ", ".join(f"{number} {verdict}" for verdict, number in count.items()) or "no findings"

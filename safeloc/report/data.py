@@ -15,7 +15,6 @@ from typing import Any, assert_never
 from safeloc import yices
 from safeloc.assurance.independence import shared_terms
 from safeloc.assurance.mutation.strength import Strengths, as_text
-from safeloc.assurance.register import register, to_confirm
 from safeloc.assurance.requirements import Link, traceability
 from safeloc.catalogue import Target
 from safeloc.language.absence import stand_ins, without_absent
@@ -23,6 +22,7 @@ from safeloc.language.trace import Trace, present_inputs
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
+from safeloc.report.conditions import conditions, counts
 from safeloc.report.machines import machine_data
 
 SCHEMA = "safeloc-report/5"
@@ -53,6 +53,14 @@ def report_data(
     """
     targets = list(targets)
     traced = traceability(targets)
+    machines = [
+        {
+            **machine_data(target),
+            "pictures": _pictures(target, findings),
+            "evidence": evidence.get(target.name),
+        }
+        for target in targets
+    ]
     return {
         "schema": SCHEMA,
         "made": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
@@ -60,31 +68,11 @@ def report_data(
         **({} if made is None else {"made_by": dict(made)}),
         "versions": versions(),
         "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
-        "conditions": _conditions(targets),
-        "machines": [
-            {
-                **machine_data(target),
-                "pictures": _pictures(target, findings),
-                "evidence": evidence.get(target.name),
-            }
-            for target in targets
-        ],
+        "conditions": counts(conditions(machines)),
+        "machines": machines,
         "results": _results(findings, targets),
         "requirements": [_requirement(link, findings, strengths) for link in traced.links],
         "items": [{**asdict(item), "requirements": list(item.requirements)} for item in traced.items],
-    }
-
-
-def _conditions(targets: Sequence[Target]) -> dict[str, int]:
-    """Count the conditions of the proofs: laws, laws without owner or source, and figures to be confirmed."""
-    laws = {
-        (one.machine, one.name, one.term): one for target in targets for one in register(target) if not one.guaranteed
-    }
-    figures = {(one.name, one.value) for one in to_confirm(targets).values()}
-    return {
-        "assumptions": len(laws),
-        "without_owner_or_source": sum(not (one.owner and one.source) for one in laws.values()),
-        "figures_to_confirm": len(figures),
     }
 
 

@@ -7,13 +7,38 @@ change its digest too. That every proof is one is checked by `safeloc recheck`.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.runtime.outside import read_bytes
 
 SUMS = "SHA256SUMS"
+
+
+_SIGNATURES: Mapping[str, str] = {
+    f"{SUMS}.asc": f"gpg --verify {SUMS}.asc {SUMS}",
+    f"{SUMS}.sig": f"ssh-keygen -Y verify -f ALLOWED_SIGNERS -I WHO -n safeloc-report -s {SUMS}.sig < {SUMS}",
+}
+"""File of a signature beside the digests -> the command that checks it; a report never has one by itself."""
+_SSH = b"-----BEGIN SSH SIGNATURE-----"
+
+
+def origin(folder: Path) -> list[str]:
+    """Return what the digests of a folder that fits them show, and what is known of who made it."""
+    shown = f"the files fit {SUMS}: nothing was changed by accident since the report was written; who made it, that does not show"
+    found = [name for name in _SIGNATURES if (folder / name).is_file()]
+    if not found:
+        return [f"{shown} ({SUMS} is not signed; sign it: gpg --armor --detach-sign {SUMS})"]
+    told = [f"{name} is there, and not checked by safeloc; this checks it: {_checks(folder, name)}" for name in found]
+    return [shown, *told]
+
+
+def _checks(folder: Path, name: str) -> str:
+    """Return the command that checks a signature; one that ends in .sig may be of either program."""
+    if name.endswith(".sig") and not read_bytes(folder / name).startswith(_SSH):
+        return f"gpg --verify {name} {SUMS}"
+    return _SIGNATURES[name]
 
 
 def write_digests(folder: Path, files: Iterable[str]) -> None:

@@ -10,36 +10,39 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from safeloc.language.verdict import WORST_FIRST, worst
+from safeloc.language.verdict import SHOWN, worst
 
 _COUNTED = {
     "proved": "proved",
+    SHOWN: SHOWN,
     "held": "held in tests and replays",
     "not asked": "not asked",
     "vacuous": "vacuous",
     "unknown": "undecided",
     "violated": "violated",
 }
-"""Verdict -> words for it after a number, from best to worst."""
+"""Verdict as it is told -> words for it after a number, from best to worst."""
 ALWAYS_COUNTED = ("proved", "held", "unknown", "violated")
-BEST_FIRST = tuple(reversed(WORST_FIRST))
+BEST_FIRST = tuple(_COUNTED)
 
 
 @dataclass(frozen=True)
 class KindAndVerdict:
     """The fields of one finding that a headline needs.
 
-    quick  whether a quick run left it open (`safeloc verify --quick`)
+    quick   whether a quick run left it open (`safeloc verify --quick`)
+    by_run  whether it is proved by one run, which shows that something can happen
     """
 
     kind: str
     verdict: str
     quick: bool = False
+    by_run: bool = False
 
 
 def counted(found: Sequence[KindAndVerdict], always: Sequence[str] = ()) -> str:
-    """Count each verdict that occurs, and those in `always`, such as `21 proved, 1 undecided`."""
-    number = Counter(one.verdict for one in found)
+    """Count each verdict that occurs, and those in `always`, such as `14 proved, 7 shown by a run, 1 undecided`."""
+    number = Counter(SHOWN if one.by_run else one.verdict for one in found)
     return ", ".join(f"{number[word]} {_COUNTED[word]}" for word in BEST_FIRST if number[word] or word in always)
 
 
@@ -59,7 +62,7 @@ _WORSE = ("violated", "unknown", "vacuous")
 def _in_full(found: Sequence[KindAndVerdict]) -> str:
     match worst(one.verdict for one in found):
         case "violated":
-            return "violated"
+            return "not all holds"
         case "unknown":
             return "undecided: at least one result is neither proved nor refuted"
         case "vacuous":

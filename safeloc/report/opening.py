@@ -16,6 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
 from safeloc.report import stored
+from safeloc.report.digests import origin
 from safeloc.report.folder import PAGE, unfit
 from safeloc.report.recordings_page import recordings_page
 from safeloc.report.run_page import RUN_PAGE
@@ -32,11 +33,13 @@ class Found:
     page   the page that is there; None if there is none yet
     text   the text of the page that is to be written
     unfit  what in a report folder does not fit; `text` then says so, and no verdict is shown
+    origin what the digests of a report that fits them show, and what is known of who made it
     """
 
     page: Path | None = None
     text: str = ""
     unfit: Sequence[str] = ()
+    origin: Sequence[str] = ()
 
 
 def find(word: str, machine: str | None = None) -> Found:
@@ -61,7 +64,7 @@ def _folder(folder: Path) -> Found:
     if not (folder / stored.DATA).is_file():
         raise InputError(f"{folder}: no report; `safeloc verify --out {folder}` writes one.")
     found = unfit(folder)
-    return Found(text=_unfit_page(folder, found), unfit=found) if found else Found(folder / PAGE)
+    return Found(text=_unfit_page(folder, found), unfit=found) if found else Found(folder / PAGE, origin=origin(folder))
 
 
 def _unfit_page(folder: Path, found: Sequence[str]) -> str:

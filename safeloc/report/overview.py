@@ -11,6 +11,7 @@ from typing import Any
 
 from safeloc.report.conditions import needs
 from safeloc.report.links import Links, anchor
+from safeloc.report.told import requirement_verdict, told_of
 from safeloc.runtime.scripts import script
 
 RESULTS = "results.js"
@@ -60,7 +61,7 @@ def _results(data: _Data, links: Links) -> Iterator[_Row]:
         name, to = row["id"].split("/", 2)[-1], links.of(row)
         shown = row["kind"] in ("property", "obligation", "lemma")  # a test or a replay is a cell of a table
         yield _row(
-            (row["machine"], row["kind"], row["verdict"], name),
+            (row["machine"], row["kind"], told_of(row), name),
             statement=row["statement"],
             method=row["method"],
             assumption=row["assumption"],
@@ -76,9 +77,11 @@ def _results(data: _Data, links: Links) -> Iterator[_Row]:
 
 
 def _requirements(data: _Data) -> Iterator[_Row]:
+    results = {row["id"]: row for row in data["results"]}
     for one in data["requirements"]:
         if one["transitions"] or one["results"]:
-            words = (one["machine"], "requirement", one["verdict"], one["id"])
+            verdict = requirement_verdict(one, [results[name] for name in one["results"]])
+            words = (one["machine"], "requirement", verdict, one["id"])
             yield _row(words, statement=one["text"], method=one["source"], at=one["id"])
 
 

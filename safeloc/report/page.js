@@ -81,14 +81,46 @@
   }
   document.getElementById("open-all").addEventListener("click", openAll);
 
-  /* On paper stands everything: all parts are opened, and each has come or said why not, before the page is printed. */
-  async function printAll() {
-    openAll();
-    const come = (box) => "shown" in box.dataset || box.querySelector("div.violated");
-    while (![...boxes].every(come)) await new Promise((resolve) => setTimeout(resolve, 50));
-    print();
+  /* What is printed is opened first, and each part has come or said why not. Of one machine: nothing else is on paper. */
+  const come = (box) => "shown" in box.dataset || box.querySelector("div.violated");
+  async function opened(printed) {
+    for (const box of printed) box.open = true;
+    while (!printed.every(come)) await new Promise((resolve) => setTimeout(resolve, 50));
   }
+  async function prepared(section) {
+    document.documentElement.classList.toggle("prints-one", Boolean(section));
+    section?.classList.add("printed");
+    await opened([...boxes].filter((box) => !section || section.contains(box)));
+    unlinked(section ?? document);
+    return section;
+  }
+  /* On paper the number of a term leads nowhere; thousands of links make a printer slow. Afterwards they are back. */
+  let links = [];
+  function unlinked(where) {
+    links = [...where.querySelectorAll(".term a")].map((link) => [link, document.createTextNode(link.textContent)]);
+    for (const [link, text] of links) link.replaceWith(text);
+  }
+  function linked() {
+    for (const [link, text] of links) text.replaceWith(link);
+    links = [];
+    for (const section of document.querySelectorAll(".printed")) section.classList.remove("printed");
+    document.documentElement.classList.remove("prints-one");
+  }
+  const printed = async (section) => {
+    await prepared(section);
+    print();
+  };
+  addEventListener("afterprint", linked);
+  const printAll = () => printed(null);
   document.getElementById("print-all").addEventListener("click", printAll);
+  for (const button of document.querySelectorAll("button.print-one")) button.addEventListener("click", () => printed(button.closest("section")));
+  /* `index.html#print`, and `#print=MACHINE`, are ready for a program that prints: what is to be printed is open. */
+  const asked = new URLSearchParams(location.hash.slice(1)).get("print");
+  if (asked !== null) {
+    const section = asked && [...document.querySelectorAll("section.machine")].find(({ dataset }) => dataset.machine === asked);
+    if (asked && !section) warnOf(`this report has no machine ${asked}`);
+    else prepared(section || null).then(() => (document.documentElement.dataset.printable = ""));
+  }
   document.addEventListener("keydown", (event) => {
     if (event.key !== "p" || !(event.ctrlKey || event.metaKey)) return;
     event.preventDefault();
@@ -96,8 +128,11 @@
   });
 
   function warn(what) {
+    warnOf(`${what}: the parts of this page cannot be opened${again}.`);
+  }
+  function warnOf(text) {
     const place = document.getElementById("beside");
-    place.textContent = `${what}: the parts of this page cannot be opened${again}.`;
+    place.textContent = text;
     place.hidden = false;
   }
   window.safelocBeside = (of) => {

@@ -18,13 +18,15 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from safeloc.language.verdict import SHOWN
 from safeloc.proof.verification.unasked import QUICK
-from safeloc.report.conditions import conditions, needs
+from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
+from safeloc.report.told import requirement_lines, told_of
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.scripts import script
 from safeloc.runtime.streams.gzipped import name_of
@@ -109,6 +111,7 @@ class _Rendering:
             ],
             "requirements": self._requirements,
             "conditions": self._conditions,
+            "resting": counts(self._conditions),
         }
 
     def page(self, **more: Any) -> str:
@@ -239,18 +242,18 @@ def _core(one: _Data) -> dict[str, Any]:
 
 
 def _verdicts(rows: Sequence[_Data]) -> list[KindAndVerdict]:
-    return [KindAndVerdict(row["kind"], row["verdict"], row["method"] == QUICK) for row in rows]
+    return [KindAndVerdict(row["kind"], row["verdict"], row["method"] == QUICK, told_of(row) == SHOWN) for row in rows]
 
 
 def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:
-    """Return the number of each verdict, such as `21 proved, 1 unknown`."""
-    found = Counter(row["verdict"] for row in rows if row["kind"] in kinds)
+    """Return the number of each verdict, such as `14 proved, 7 shown by a run, 1 unknown`."""
+    found = Counter(told_of(row) for row in rows if row["kind"] in kinds)
     return ", ".join(f"{found[verdict]} {verdict}" for verdict in BEST_FIRST if found[verdict]) or "none"
 
 
 def _named(row: _Data) -> dict[str, Any]:
-    """Return the row with a short name and with `notes_text`, by which tests of the same runs are grouped."""
-    return {**row, "name": row["id"].split("/", 2)[-1], "notes_text": json.dumps(row["notes"])}
+    """Return the row with a short name, its verdict as it is told, and with `notes_text`, by which tests of the same runs are grouped."""
+    return {**row, "name": row["id"].split("/", 2)[-1], "told": told_of(row), "notes_text": json.dumps(row["notes"])}
 
 
 def _runs_table(rows: Sequence[_Data]) -> dict[str, Any]:
@@ -294,16 +297,21 @@ def _requirements(data: _Data, links: Links) -> dict[str, Any]:
     rows = [row for row in data["requirements"] if row["transitions"] or row["results"] or row["machine"] in present]
     results = {row["id"]: row for row in data["results"]}
     return {
-        "rows": [{**row, "shown": _shown_by([results[name] for name in row["results"]], links)} for row in rows],
+        "rows": [_requirement(row, [results[name] for name in row["results"]], links) for row in rows],
         "known": {row["id"] for row in rows},
         "others": len(data["requirements"]) - len(rows),
     }
 
 
+def _requirement(row: _Data, results: Sequence[_Data], links: Links) -> dict[str, Any]:
+    """Return a requirement with what shows it: each property, and how many results of each kind have which verdict."""
+    return {**row, "shown": _shown_by(results, links), "found": list(requirement_lines(results))}
+
+
 def _shown_by(rows: Sequence[_Data], links: Links) -> list[tuple[str, str, str]]:
     """Return name, verdict and place on the page of each property and of all that did not hold; of tests that held, the number."""
     single = [row for row in rows if row["kind"] == "property" or row["verdict"] not in ("proved", "held")]
-    listed = [(row["id"].replace("/property/", ": "), row["verdict"], links.row(row)) for row in single]
+    listed = [(row["id"].replace("/property/", ": "), told_of(row), links.row(row)) for row in single]
     for kind, word in (("test", "property tests"), ("replay", "replays")):
         number = sum(row["kind"] == kind and row not in single for row in rows)
         listed += [(f"{number} {word}", "held", "")] if number else []

@@ -28,7 +28,7 @@ RUN_PAGE, VIEW = "run.html", ".view.js"
 VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
 """The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
-SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
+SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions")
 RUNS = ("runs", "charts", "interval", "strip", "diagram", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _BREAKS = {"violated", "unknown"}

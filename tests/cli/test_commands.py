@@ -199,7 +199,7 @@ def test_replay_as_a_table(call: Call, tmp_path: Path) -> None:
     """Columns stand under their names."""
     path = tmp_path / "run.csv"
     path.write_text("speed,released,blocked\n0,true,false\n100,false,false\n", encoding="utf-8")
-    heading, first, second = call("replay", DOOR, str(path)).out.splitlines()[:3]
+    _, heading, first, second = call("replay", DOOR, str(path)).out.splitlines()[:4]
     place = heading.index("fired")
     assert heading.split()[:2] == ["step", "mode"]
     assert (first.split()[:2], first[place:].split()) == (["1", "OPEN"], ["open"])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.report.digests import origin
 from safeloc.report.folder import write_folder
 from safeloc.report.opening import find
 from safeloc.runtime.streams.steps import write_steps
@@ -31,9 +32,9 @@ def test_a_report(call: Call, tmp_path: Path, asked: list[str]) -> None:
     """Its page is printed and shown; `--no-browser` only prints it; nothing is written."""
     page = write_folder(tmp_path / "report", findings(), [door()])
     before = {path: path.read_bytes() for path in page.parent.rglob("*") if path.is_file()}
-    assert call("open", str(page.parent)) == Called(0, f"{page}\n", "")
+    assert call("open", str(page.parent)) == Called(0, f"{page}\n", f"{origin(page.parent)[0]}\n")
     assert asked == [page.as_uri()]
-    assert call("open", str(page.parent), "--no-browser") == Called(0, f"{page}\n", "")
+    assert call("open", str(page.parent), "--no-browser") == Called(0, f"{page}\n", f"{origin(page.parent)[0]}\n")
     assert len(asked) == 1
     assert before == {path: path.read_bytes() for path in page.parent.rglob("*") if path.is_file()}
 
@@ -127,5 +128,5 @@ def test_without_a_screen(call: Call, tmp_path: Path, asked: list[str], monkeypa
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
         monkeypatch.delenv(name, raising=False)
     page = write_folder(tmp_path / "report", findings(), [door()])
-    assert call("open", str(page.parent)) == Called(0, f"{page}\n", "")
+    assert call("open", str(page.parent)) == Called(0, f"{page}\n", f"{origin(page.parent)[0]}\n")
     assert asked == []

@@ -78,7 +78,7 @@ def test_a_violation_comes_first(call: Call, tmp_path: Path) -> None:
     """A wrong machine that a test catches: exit code 1, and still what was not asked."""
     called = call("verify", wrong_door(tmp_path), "--quick", "--out", str(tmp_path / "r"), "--examples", "40")
     assert 1 == called.code
-    assert "violated; quick: " in called.out.splitlines()[-1]
+    assert "not all holds; quick: " in called.out.splitlines()[-1]
 
 
 def test_a_quick_result_is_never_a_complete_one(call: Call, tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_a_case_that_did_not_occur_is_left_open() -> None:
         (["proved", "held"], "quick: 1 not asked"),
         (["not asked"], "quick: 1 not asked"),
         (["unknown"], "undecided: at least one result is neither proved nor refuted; quick: 1 not asked"),
-        (["violated", "held"], "violated; quick: 1 not asked"),
+        (["violated", "held"], "not all holds; quick: 1 not asked"),
     ],
 )
 def test_the_headline(found: list[str], expected: str) -> None:

@@ -116,7 +116,7 @@ def test_a_recording_ends(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch
     Path("run.jsonl").write_text('{"go": true}\n', encoding="utf-8")
     called = typed(call, monkeypatch, lamp, "run.jsonl", lines="step 5\nstep\n")
     assert called.code == 0
-    told = "the recording ends at step 1; further steps take what you set, and all else is at rest"
+    told = "the recording ends at step 1: 1 of 5 steps taken; further steps take what you set, and all else is at rest"
     assert called.out.count(told) == 1
     assert "   2  off" in called.out
     assert "   3  " not in called.out
@@ -156,10 +156,64 @@ def test_a_wrong_line_of_a_script_ends_it(
 def test_help_lists_every_command(call: Call, lamp: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """By name."""
     called = typed(call, monkeypatch, lamp, lines="help\n")
-    for name in ("step", "set", "rows", "inputs", "state", "outputs", "watch", "broken", "back", "save", "quit"):
+    for name in (
+        "step",
+        "set",
+        "hold",
+        "release",
+        "rows",
+        "inputs",
+        "state",
+        "outputs",
+        "watch",
+        "broken",
+        "back",
+        "save",
+        "quit",
+    ):
         assert name in called.out
     called = typed(call, monkeypatch, lamp, lines="help save\n")
     assert (
         called.out
         == "save FILE             write the run as a stream for `safeloc replay`; save FILE.py: as a test for pytest\n"
     )
+
+
+PUMP = str(Path(__file__).parents[1] / "explain" / "pump.py")
+
+
+@pytest.fixture
+def pump(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A machine whose optional input a recording has, and that breaks a property in its third step."""
+    monkeypatch.chdir(tmp_path)
+    text = Path(PUMP).read_text(encoding="utf-8")
+    Path("pump.py").write_text(f"{text}\n\nproperties = [TOO_MANY]\n", encoding="utf-8")
+    return "pump.py:machine"
+
+
+def test_a_violation_is_told_at_once(call: Call, pump: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the step that breaks it, its name, and the parts that fail; not again in later steps."""
+    Path("run.jsonl").write_text(
+        '{"schema": "safeloc-stream/1", "first": {"label": 1}}\n{"go": true}\n' + '{"go": false}\n' * 6
+    )
+    called = typed(call, monkeypatch, pump, "run.jsonl", lines="step 7\nback 3\nstep 3\n")
+    told = [line.strip() for line in called.out.splitlines()]
+    assert 2 == told.count("VIOLATED too many strokes")
+    at = told.index("VIOLATED too many strokes")
+    assert "5  count" == told[at - 1]
+    assert "strokes = 4" in " ".join(told[at : at + 6])
+
+
+def test_an_input_is_held_absent(call: Call, pump: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over what is recorded, in every step, until it is released; what can never be absent is refused."""
+    head = '{"schema": "safeloc-stream/1", "first": {"label": 1}}\n'
+    Path("run.jsonl").write_text(head + '{"go": false, "extra": 2}\n' * 4)
+    lines = "hold extra=absent\nstep 2\ninputs\nrelease extra\ninputs\nsave kept.jsonl\nrelease extra\n"
+    called = typed(call, monkeypatch, pump, "run.jsonl", lines=lines)
+    told = [line.strip() for line in called.out.splitlines()]
+    assert "held: extra=absent" == told[0]
+    assert ["inputs: go=false", "held: none", "inputs: extra=2  go=false"] == told[4:7]
+    assert "extra" not in Path("kept.jsonl").read_text(encoding="utf-8").partition("\n")[2]
+    assert told[-1].endswith("input 'extra' is not held; held are none.")
+    wrong = typed(call, monkeypatch, pump, lines="hold go=absent\n")
+    assert (wrong.code, "input 'go' is never absent" in wrong.out) == (2, True)

@@ -24,6 +24,7 @@ from safeloc.language.units import COUNT, MM
 from safeloc.language.world import World
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
+from tests.explain import pump
 
 Deed = Callable[[Pilot[None]], Awaitable[None]]
 
@@ -166,7 +167,10 @@ def test_a_recording_is_gone_through_and_ends() -> None:
     """Several steps stop where it ends; one by one they go on at rest."""
     stepper = Stepper(lamp(), recorded=[{"go": True, "colour": 0}, {"go": False, "colour": 1}])
     window = driven(stepper, line("step 5"))
-    assert told(window) == "the recording ends at step 2; further steps take what you set, and all else is at rest"
+    assert (
+        told(window)
+        == "the recording ends at step 2: 2 of 5 steps taken; further steps take what you set, and all else is at rest"
+    )
     assert told(window, "#head") == "lamp   step 2 of 2 recorded"
     assert [list(one.fired.values()) for one in stepper.trace.steps] == [["on"], ["off"]]
     assert table(window, "inputs")[0][2] == "rest"
@@ -227,3 +231,13 @@ def test_where_a_window_is_shown(monkeypatch: pytest.MonkeyPatch, is_terminal: b
     assert command._can_show() is shown  # pyright: ignore[reportPrivateUsage]
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
     assert not command._can_show()  # pyright: ignore[reportPrivateUsage]
+
+
+def test_a_violation_is_told_at_once() -> None:
+    """Below the step that made it, and whatever further steps are taken by the same command."""
+    stepper = Stepper(pump.target(pump.TOO_MANY), {"label": 1})
+    window = driven(stepper, line("hold extra=absent"), line("set go=true"), line("step 7"))
+    assert "step 5: VIOLATED too many strokes" in told(window).splitlines()
+    assert "held" == {row[0]: row[2] for row in table(window, "inputs")}["extra"]
+    window = driven(Stepper(pump.target(pump.TOO_MANY), {"label": 1}), line("hold extra=absent"), line("release extra"))
+    assert "rest" == {row[0]: row[2] for row in table(window, "inputs")}["extra"]

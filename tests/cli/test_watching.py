@@ -29,7 +29,7 @@ properties = [always("small", N <= 9)]
 
 def result(name: str, verdict: str, seconds: float = 1.0, machine: str = "m") -> dict[str, object]:
     """A result as a report has it."""
-    return {"id": name, "verdict": verdict, "seconds": seconds, "machine": machine}
+    return {"id": name, "verdict": verdict, "seconds": seconds, "machine": machine, "rechecked": []}
 
 
 def test_the_worst_comes_first_and_what_changed_before_the_rest() -> None:
@@ -48,6 +48,8 @@ def test_the_worst_comes_first_and_what_changed_before_the_rest() -> None:
     assert ["broken", "open", "mended", "same"] == [row.id for row in rows(data, before)]
     assert "violated     1.0 s  was proved   broken" == rows(data, before)[0].line
     assert "new" in rows(data, before)[1].line
+    by_run = {**data, "results": [{**result("reached", "proved"), "rechecked": ["interpreter"]}]}
+    assert rows(by_run, before)[0].line.startswith("shown ")
     assert "as before" in Row("x", "proved", 1.0, "proved").line
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from safeloc.assurance.register import register, to_confirm
 from safeloc.catalogue import load_target
-from safeloc.report.conditions import conditions, figures, needs
+from safeloc.report.conditions import conditions, counts, figures, needs
 from safeloc.report.data import report_data
 from safeloc.report.page import to_html
 
@@ -80,3 +80,52 @@ def test_the_page_has_the_list_and_the_needs() -> None:
     assert '<td class="id">odometry/A1</td>' in page
     assert "safeloc verify --evidence" in page
     assert 'id="law-odometry-odometry-A1"' in page
+
+
+def law(name: str, *terms: str, owner: str = "operator", source: str = "", **more: Any) -> dict[str, Any]:
+    """A law as a report has it."""
+    said = {"id": f"m/{name}", "name": name, "statement": "", "owner": owner, "source": source, "figures": []}
+    return {**said, "terms": list(terms), "parts": [], "guaranteed": False, **more}
+
+
+def machine(name: str, *laws: dict[str, Any]) -> dict[str, Any]:
+    """A machine of a report with these laws and two figures."""
+    known = [
+        {"name": "a", "value": "1", "unit": "mm", "source": "[M] remembered"},
+        {"name": "b", "value": "2", "unit": "", "source": "[S] read"},
+    ]
+    return {"name": name, "parts": [{"name": "m", "clauses": list(laws)}], "figures": known, "evidence": None}
+
+
+def test_laws_of_one_name_with_other_parts_are_two() -> None:
+    """A letter in the term stands for something else: that is another condition, and it is counted in headline and list."""
+    parts = [{"name": "A", "text": "x < 1"}], [{"name": "A", "text": "x < 2"}]
+    found = conditions([machine("one", law("A1", "A", parts=parts[0])), machine("two", law("A1", "A", parts=parts[1]))])
+    assert 2 == len(found["laws"]) == counts(found)["assumptions"]
+    same = conditions([machine("one", law("A1", "A")), machine("two", law("A1", "A"))])
+    assert [["one", "two"]] == [one["targets"] for one in same["laws"]]
+
+
+def test_the_headline_and_the_list_have_one_number() -> None:
+    """Of machines that share a machine under other figures; also in the data."""
+    names = ("balise", "supervised_odometry", "odometry")
+    data = report_data([], list(map(load_target, names)))
+    page = to_html(data)
+    number = data["conditions"]["assumptions"]
+    assert f"It rests on {number} assumptions;" in page
+    assert number == page.count("<tr data-owner=")
+    assert f'<td><b>all</b></td><td class="n"><b>{number}</b></td>' in page
+
+
+def test_each_owner_has_a_sum_and_what_is_to_be_confirmed() -> None:
+    """[M] stands at the figure that is from memory, and marks the law that names it; the sums add up."""
+    laws = (
+        law("A1", "x", figures=["a", "b"]),
+        law("A2", "y", figures=["b"]),
+        law("A3", "z", owner="", source="[M] guess"),
+    )
+    found = conditions([machine("one", *laws)])
+    assert [["a = 1 mm [M]", "b = 2"], ["b = 2"], []] == [one["figures"] for one in found["laws"]]
+    assert [True, False, True] == [one["confirm"] for one in found["laws"]]
+    assert [("operator", 2, 1), ("none", 1, 1)] == [(o["owner"], o["laws"], o["confirm"]) for o in found["owners"]]
+    assert {"assumptions": 3, "without_owner_or_source": 3, "figures_to_confirm": 1} == counts(found)

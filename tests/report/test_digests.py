@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.report.digests import SUMS
+from safeloc.report.digests import SUMS, origin
 from safeloc.report.folder import files_of, render_folder, unfit, write_folder
 from tests.report.test_page import door, findings
 
@@ -80,3 +81,34 @@ def test_digests_that_are_none(folder: Path) -> None:
     lines = len((folder / SUMS).read_text().splitlines())
     with pytest.raises(InputError, match=rf"SHA256SUMS:{lines}: no digest and name of a file"):
         unfit(folder)
+
+
+def test_what_the_digests_do_not_show_is_told(folder: Path) -> None:
+    """Nothing says who made the report; a signature beside them is named as not checked, with the command that checks it."""
+    [line] = origin(folder)
+    assert "nothing was changed by accident" in line
+    assert "who made it, that does not show" in line
+    assert f"gpg --armor --detach-sign {SUMS}" in line
+    (folder / f"{SUMS}.asc").write_text("-----BEGIN PGP SIGNATURE-----\n")
+    (folder / f"{SUMS}.sig").write_text("-----BEGIN SSH SIGNATURE-----\n")
+    _, gpg, ssh = origin(folder)
+    assert f"{SUMS}.asc is there, and not checked by safeloc; this checks it: gpg --verify {SUMS}.asc {SUMS}" == gpg
+    assert "ssh-keygen -Y verify" in ssh
+    (folder / f"{SUMS}.sig").write_bytes(b"\x88\x75")
+    assert origin(folder)[2].endswith(f"gpg --verify {SUMS}.sig {SUMS}")
+    assert unfit(folder) == []
+
+
+@pytest.mark.skipif(shutil.which("ssh-keygen") is None, reason="ssh-keygen is not installed")
+def test_the_command_that_is_named_checks_a_signature(folder: Path, tmp_path: Path) -> None:
+    """Signed as the page says; then a changed digest is found out, which the digests themselves would not show."""
+    key = tmp_path / "key"
+    made = ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(key)]
+    subprocess.run(made, check=True)
+    sign = ["ssh-keygen", "-q", "-Y", "sign", "-f", str(key), "-n", "safeloc-report", SUMS]
+    subprocess.run(sign, cwd=folder, check=True, capture_output=True)
+    (folder / "ALLOWED_SIGNERS").write_text(f"WHO {key.with_suffix('.pub').read_text()}")
+    command = origin(folder)[1].partition("this checks it: ")[2]
+    assert 0 == subprocess.run(command, shell=True, cwd=folder, check=False, capture_output=True).returncode
+    (folder / SUMS).write_text((folder / SUMS).read_text().replace("0", "1"))
+    assert 0 != subprocess.run(command, shell=True, cwd=folder, check=False, capture_output=True).returncode

@@ -30,7 +30,7 @@ from tests.report.lamp import findings, target
         ([("test", "held"), ("replay", "held")], "held in tests and on recordings: 2 checks; nothing was proved"),
         ([("property", "proved"), ("property", "vacuous")], "vacuous: "),
         ([("property", "vacuous"), ("property", "unknown")], "undecided: "),
-        ([("property", "unknown"), ("property", "violated")], "violated"),
+        ([("property", "unknown"), ("property", "violated")], "not all holds"),
     ],
 )
 def test_the_sentence(found: list[tuple[str, str]], expected: str) -> None:
@@ -50,6 +50,8 @@ def test_every_verdict_is_counted() -> None:
     found = [KindAndVerdict("property", verdict) for verdict in WORST_FIRST]
     every = "1 proved, 1 held in tests and replays, 1 not asked, 1 vacuous, 1 undecided, 1 violated"
     assert every == counted(found)
+    by_run = KindAndVerdict("property", "proved", by_run=True)
+    assert "1 proved, 2 shown by a run" == counted([found[-1], by_run, by_run])
     assert "0 proved, 0 held in tests and replays, 0 undecided, 0 violated" == counted([], ALWAYS_COUNTED)
 
 

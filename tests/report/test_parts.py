@@ -53,7 +53,12 @@ def test_nothing_is_lost() -> None:
 
 def words(page: str) -> list[str]:
     """The text of a page without markup, scripts, and what speaks of parts."""
-    page = re.sub(r"<(script|style|noscript|search)\b.*?</\1>|<p><button.*?</p>", "", page, flags=re.DOTALL)
+    page = re.sub(
+        r"<(script|style|noscript|search)\b.*?</\1>|<p><button.*?</p>|<button class=.print-one.*?</button>",
+        "",
+        page,
+        flags=re.DOTALL,
+    )
     return re.sub(r"<[^>]*>", " ", page).split()
 
 

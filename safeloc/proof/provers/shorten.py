@@ -46,6 +46,22 @@ def shortened(
     return trace
 
 
+def rested(
+    goal: Goal, first: Mapping[str, Value], stream: Sequence[Mapping[str, Value]], seconds: float = SECONDS
+) -> Trace:
+    """Return the run up to the step that breaks the property, with inputs put to rest as far as the time allows; no step is left out.
+
+    EngineError if the given run does not replay.
+    """
+    breaks, ends = _judge(goal, first), deadline(seconds)
+    kept = [dict(record) for record in stream]
+    kept = _at_rest(goal.system, kept[: breaks(kept) or 0], breaks, ends)
+    trace = replayed(goal, first, kept)
+    if trace is None:
+        raise EngineError(f"a run found for {goal.prop.name!r} does not break it in the interpreter.")
+    return trace
+
+
 def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
     """Make a function that counts the steps until a stream breaks the property.
 

@@ -21,7 +21,7 @@ from multiprocessing.context import ForkProcess
 from typing import Any, NoReturn
 
 from safeloc.errors import EngineError, SafelocError
-from safeloc.language.verdict import word
+from safeloc.language.verdict import told
 from safeloc.proof.cache.answers import kept_in
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import Asked, asked, found_before, keep
@@ -262,7 +262,7 @@ def _verified(target: Target, plan: Plan, jobs: int, pipe: Connection) -> _Done 
         pipe.send(Phase(target.name, text))
 
     def finding(one: Finding) -> None:
-        pipe.send(Found(target.name, one.id, word(one.result), one.seconds))
+        pipe.send(Found(target.name, one.id, told(one.result), one.seconds))
 
     try:
         findings = Work(target, jobs, phase, finding).verified(plan)

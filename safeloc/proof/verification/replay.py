@@ -199,6 +199,13 @@ def run_with_truth(target: Target, path: Path) -> Trace | None:
     return run_of(target.system, path, stream) if has_truth(target, stream) else None
 
 
+def recorded_run(target: Target, path: Path, prop: Property) -> Trace | None:
+    """Return a recording as a run of the machine, on board if it has no ghosts; None if the property reads what the recording lacks."""
+    stream, _ = read_recording(target, path)
+    system = target.system if has_truth(target, stream) else without_ghosts(target.system)
+    return run_of(system, path, stream) if _is_applicable(prop, system) else None
+
+
 def has_truth(target: Target, stream: StepStream) -> bool:
     """Return whether a recording has the ghosts of the machine, and with them the truth."""
     ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}

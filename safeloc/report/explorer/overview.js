@@ -1,7 +1,7 @@
 /* Search and filter over everything in the report: results, requirements, assumptions and transitions. */
 
 const MOST_ROWS = 100; // more are drawn when they are asked for
-const HELD = new Set(["proved", "held", ""]);
+const HELD = new Set(["proved", "shown by a run", "properties proved", "held", ""]);
 const KIND_ORDER = ["property", "requirement", "assumption", "lemma", "obligation", "transition", "test", "replay"];
 const FIELDS = ["machine", "kind", "verdict", "name", "statement", "method", "assumption", "reason"];
 
@@ -72,7 +72,7 @@ function remember(words, chosen) {
 /* ------------------------------------------------------ one result */
 
 function row(one) {
-  const verdict = one.verdict ? element("span", { class: `verdict ${one.verdict.replace(" ", "-")}` }, one.verdict) : null;
+  const verdict = one.verdict ? element("span", { class: `verdict ${one.verdict.replaceAll(" ", "-")}` }, one.verdict) : null;
   const head = element("summary", {}, verdict, element("span", { class: "of" }, one.machine), element("b", {}, one.name), element("span", { class: "soft" }, one.kind));
   const box = element("details", {}, head);
   box.addEventListener("toggle", () => box.childElementCount === 1 && box.append(...about(one)));
