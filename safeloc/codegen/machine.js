@@ -327,7 +327,7 @@ function machineOf(data, moves, outputs, first) {
 
   return {
     name: data.name, machines: data.machines, variables: data.variables, transitions, named: data.named,
-    laws: data.laws.map((one) => one.name), claims: data.claims,
+    laws: data.laws.map((one) => one.name), claims: data.claims, looksBack: data.slots > 0,
     first: start, step, explain, look, lookFirst, values: namedValues, broken, monitor, monitored, fromJson, toJson, asStream, asTest,
   };
 }

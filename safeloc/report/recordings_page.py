@@ -55,7 +55,7 @@ def recordings_page(target: Target, streams: Sequence[Path], *, made: str) -> st
 
 def _result(findings: Sequence[Finding], replayed: Replayed) -> dict[str, Any]:
     """Return the verdict on a recording: the worst of its findings, and every statement that it breaks."""
-    broken = [[one.statement, step] for one in findings if (step := _broken_at(one, replayed)) is not None]
+    broken = [[one.statement, step, _claim(one)] for one in findings if (step := _broken_at(one, replayed)) is not None]
     held = sum(word(one.result) == "held" for one in findings)
     return {
         "verdict": worst(word(one.result) for one in findings),
@@ -63,6 +63,11 @@ def _result(findings: Sequence[Finding], replayed: Replayed) -> dict[str, Any]:
         "at": "",
         "broken": sorted(broken, key=lambda one: one[1]),
     }
+
+
+def _claim(finding: Finding) -> str:
+    """Return the name of the property that a finding is about."""
+    return finding.id.split("/", 2)[-1]
 
 
 def _broken_at(finding: Finding, replayed: Replayed) -> int | None:
