@@ -170,8 +170,12 @@ class Terms:
             case Lit(value, measure):
                 return [_LITERAL, unit(measure), value if abs(value) <= _LARGEST else str(value)]
             case NumVar() | BoolVar():
-                measure = unit(term.unit) if isinstance(term, NumVar) else -1
-                return [_VARIABLE, measure, self._parts.text(term.name), *self._leaves[term]]
+                return [
+                    _VARIABLE,
+                    unit(term.unit) if isinstance(term, NumVar) else -1,
+                    self._parts.text(term.name),
+                    *self._leaves[term],
+                ]
             case Truth(value):
                 return [_TRUTH, int(value)]
             case Not(inner):

@@ -17,7 +17,6 @@ from safeloc.language.spec import Property
 from safeloc.language.trace import Trace
 from safeloc.target import Target
 
-
 _PATH = "from pathlib import Path\n"
 
 

@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding, Replayed
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.report.file_names import file_names
 from safeloc.report.machines import machine_data
-from safeloc.report.run_page import RUNS, island, machine_script, scripts, view_script
+from safeloc.report.run_page import RUNS, claim_of, island, machine_script, scripts, view_script
 from safeloc.runtime.streams.columns import Shown, runs_file
 from safeloc.target import Target
 
@@ -55,7 +55,9 @@ def recordings_page(target: Target, streams: Sequence[Path], *, made: str) -> st
 
 def _result(findings: Sequence[Finding], replayed: Replayed) -> dict[str, Any]:
     """Return the verdict on a recording: the worst of its findings, and every statement that it breaks."""
-    broken = [[one.statement, step, _claim(one)] for one in findings if (step := _broken_at(one, replayed)) is not None]
+    broken = [
+        [one.statement, step, claim_of(one.id)] for one in findings if (step := _broken_at(one, replayed)) is not None
+    ]
     held = sum(word(one.result) == "held" for one in findings)
     return {
         "verdict": worst(word(one.result) for one in findings),
@@ -63,11 +65,6 @@ def _result(findings: Sequence[Finding], replayed: Replayed) -> dict[str, Any]:
         "at": "",
         "broken": sorted(broken, key=lambda one: one[1]),
     }
-
-
-def _claim(finding: Finding) -> str:
-    """Return the name of the property that a finding is about."""
-    return finding.id.split("/", 2)[-1]
 
 
 def _broken_at(finding: Finding, replayed: Replayed) -> int | None:

@@ -123,11 +123,16 @@ def _can_be_loaded(target: Target) -> bool:
 
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
-    name = row["id"].split("/", 2)[-1]
-    broken = [[row["statement"], data["runs"][row["id"]], name]] if row["verdict"] in _BREAKS else []
+    broken = [[row["statement"], data["runs"][row["id"]], claim_of(row["id"])]] if row["verdict"] in _BREAKS else []
     is_defence = row["method"].startswith(DEFENCE)
     said = {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
     return {**said, "defence": True} if is_defence else said
+
+
+def claim_of(result: str) -> str:
+    """Return the name of the property that a result is about; of a replay it stands behind the name of the recording."""
+    _, kind, name = result.split("/", 2)
+    return name.partition(": ")[2] if kind == "replay" else name
 
 
 def _all_files(data: _Data) -> dict[str, str]:
@@ -150,7 +155,7 @@ def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:
     return {
         "made": made,
         "name": machine["name"],
-        "declaration": machine["declaration"],
+        "declaration": machine["declaration"][:16],
         "spec": machine["spec"],
         "signals": machine["signals"],
         "reported": machine["reported"],

@@ -431,7 +431,7 @@ def assert_same_claims(node: Node, target: Target, steps: Sequence[Mapping[str, 
     monitors, seen = [Monitor(observe(target.system, prop), first) for prop in asked], set[str]()
     node.ask("first", as_json(first))
     assert node.ask("watch") == [_status(one.status) for one in monitors]
-    for number, row in enumerate(steps, 1):
+    for at, row in enumerate(steps, 1):
         for monitor in monitors:
             monitor.step(row)
         found = node.ask("claims", as_json(row))
@@ -439,7 +439,7 @@ def assert_same_claims(node: Node, target: Target, steps: Sequence[Mapping[str, 
             why = one and one.pop("why", None)
             assert one == _status(monitor.status), prop.name
             if why is not None:
-                trace = run(target.system, steps[:number], first=first)
+                trace = run(target.system, steps[:at], first=first)
                 assert why == [part_told(part) for part in failing_parts(trace, prop)]
                 seen.add(prop.name)
     return seen

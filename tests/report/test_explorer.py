@@ -120,6 +120,15 @@ def test_a_result_leads_to_its_evidence(page: Page, report: Path) -> None:
     assert page.said() == []
 
 
+def test_enter_opens_the_first_hit(page: Page, report: Path) -> None:
+    """From the search field itself, as it is typed: the first result is open and has the keyboard."""
+    page.open(report)
+    page.type("#overview-words", "good", ENTER)
+    page.until("document.querySelector('#overview-found .leads') !== null")
+    assert page.js("document.activeElement === document.querySelector('#overview-found summary')")
+    assert "statement of good" in page.text("#overview-found li")
+
+
 def test_a_place_in_a_part_is_found(page: Page, report: Path) -> None:
     """A link to the row of a result opens the part in which it is, and the fold around it."""
     page.open(report, "#search=tried")
@@ -195,6 +204,8 @@ def test_why_a_transition_is_refused(page: Page, report: Path) -> None:
     assert "lock" in rows[1] and "refused" in rows[1]
     page.click("#run-rows li:nth-child(2) summary")
     page.until("document.querySelector('#run-rows li:nth-child(2) .meaning') !== null")
+    page.click("#run-rows li:nth-child(2) .others summary")
+    page.until("document.querySelector('#run-rows li:nth-child(2) .parts .parts') !== null")
     assert "closing_for = 0" in page.text("#run-rows li:nth-child(2) details")
     assert page.said() == []
 

@@ -490,7 +490,9 @@ place("run-watch").addEventListener("submit", (event) => {
 place("run-filter").addEventListener("input", () => view?.showValues());
 place("run-if-how").addEventListener("change", () => view?.trace.from !== undefined && refill());
 place("run-filter").addEventListener("keydown", (event) => {
-  if (event.key === "Enter") view?.openFirst();
+  if (event.key !== "Enter") return;
+  event.preventDefault(); // else the key would press the button that has the focus then
+  view?.openFirst();
 });
 place("run-only").addEventListener("change", () => view?.showValues());
 place("run-part").addEventListener("change", (event) => view && project(event.target.value));

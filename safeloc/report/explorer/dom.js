@@ -31,4 +31,5 @@ function shown(value, signal) {
   return grouped(String(value).replace("-", "\u2212"));
 }
 
-const grouped = (digits) => digits.replace(/\B(?=(\d{3})+$)/g, "\u202f");
+/* The digits before a decimal point in groups of three. */
+const grouped = (digits) => digits.replace(/^[^.]+/, (whole) => whole.replace(/\B(?=(\d{3})+$)/g, "\u202f"));

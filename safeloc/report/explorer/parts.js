@@ -21,21 +21,22 @@ function replaced(box, ...made) {
   if (key !== undefined) [...box.querySelectorAll("[data-key]")].find((one) => one.dataset.key === key)?.focus({ preventScroll: true });
 }
 
-/* The parts one level below a term; first those that decide, and the others in a fold. */
+/* The parts one level below a term; first those that decide, and the others in a fold. A single part that has no name of its own is
+   open: it says no more than the whole. */
 function partsOf(seen, place, key) {
   const parts = seen.parts(place);
   const others = parts.filter((part) => !part.decides);
-  const list = (some) => element("ul", { class: "parts" }, ...some.map((part) => partItem(seen, part, `${key}/${part.place}`)));
+  const list = (some) => element("ul", { class: "parts" }, ...some.map((part) => partItem(seen, part, `${key}/${part.place}`, parts.length === 1 && !part.name && !part.reads.length)));
   const deciding = list(parts.filter((part) => part.decides));
   if (!others.length) return [deciding];
   const words = others.length === 1 ? "1 part that does not decide" : `${others.length} parts that do not decide`;
   return [deciding, fold(`${key}/others`, [words], () => [list(others)], { css: "others" })];
 }
 
-function partItem(seen, part, key) {
+function partItem(seen, part, key, open) {
   const head = partHead(part);
   if (!part.more) return element("li", {}, ...head);
-  return element("li", {}, fold(key, head, () => [...meaning(part), ...partsOf(seen, part.place, key)]));
+  return element("li", {}, fold(key, head, () => [...meaning(part), ...partsOf(seen, part.place, key)], { open }));
 }
 
 function partHead(part) {
