@@ -50,13 +50,13 @@ def scripts(*groups: Sequence[str], calls: Sequence[str] = ()) -> Markup:
 
 def _joined(names: Sequence[str]) -> str:
     of_machines = f"const machineCommon = {common()};\n" if names is RUNS else ""
-    return of_machines + "\n".join(_packed(asset(f"explorer/{name}.js")) for name in names)
+    return of_machines + "".join(_packed(asset(f"explorer/{name}.js")) for name in names)
 
 
 def _packed(text: str) -> str:
     """Return one of our scripts without its remarks, indentation and empty lines; none of its texts goes over lines."""
     without = re.sub(r"^ *(?:/\*(?:(?!\*/)(?s:.))*\*/|//.*)$", "", text, flags=re.MULTILINE)
-    return "\n".join(line.strip() for line in without.splitlines() if line.strip())
+    return "".join(f"{line.strip()}\n" for line in without.splitlines() if line.strip())
 
 
 def asset(name: str) -> Markup:

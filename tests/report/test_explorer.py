@@ -17,7 +17,7 @@ from safeloc.proof.verification.calls import prove_target
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
-from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset
+from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset, scripts
 from safeloc.runtime.streams.steps import read_steps
 from tests.explain import pump
 from tests.report.browser import (
@@ -70,6 +70,16 @@ def test_a_name_is_declared_once() -> None:
         names = re.findall(r"^(?:async )?(?:function\*?|class|const|let) (\w+)", text, re.MULTILINE)
         assert len(names) > 10
         assert sorted(set(names)) == sorted(names)
+
+
+def test_remarks_and_indentation_are_left_out() -> None:
+    """Every statement stays in its line."""
+    text = str(scripts(RUNS))
+    assert not [line for line in text.splitlines() if line.startswith(("/*", " "))]
+    for name in (*SHARED, *RUNS):
+        lines = [line.strip() for line in asset(f"explorer/{name}.js").splitlines()]
+        code = [line for line in lines if re.match(r"(?:async )?(?:function|class|const|let|return|if|for) ", line)]
+        assert [line for line in code if line not in text.splitlines()] == []
 
 
 # ------------------------------------------------------------------ overview
