@@ -132,6 +132,7 @@ def test_a_violation_shows_the_part_that_fails(page: Page, pages: Path) -> None:
     at(page, pages, "busy", 4)
     page.until("document.querySelector('#run-fired .violated + details .parts') !== null")
     assert page.text("#run-fired .violated") == f"violated here: at most 3 counts, in 1{NARROW_SPACE}000{FIXED_SPACE}ms"
+    assert page.text("#run-verdict") == "violated at steps 4 and 7 of 10"
     told = page.text("#run-fired details")
     assert f"counted = 4{FIXED_SPACE}count" in told
     assert "mode = ON" in told

@@ -162,7 +162,9 @@ function wordOf(result, trace, data) {
   if (data.results[result]?.verdict === "unknown") return `a counterexample to induction, ${steps} from a state that keeps all that is proved to one that breaks the property; no run need come there`;
   if (data.results[result]?.defence) return `a defence: in a run of ${steps} the machine withstands a world that breaks its assumption`;
   const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
-  return broken.length ? `at step ${broken.join(", ")} of ${trace.steps}` : `a run of ${steps}`;
+  const last = broken.at(-1);
+  if (broken.length > 1) return `at steps ${broken.slice(0, -1).join(", ")} and ${last} of ${trace.steps}`;
+  return broken.length ? `at step ${last} of ${trace.steps}` : `a run of ${steps}`;
 }
 
 function setUp(part) {
