@@ -31,7 +31,7 @@ _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview",)
 RUNS = ("runs", "charts", "interval", "strip", "diagram", "parts", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
-DEFENCE = "a defence: "
+_DEFENCE = "a defence: "
 """Begins the method of a result whose run shows that the machine withstands a world that breaks its assumption."""
 _BREAKS = {"violated", "unknown"}
 """Verdicts whose run breaks the statement in its last step; that of an undecided one begins in a state to which no run need come."""
@@ -130,7 +130,7 @@ def _can_be_loaded(target: Target) -> bool:
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
     broken = [[row["statement"], data["runs"][row["id"]], claim_of(row["id"])]] if row["verdict"] in _BREAKS else []
-    is_defence = row["method"].startswith(DEFENCE)
+    is_defence = row["method"].startswith(_DEFENCE)
     said = {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
     return {**said, "defence": True} if is_defence else said
 
