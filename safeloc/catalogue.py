@@ -41,7 +41,7 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     The target records the requested name (`spec`) and, if its module declares no property, the reason (`unasked`).
     InputError names the requested machine and the existing ones.
     """
-    return replace(_found(spec, config), spec=spec)
+    return replace(_found(spec, config), spec=spec, config_file=config)
 
 
 DEFAULTS = "the defaults"
@@ -65,7 +65,9 @@ def configured(spec: str, names: Sequence[str]) -> Iterator[tuple[str, Target]]:
     for name, config in declared.items():
         if "all" in names or name in names:
             built = replace(_built(entry, config), spec=spec)
-            yield name, built if name == DEFAULTS else replace(built, streams=())  # which are of the defaults
+            if name != DEFAULTS:
+                built = replace(built, streams=(), configuration=name)  # the streams are of the defaults
+            yield name, built
 
 
 def _found(spec: str, config: Path | None) -> Target:

@@ -48,6 +48,8 @@ class Target:
     unasked   the reason why there is no property, if there is none: the name looked for, the file, and the remedy
     given     of a user's machine: the content of its configuration file
     witnesses file of short runs to events that a search would otherwise have to find (safeloc.proof.verification.witness_files)
+    configuration  name of the declared configuration in which it was made; nothing for the defaults
+    config_file    file of its configuration, if it was made with one
     members   of a composition: the properties of each machine alone, in its own variables, by the machine's name
     """
 
@@ -68,6 +70,8 @@ class Target:
     unasked: str = ""
     given: Mapping[str, Any] | None = None
     witnesses: Path | None = None
+    configuration: str = ""
+    config_file: Path | None = None
     members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
 
 

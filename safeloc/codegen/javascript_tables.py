@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from safeloc.codegen.javascript_parts import Guards, Member, Parts, laws, members
+from safeloc.codegen.javascript_parts import Member, Parts, Terms, claims, laws, members, terms_of
 from safeloc.language.absence import stand_in_of, value_while_present
 from safeloc.language.expr import Expr, Lit, Num, NumVar, Var
 from safeloc.language.first_values import Any_
 from safeloc.language.nodes import Value
 from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
+from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.language.terms import Sharing
 from safeloc.language.transition_rows import transition_rows
 from safeloc.language.transition_table import Modes
 from safeloc.language.units import Enumeration
@@ -21,13 +21,15 @@ from safeloc.language.units import Enumeration
 Table = dict[str, Any]
 
 
-def tables(system: TransitionSystem, parts: Parts, first: Mapping[str, Value]) -> Table:
+def tables(parts: Parts, first: Mapping[str, Value], properties: Sequence[Property]) -> Table:
     """Return all tables, as JSON holds them; what they need the value of gets a place in `parts`.
 
-    first  first values of variables whose first value is open, instead of those nearest to zero
+    first       first values of variables whose first value is open, instead of those nearest to zero
+    properties  what the machine monitors
     """
+    system = parts.system
     every = members(system)
-    rows = [_Rows(parts, member) for member in every]
+    rows = [_Rows(parts, member, terms_of(parts, member)) for member in every]
     return {
         "name": system.name,
         "machines": [member.machine.name for member in every],
@@ -37,11 +39,14 @@ def tables(system: TransitionSystem, parts: Parts, first: Mapping[str, Value]) -
         "fired": [_labels(var) for var in system.fired],
         "transitions": [row for one in rows for row in one.transitions()],
         "rows": _home(system, rows),
-        "named": [one for member in every for one in _named(member, parts)],
+        "named": [one for row in rows for one in row.named()],
         "laws": [{"name": name, "place": parts.place(term)} for name, term in laws(system).items()],
+        "claims": claims(parts, tuple(properties)),
+        "slots": parts.slots,
         "nodes": parts.nodes,
+        "names": [place for one in parts.names for place in one],
+        "units": parts.units,
         "texts": list(parts.texts),
-        "labels": list(parts.labels),
     }
 
 
@@ -134,8 +139,8 @@ def _place(declared: str) -> str:
 class _Rows:
     """The transitions of one machine, with the parts of their guards."""
 
-    def __init__(self, parts: Parts, member: Member) -> None:
-        self._guards, self._parts = Guards(parts, member), parts
+    def __init__(self, parts: Parts, member: Member, terms: Terms) -> None:
+        self._terms, self._parts, self._member = terms, parts, member
         self._machine = member.machine
         self._mode = member.in_a_step(member.machine.mode)
         self._rows = transition_rows(self._machine)
@@ -164,10 +169,22 @@ class _Rows:
                 "order": row.rank,
                 "declared": row.declared,
                 "sets": [self._parts.text(text) for text in row.sets],
-                "part": self._guards.part(one.when, is_whole=True),
+                "part": self._terms.place(one.when),
             }
             for one, row in zip(self._machine.transitions, self._rows, strict=True)
         ]
+
+    def named(self) -> list[Table]:
+        """Return the terms that the machine names, and in a composition its wired inputs; on board those that read no ghost."""
+        member, parts = self._member, self._parts
+        every = {**member.machine.definitions, **{var.name: var for var in member.wired}}
+        found = []
+        for name, term in every.items():
+            if parts.knows(member.in_a_step(term)):
+                low, high = bounds([term])[term] if isinstance(term, Num) else (0, 1)
+                table = {"name": f"{member.prefix}{name}", "machine": member.machine.name, **_kind(term, low, high)}
+                found.append({**table, "place": self._terms.place(term)})
+        return found
 
 
 def _home(system: TransitionSystem, rows: Sequence[_Rows]) -> list[Table]:
@@ -177,19 +194,4 @@ def _home(system: TransitionSystem, rows: Sequence[_Rows]) -> list[Table]:
     for one in rows:
         found.append({"mode": places[one.mode], "order": [before + place for place in one.order]})
         before += len(one.order)
-    return found
-
-
-def _named(member: Member, parts: Parts) -> list[Table]:
-    """Return the terms that the machine names, and in a composition its wired inputs; on board those that read no ghost."""
-    every = {**member.machine.definitions, **{var.name: var for var in member.wired}}
-    terms = {name: term for name, term in every.items() if parts.knows(member.in_a_step(term))}
-    share = Sharing()
-    names = {share(term): name for name, term in member.machine.definitions.items()}
-    found = []
-    for name, term in terms.items():
-        low, high = bounds([term])[term] if isinstance(term, Num) else (0, 1)
-        others = {other: text for other, text in names.items() if text != name}
-        table = {"name": f"{member.prefix}{name}", "machine": member.machine.name, **_kind(term, low, high)}
-        found.append({**table, "text": infix(share(term), 160, others), "place": parts.place(member.in_a_step(term))})
     return found

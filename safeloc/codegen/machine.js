@@ -5,7 +5,6 @@
 //   moves    functions (s, i, o, f), one for each machine of a composition: what they move goes into o and f
 //   outputs  state after the step -> list of outputs
 //   first    state -> whether it may be the first one
-//   values   (s, i, o) -> list of the values that parts and named terms refer to
 
 function down(value, divisor) {
   // value / divisor, rounded towards minus infinity; the divisor is positive
@@ -18,7 +17,7 @@ function fits(value) {
   return value;
 }
 
-function machineOf(data, moves, outputs, first, values) {
+function machineOf(data, moves, outputs, first) {
   const named = (list) => Object.fromEntries(list.map((one) => [one.name, one]));
   const state = data.variables.filter((one) => one.role === "state");
   const inputs = data.variables.filter((one) => one.role === "input");
@@ -168,7 +167,7 @@ function machineOf(data, moves, outputs, first, values) {
     const numbers = data.fired.map(() => 0n);
     for (const move of moves) move(s, i, after, numbers);
     refuseWide(state, after);
-    return { after, fired: numbers.map((number, place) => data.fired[place][Number(number)]) };
+    return { after, numbers, fired: numbers.map((number, place) => data.fired[place][Number(number)]) };
   }
 
   function refuseWide(variables, list) {
@@ -194,68 +193,91 @@ function machineOf(data, moves, outputs, first, values) {
 
   // ---------------------------------------------------------------- why
 
-  const LEAF = 0, NOT = 1, AND = 2, OR = 3, CHOICE = 4;
-  const nodes = data.nodes.map(([kind, text, place, inside, more]) => ({
-    kind, text: data.texts[text], place, inside, more: more ?? 0,
-  }));
+  const terms = termsOf(data);
 
-  function computed(given, row) {
+  // The terms with their values in one step; a monitor gives past operators what they keep.
+  function reading(given, row, monitor = undefined) {
     const [s, i] = [stateOf(given), inputsOf(row)];
-    const { after, fired } = moved(s, i);
-    return { s, fired, of: values(s, i, after) };
+    const { after, numbers, fired } = moved(s, i);
+    return { s, fired, told: terms.in({ lists: [s, i, after, numbers], kept: monitor?.kept }) };
   }
 
   function explain(given, row) {
-    const { s, fired, of } = computed(given, row);
-    return data.rows.flatMap((one, machine) => {
-      const mode = told(state[one.mode], s[one.mode]);
-      const atHome = one.order.map((place) => transitions[place]).filter((row) => row.sources.includes(mode));
-      return atHome.map((row) => {
-        const guard = nodes[row.part];
-        const enabled = of[guard.place];
-        const parts = enabled ? [partOf(of, guard, 0)] : partsOf(of, guard, 0);
-        const fires = fired[machine] === row.name;
-        return { transition: row.name, machine: row.machine, target: row.target, enabled, fires, parts };
-      });
+    const { s, fired, told: of } = reading(given, row);
+    return atHome(s, fired).map(({ place, fires, ...one }) => {
+      const enabled = of.value(place);
+      return { ...one, enabled, fires, parts: of.why(place, true) };
     });
   }
 
-  function partsOf(of, node, depth) {
-    if (node.kind === NOT) return partsOf(of, nodes[node.inside[0]], depth);
-    return [partOf(of, node, depth), ...below(of, node).flatMap((part) => partsOf(of, part, depth + 1))];
+  function atHome(s, fired) {
+    return data.rows.flatMap((one, machine) => {
+      const mode = told(state[one.mode], s[one.mode]);
+      const rows = one.order.map((place) => transitions[place]).filter((row) => row.sources.includes(mode));
+      return rows.map(({ name, machine: of, target, part }) => (
+        { transition: name, machine: of, target, place: part, fires: fired[machine] === name }
+      ));
+    });
   }
 
-  function partOf(of, node, depth) {
-    const reads = node.kind === LEAF ? node.inside : [];
-    const text = (place, labels) => (labels < 0 ? String(of[place]) : data.labels[labels][Number(of[place])]);
-    const read = Object.fromEntries(reads.map(([name, place, labels]) => [data.texts[name], text(place, labels)]));
-    return { text: node.text, value: of[node.place], depth, values: read, leftOut: node.kind === LEAF ? node.more : 0 };
+  // The same, to be looked at part by part: each has a place, whose parts `parts` tells one level down.
+  function look(given, row, monitor = undefined) {
+    const { s, fired, told: of } = reading(given, row, monitor);
+    return { rows: atHome(s, fired).map((one) => ({ ...one, enabled: of.value(one.place) })), ...looked(of) };
   }
 
-  function below(of, node) {
-    // the parts that give a part its value: a conjunction is false by one of its parts, a disjunction true
-    if (node.kind === LEAF || node.more) return [];
-    const value = of[node.place];
-    if (node.kind === CHOICE) {
-      const [condition, then, other] = node.inside.map((place) => nodes[place]);
-      return [condition, of[condition.place] ? then : other];
-    }
-    const parts = joined(node, node.kind);
-    return value === (node.kind === OR) ? parts.filter((part) => of[part.place] === value) : parts;
-  }
+  const looked = (of) => ({
+    part: of.part, parts: of.parts, why: of.why,
+    claim: (name) => data.claims.find((one) => one.name === name),
+    asked: (one) => (one.steps < 0 ? one.term : one.response),
+  });
 
-  function joined(node, kind) {
-    return node.kind === kind ? node.inside.flatMap((place) => joined(nodes[place], kind)) : [node];
+  // The same of a first state, which claims about states alone have to keep.
+  function lookFirst(given) {
+    const s = stateOf(given);
+    return { rows: [], ...looked(terms.in({ lists: [s, [], s, []] })) };
   }
 
   function namedValues(given, row) {
-    const { of } = computed(given, row);
-    return Object.fromEntries(data.named.map((one) => [one.name, told(one, of[one.place])]));
+    const { told: of } = reading(given, row);
+    return Object.fromEntries(data.named.map((one) => [one.name, told(one, of.value(one.place))]));
   }
 
   function broken(given, row) {
-    const { of } = computed(given, row);
-    return data.laws.filter((one) => !of[one.place]).map((one) => one.name);
+    const { told: of } = reading(given, row);
+    return data.laws.filter((one) => !of.value(one.place)).map((one) => one.name);
+  }
+
+  // ---------------------------------------------------------------- claims
+
+  // A monitor holds what claims keep from step to step: values of past operators, steps waited for a response, and what became
+  // of each claim: null while it holds, else the step that broke it, or that broke what it assumes, which is final.
+  function monitor(given) {
+    const of = terms.in({ lists: [stateOf(given), [], stateOf(given), []] });
+    const holds = (one) => one.steps >= 0 || !one.first || of.value(one.term);
+    return {
+      step: 0, kept: new Array(data.slots).fill(false), waited: data.claims.map(() => 0),
+      became: data.claims.map((one) => (holds(one) ? null : { broken: true, step: 0 })),
+    };
+  }
+
+  function monitored(before, given, row) {
+    const { told: of } = reading(given, row, before);
+    const step = before.step + 1;
+    const waited = data.claims.map((one, at) => (one.steps < 0 ? 0 : waitedFor(one, before.waited[at], of)));
+    const became = before.became.map((was, at) => was ?? judged(data.claims[at], waited[at], of, step));
+    return { step, kept: of.keep(), waited, became };
+  }
+
+  function waitedFor(one, before, of) {
+    if (before > one.steps) return before;
+    return of.value(one.response) ? 0 : before > 0 ? before + 1 : of.value(one.term) ? 1 : 0;
+  }
+
+  function judged(one, waited, of, step) {
+    if (!one.assumed.every((place) => of.value(place))) return { broken: false, step };
+    const holds = one.steps < 0 ? of.value(one.term) : waited <= one.steps;
+    return holds ? null : { broken: true, step };
   }
 
   // ---------------------------------------------------------------- a run as a file
@@ -305,7 +327,7 @@ function machineOf(data, moves, outputs, first, values) {
 
   return {
     name: data.name, machines: data.machines, variables: data.variables, transitions, named: data.named,
-    laws: data.laws.map((one) => one.name), first: start, step, explain, values: namedValues, broken, fromJson, toJson,
-    asStream, asTest,
+    laws: data.laws.map((one) => one.name), claims: data.claims, looksBack: data.slots > 0,
+    first: start, step, explain, look, lookFirst, values: namedValues, broken, monitor, monitored, fromJson, toJson, asStream, asTest,
   };
 }

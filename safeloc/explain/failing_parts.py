@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from safeloc.errors import PropertyError
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
 from safeloc.language.interpret import Program, start, step
-from safeloc.language.nodes import And, ChooseBool, Compare, Node, Not, Or, Value
+from safeloc.language.nodes import And, Choose, ChooseBool, Compare, Not, Or, Truth, Value
 from safeloc.language.render import infix
 from safeloc.language.spec import Property, StepReading, step_reading
 from safeloc.language.system import TransitionSystem
-from safeloc.language.terms import Sharing, in_order, variables
+from safeloc.language.terms import Sharing, children, in_order
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 
@@ -21,6 +21,8 @@ _LONGEST = 200
 """Most characters of a term."""
 _MOST_VALUES = 12
 """Most variables of a comparison whose values are shown."""
+_SHALLOW, _UNBOUNDED = 3, 10**9
+"""Deepest nesting that is written where a part can be unfolded, and no bound on its characters."""
 
 
 @dataclass(frozen=True)
@@ -62,10 +64,61 @@ def parts_of(
     """Return the parts that keep a term from being what is wanted; the whole term alone if it is that.
 
     known  the values of the term and of all terms in it
-    names  terms that are shown by a name, and not taken apart
+    names  terms that are shown by a name, and not taken apart; equal terms are the same node
     """
     tree = _Tree(known, names)
     return [tree.part(term, 0)] if bool(known[term]) == wanted else list(tree.parts(term, wanted=wanted, depth=0))
+
+
+@dataclass(frozen=True)
+class Unfolded:
+    """A part of a term one level down.
+
+    name     the name that it has, if it has one
+    text     what it is, with names for what has a name, and an ellipsis for what is nested deep
+    value    its value as text
+    decides  it gives the whole its value: of a false conjunction, a false part
+    reads    of a comparison, text and value of its sides
+    """
+
+    name: str
+    text: str
+    value: str
+    decides: bool
+    reads: tuple[tuple[str, str], ...]
+    term: Expr
+
+
+def unfolded(term: Expr, known: Mapping[Expr, Value], names: Mapping[Expr, str]) -> list[Unfolded]:
+    """Return the parts of a term one level down, of a name those of what it stands for. `known` and `names` as in `parts_of`."""
+    tree = _Tree(known, names)
+    found = _joined(term, names) if isinstance(term, (And, Or)) else children(term)
+    return [
+        Unfolded(
+            names.get(part, ""),
+            _meaning(part, names),
+            value_text(part, known[part]),
+            tree.decides(term, part),
+            tuple(
+                (infix(side, _UNBOUNDED, names, deepest=_SHALLOW), value_text(side, known[side]))
+                for side in _sides(part)
+            ),
+            part,
+        )
+        for part in dict.fromkeys(found)
+        if not isinstance(part, (Lit, Truth))
+    ]
+
+
+def _meaning(term: Expr, names: Mapping[Expr, str]) -> str:
+    """Return the text of a term; of a name that of what it stands for."""
+    others = {other: name for other, name in names.items() if other is not term}
+    return infix(term, _UNBOUNDED, others, deepest=_SHALLOW)
+
+
+def _sides(term: Expr) -> list[Num]:
+    """Return the sides of a comparison that are no constants."""
+    return [side for side in (term.left, term.right) if not isinstance(side, Lit)] if isinstance(term, Compare) else []
 
 
 def _values(trace: Trace, prop: Property, term: Bool) -> dict[Expr, Value]:
@@ -114,12 +167,23 @@ class _Tree:
             return []
         match term:
             case And() | Or():
-                parts = list(_joined(term, type(term)))
+                parts = list(_joined(term, self.names))
                 return [part for part in parts if self.values[part] == value] if _one_is_enough(term, value) else parts
             case ChooseBool(condition, then, otherwise):
                 return [condition, then if self.values[condition] else otherwise]
             case _:
                 return []
+
+    def decides(self, term: Expr, part: Expr) -> bool:
+        """Return whether a part one level down gives the term its value."""
+        value = self.values[term]
+        match term:
+            case And() | Or():
+                return not _one_is_enough(term, value) or self.values[part] == value
+            case Choose(condition, then, otherwise) | ChooseBool(condition, then, otherwise):
+                return part is condition or part is (then if self.values[condition] else otherwise)
+            case _:
+                return True
 
     def part(self, term: Expr, depth: int) -> Part:
         """Return the part itself, with the values that it reads if it is a comparison."""
@@ -131,13 +195,19 @@ class _Tree:
         """Return the values of a comparison's two sides, and of the variables in them; of another part nothing."""
         if not isinstance(term, Compare):
             return {}
-        sides = [side for side in (term.left, term.right) if not isinstance(side, Lit)]
+        sides = _sides(term)
         plain = [side for side in sides if side not in self.names]
         named: dict[str, str] = {}
-        for one in dict.fromkeys([*sides, *variables(plain)]):
-            assert isinstance(one, Node)
+        for one in dict.fromkeys([*sides, *self._leaves(plain)]):
             named[infix(one, _LONGEST, self.names)] = value_text(one, self.values[one])
         return named
+
+    def _leaves(self, terms: Sequence[Expr]) -> Iterator[Expr]:
+        """Yield the variables and names in terms, in order of first use; what a name stands for is not looked into."""
+        for node in in_order(terms, self.names):
+            if isinstance(node, (NumVar, BoolVar)):
+                yield node
+            yield from (part for part in children(node) if part in self.names)
 
 
 def value_text(term: Expr, value: Value) -> str:
@@ -147,13 +217,13 @@ def value_text(term: Expr, value: Value) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _joined(term: Expr, kind: type[And | Or]) -> Iterator[Expr]:
-    """Yield the parts of a conjunction or disjunction, with those of the same kind inside it in their place."""
-    if not isinstance(term, kind):
-        yield term
-        return
+def _joined(term: And | Or, names: Mapping[Expr, str]) -> Iterator[Expr]:
+    """Yield the parts of a conjunction or disjunction, with those of the same kind inside it in their place; a name stays."""
     for part in term.parts:
-        yield from _joined(part, kind)
+        if isinstance(part, (And, Or)) and type(part) is type(term) and part not in names:
+            yield from _joined(part, names)
+        else:
+            yield part
 
 
 def _one_is_enough(term: And | Or, value: Value) -> bool:

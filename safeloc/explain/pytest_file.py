@@ -17,6 +17,8 @@ from safeloc.language.spec import Property
 from safeloc.language.trace import Trace
 from safeloc.target import Target
 
+_PATH = "from pathlib import Path\n"
+
 
 def pytest_file(target: Target, prop: Property, trace: Trace, config: Path | None) -> str:
     """Return the text of a test file with one test, which runs the machine on the inputs of the run.
@@ -59,10 +61,11 @@ def run_file(target: Target, trace: Trace, config: Path | None) -> str:
 
 def run_file_pieces(target: Target, config: Path | None) -> tuple[str, str, str, str]:
     """Return what stands in such a file before the first values, the steps and the fired transitions, and after them."""
-    path_import = "" if config is None else "from pathlib import Path\n"
+    config = config or target.config_file
+    loader = "configured" if config is None and target.configuration else "load_target"
     head = f'''"""A run of {_plain(target.name)} that was made by hand."""
-{path_import}
-from safeloc.catalogue import load_target
+{"" if config is None else _PATH}
+from safeloc.catalogue import {loader}
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check_all
 from safeloc.language.verdict import Violated
@@ -92,7 +95,9 @@ def _listed(lines: Iterable[str]) -> str:
 
 
 def _loading(target: Target, config: Path | None) -> str:
-    """Return the call that loads the target."""
+    """Return the call that loads the target, in its named configuration if it has one."""
+    if config is None and target.configuration:
+        return f"next(configured({_quoted(target.spec)}, [{_quoted(target.configuration)}]))[1]"
     path = "" if config is None else f", Path({_quoted(str(config.resolve()))})"
     return f"load_target({_quoted(_anywhere(target.spec or target.name))}{path})"
 

@@ -22,7 +22,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.language.terms import in_order
+from safeloc.language.terms import Sharing, in_order
 from safeloc.language.trace import Step, Trace, present_inputs, shown
 from safeloc.runtime.streams.steps import write_steps
 from safeloc.target import Target
@@ -298,19 +298,30 @@ class _Machine:
     machine: Machine
     fired: str
     in_a_step: Callable[[Expr], Expr]
+    share: Sharing = field(default_factory=Sharing)
+
+    @cached_property
+    def guards(self) -> dict[str, Bool]:
+        """The guards by transition; equal terms are the same node, so that a name is found wherever its term stands."""
+        return {one.name: self.share.bool(one.when) for one in self.machine.transitions}
+
+    @cached_property
+    def names(self) -> dict[Expr, str]:
+        """The terms that the machine names."""
+        return {self.share(term): name for name, term in self.machine.definitions.items()}
 
     def terms(self) -> list[Expr]:
         """Return the mode, the guards and all terms in them."""
-        return list(in_order([self.machine.mode, *(one.when for one in self.machine.transitions)]))
+        return list(in_order([self.machine.mode, *self.guards.values()]))
 
     def rows(self, known: Mapping[Expr, Value], taken: Mapping[str, str]) -> Iterator[RowView]:
         """Yield the transitions of the present mode in the order in which they are tried; `known` has the values of `terms`."""
         mode = known[self.machine.mode]
         present = [one for one in self.machine.transitions if mode in [source.value for source in one.sources]]
-        names = {term: name for name, term in self.machine.definitions.items()}
         for one in sorted(present, key=lambda row: row.rank):
-            enabled = bool(known[one.when])
-            why = tuple(parts_of(one.when, known, wanted=True, names=names))
+            guard = self.guards[one.name]
+            enabled = bool(known[guard])
+            why = tuple(parts_of(guard, known, wanted=True, names=self.names))
             yield RowView(self.machine.name, one.name, one.target.label, enabled, taken[self.fired] == one.name, why)
 
 

@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding, Replayed
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.report.file_names import file_names
 from safeloc.report.machines import machine_data
-from safeloc.report.run_page import RUNS, island, machine_script, scripts, view_script
+from safeloc.report.run_page import RUNS, claim_of, island, machine_script, scripts, view_script
 from safeloc.runtime.streams.columns import Shown, runs_file
 from safeloc.target import Target
 
@@ -55,7 +55,9 @@ def recordings_page(target: Target, streams: Sequence[Path], *, made: str) -> st
 
 def _result(findings: Sequence[Finding], replayed: Replayed) -> dict[str, Any]:
     """Return the verdict on a recording: the worst of its findings, and every statement that it breaks."""
-    broken = [[one.statement, step] for one in findings if (step := _broken_at(one, replayed)) is not None]
+    broken = [
+        [one.statement, step, claim_of(one.id)] for one in findings if (step := _broken_at(one, replayed)) is not None
+    ]
     held = sum(word(one.result) == "held" for one in findings)
     return {
         "verdict": worst(word(one.result) for one in findings),

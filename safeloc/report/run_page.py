@@ -15,7 +15,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from safeloc.codegen.javascript import javascript, on_board
+from safeloc.codegen.javascript import common, javascript, on_board
 from safeloc.errors import InputError
 from safeloc.explain.pytest_file import run_file_pieces
 from safeloc.proof.runs.lawful import first_state
@@ -29,8 +29,10 @@ VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
 """The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions")
-RUNS = ("runs", "charts", "interval", "strip", "diagram", "live", "branch", "watch", "view", "control")
+RUNS = ("runs", "charts", "interval", "strip", "diagram", "parts", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
+_DEFENCE = "a defence: "
+"""Begins the method of a result whose run shows that the machine withstands a world that breaks its assumption."""
 _BREAKS = {"violated", "unknown"}
 """Verdicts whose run breaks the statement in its last step; that of an undecided one begins in a state to which no run need come."""
 _PART = re.compile(r"#\d+")
@@ -47,7 +49,14 @@ def scripts(*groups: Sequence[str], calls: Sequence[str] = ()) -> Markup:
 
 
 def _joined(names: Sequence[str]) -> str:
-    return "\n".join(asset(f"explorer/{name}.js") for name in names)
+    of_machines = f"const machineCommon = {common()};\n" if names is RUNS else ""
+    return of_machines + "".join(_packed(asset(f"explorer/{name}.js")) for name in names)
+
+
+def _packed(text: str) -> str:
+    """Return one of our scripts without its remarks, indentation and empty lines; none of its texts goes over lines."""
+    without = re.sub(r"^ *(?:/\*(?:(?!\*/)(?s:.))*\*/|//.*)$", "", text, flags=re.MULTILINE)
+    return "".join(f"{line.strip()}\n" for line in without.splitlines() if line.strip())
 
 
 def asset(name: str) -> Markup:
@@ -103,22 +112,33 @@ def machine_script(file: str, target: Target, *, ghosts: bool = True) -> str:
     Nothing for a machine that cannot run as a script: its runs are shown without explanations.
     """
     system = target.system if ghosts else on_board(target.system)
-    test = run_file_pieces(target, None) if _by_defaults(target) else ()
+    test = run_file_pieces(target, None) if _can_be_loaded(target) else ()
+    first = first_state(system, random.Random(0))
     try:
-        text = javascript(system, first=first_state(system, random.Random(0)), test=test)
+        text = javascript(system, first=first, test=test, properties=target.properties, with_common=False)
     except InputError:
         return ""
     return script(MACHINE_FUNCTION, file, data=text.encode())
 
 
-def _by_defaults(target: Target) -> bool:
-    """Return whether the name alone makes the target again, so that a test of its runs can load it."""
+def _can_be_loaded(target: Target) -> bool:
+    """Return whether a test of its runs can load the target: by its name alone, or with its configuration's name or file."""
+    if target.configuration or target.config_file is not None:
+        return True
     return target.given is None and (target.config is None or target.config == type(target.config)())
 
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
-    broken = [[row["statement"], data["runs"][row["id"]]]] if row["verdict"] in _BREAKS else []
-    return {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
+    broken = [[row["statement"], data["runs"][row["id"]], claim_of(row["id"])]] if row["verdict"] in _BREAKS else []
+    is_defence = row["method"].startswith(_DEFENCE)
+    said = {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
+    return {**said, "defence": True} if is_defence else said
+
+
+def claim_of(result: str) -> str:
+    """Return the name of the property that a result is about; of a replay it stands behind the name of the recording."""
+    _, kind, name = result.split("/", 2)
+    return name.partition(": ")[2] if kind == "replay" else name
 
 
 def _all_files(data: _Data) -> dict[str, str]:
@@ -141,6 +161,7 @@ def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:
     return {
         "made": made,
         "name": machine["name"],
+        "declaration": machine["declaration"][:16],
         "spec": machine["spec"],
         "signals": machine["signals"],
         "reported": machine["reported"],

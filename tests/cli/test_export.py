@@ -74,7 +74,7 @@ def test_the_script_of_the_page_runs(call: Call, tmp_path: Path) -> None:
     done = subprocess.run(["node", "run.js"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.stderr == ""
     assert done.stdout.splitlines() == [
-        "candidate marker at front: verdict on the front reading = CANDIDATE is false",
+        "candidate marker at front: front reading is a candidate is false",
         "candidate marker at rear: rear reader leads is false",
         "wait for a marker 0",
     ]

@@ -2,7 +2,7 @@
 "use strict";
 
 const machines = {};
-let handed, machine, state;
+let handed, machine, state, monitor;
 globalThis.safelocMachine = (_, made) => { handed = made; };
 
 const words = {
@@ -12,6 +12,24 @@ const words = {
   put: (values) => { state = machine.fromJson(values); },
   step: (inputs) => { const made = machine.step(state, machine.fromJson(inputs)); state = made.state; return made; },
   call: (method, inputs) => machine[method](state, machine.fromJson(inputs)),
+  unfold: (inputs, deep) => {
+    const { rows, parts } = machine.look(state, machine.fromJson(inputs));
+    const level = (place, left) => (left ? parts(place).map(({ place: at, name, text, value, decides, reads }) => (
+      { name, text, value, decides, reads: reads.map((one) => [one.text, one.value]), parts: level(at, left - 1) })) : []);
+    return rows.map((row) => level(row.place, deep));
+  },
+  watch: () => { monitor = machine.monitor(state); return monitor.became; },
+  claims: (inputs) => {
+    const [before, given] = [monitor, machine.fromJson(inputs)];
+    monitor = machine.monitored(monitor, state, given);
+    const told = monitor.became.map((one, at) => {
+      if (!one?.broken || one.step !== monitor.step) return one;
+      const seen = machine.look(state, given, before);
+      return { ...one, why: seen.why(seen.asked(machine.claims[at]), true) };
+    });
+    state = machine.step(state, given).state;
+    return told;
+  },
   raw: (text) => (0, eval)(`(machine, state) => (${text})`)(machine, state),
 };
 

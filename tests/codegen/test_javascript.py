@@ -15,8 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.codegen.compiled import compile_system
-from safeloc.codegen.javascript import STREAM_SCHEMA, javascript, on_board
+from safeloc.codegen.javascript import STREAM_SCHEMA, common, javascript, on_board
 from safeloc.errors import InputError
+from safeloc.explain.failing_parts import failing_parts
 from safeloc.explain.pytest_file import run_file, run_file_pieces
 from safeloc.explain.stepping import Stepper
 from safeloc.language.expr import (
@@ -41,7 +42,9 @@ from safeloc.language.expr import (
 )
 from safeloc.language.interpret import evaluate, fired_names, outputs, read_inputs, run, start, step
 from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.monitor import Broken, Holds, Monitor
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Past, Value
+from safeloc.language.spec import observe
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import COUNT, MM, ONE
 from safeloc.models.emitter import EmitterConfig
@@ -51,9 +54,10 @@ from safeloc.proof.verification.replay import read_recording
 from safeloc.runtime.streams.steps import SCHEMA, write_steps
 from safeloc.shipped import ENTRIES
 from safeloc.target import Target
-from tests.codegen.explained import broken, explained
+from tests.codegen.explained import broken, explained, part_told, unfolded_rows, without_wires
 from tests.codegen.in_node import Node, NodeError, as_json, expected, loaded, needs_node, node, state_told, told
 from tests.examples import EXAMPLES, Example
+from tests.explain import pump
 from tests.random_machines import Record, first_states, machines, streams
 
 __all__ = ["node"]
@@ -73,6 +77,8 @@ def assert_same_run(node: Node, system: TransitionSystem, stream: Sequence[Mappi
         given = as_json(record)
         assert node.ask("call", "explain", given) == explained(system, state, inputs)
         assert node.ask("call", "broken", given) == broken(system, state, inputs)
+        expected_rows = unfolded_rows(system, state, inputs, 3)
+        assert without_wires(node.ask("unfold", given, 3), expected_rows) == expected_rows
         state, fired = step(system, state, inputs)
         made = node.ask("step", given)
         assert made["state"] == state_told(system, row_of(system, state))
@@ -412,6 +418,80 @@ def test_named_terms_have_their_values(node: Node) -> None:
                 assert found[f"{part.name}.{name}"] == told(term, value)
         node.ask("step", as_json(record))
         state, _ = step(board, state, inputs)
+
+
+# ------------------------------------------------------------------ claims
+
+
+def assert_same_claims(node: Node, target: Target, steps: Sequence[Mapping[str, Any]], first: Record) -> set[str]:
+    """What becomes of each property in each step, and of a broken one the parts that fail, as the monitor and `explain` have them."""
+    asked = [prop for prop in target.properties if prop.kind != "reachable"]
+    node.load(javascript(target.system, first=first, properties=target.properties))
+    assert [prop.name for prop in asked] == node.ask("raw", "machine.claims.map((one) => one.name)")
+    monitors, seen = [Monitor(observe(target.system, prop), first) for prop in asked], set[str]()
+    node.ask("first", as_json(first))
+    assert node.ask("watch") == [_status(one.status) for one in monitors]
+    for at, row in enumerate(steps, 1):
+        for monitor in monitors:
+            monitor.step(row)
+        found = node.ask("claims", as_json(row))
+        for prop, monitor, one in zip(asked, monitors, found, strict=True):
+            why = one and one.pop("why", None)
+            assert one == _status(monitor.status), prop.name
+            if why is not None:
+                trace = run(target.system, steps[:at], first=first)
+                assert why == [part_told(part) for part in failing_parts(trace, prop)]
+                seen.add(prop.name)
+    return seen
+
+
+def _status(status: Any) -> Any:
+    return None if isinstance(status, Holds) else {"broken": isinstance(status, Broken), "step": status.at}
+
+
+@needs_node
+def test_claims_of_every_kind_are_monitored(node: Node) -> None:
+    """Of states alone, of steps, of the past, of a response in time: each is broken in the step in which the monitor breaks it."""
+    props = (pump.TOO_MANY, pump.LATE, pump.FALLS, pump.KEPT, pump.COMES, pump.FEW_LEFT, pump.AT_FIRST)
+    target, seen = pump.target(*props), set[str]()
+    for seed in range(6):
+        drawn = drawn_run(target.system, seed, 30, lawful=False)
+        seen |= assert_same_claims(node, target, drawn.steps, {"label": seed % 3 + 5})
+    steps = [{"go": True}, *[{"go": False}] * 12, {"go": True, "extra": 1}, {"go": True}]
+    seen |= assert_same_claims(node, target, steps, {"label": 0})
+    assert {pump.TOO_MANY.name, pump.LATE.name, pump.FALLS.name} <= seen
+
+
+@needs_node
+@pytest.mark.thorough(ordinary=3)
+@pytest.mark.parametrize("name", ENTRIES)
+def test_claims_of_shipped_machines_are_monitored(node: Node, name: str) -> None:
+    """Also where a drawn run breaks what they assume: such a claim says nothing any more."""
+    entry = ENTRIES[name]
+    target = entry.make(entry.config())
+    first = first_state(target.system, random.Random(0))
+    assert_same_claims(node, target, _with_ghosts(target.system), first)
+
+
+@needs_node
+def test_a_claim_about_the_world_is_left_out_on_board(node: Node) -> None:
+    """It reads what is not there; the others stay."""
+    target = ENTRIES["odometry"].make(ENTRIES["odometry"].config())
+    board = on_board(target.system)
+    node.load(javascript(board, first=first_state(board, random.Random(0)), properties=target.properties))
+    told_names = node.ask("raw", "machine.claims.map((one) => one.name)")
+    assert 0 < len(told_names) < len([prop for prop in target.properties if prop.kind != "reachable"])
+
+
+@needs_node
+def test_a_script_without_what_all_have_in_common(node: Node) -> None:
+    """It takes that from whoever loads it, and is the same machine."""
+    system = without_ghosts(example("odometer").system)
+    short = javascript(system, with_common=False)
+    assert len(short) < len(javascript(system)) / 2
+    node.load(f"globalThis.safelocCommon = {common()};\n{short}")
+    run_ = drawn_run(system, 1, 20, lawful=False)
+    assert_same_run(node, system, run_.steps, dict(run_.first or {}))
 
 
 # ------------------------------------------------------------------ what is refused

@@ -17,7 +17,7 @@ from safeloc.proof.verification.calls import prove_target
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
-from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset
+from safeloc.report.run_page import OVERVIEW, RUNS, SHARED, asset, scripts
 from safeloc.runtime.streams.steps import read_steps
 from tests.explain import pump
 from tests.report.browser import (
@@ -72,6 +72,16 @@ def test_a_name_is_declared_once() -> None:
         assert sorted(set(names)) == sorted(names)
 
 
+def test_remarks_and_indentation_are_left_out() -> None:
+    """Every statement stays in its line."""
+    text = str(scripts(RUNS))
+    assert not [line for line in text.splitlines() if line.startswith(("/*", " "))]
+    for name in (*SHARED, *RUNS):
+        lines = [line.strip() for line in asset(f"explorer/{name}.js").splitlines()]
+        code = [line for line in lines if re.match(r"(?:async )?(?:function|class|const|let|return|if|for) ", line)]
+        assert [line for line in code if line not in text.splitlines()] == []
+
+
 # ------------------------------------------------------------------ overview
 
 
@@ -118,6 +128,15 @@ def test_a_result_leads_to_its_evidence(page: Page, report: Path) -> None:
     page.until("document.getElementById('run-title')?.textContent === 'good'")
     page.until("document.getElementById('run-said').textContent !== ''")
     assert page.said() == []
+
+
+def test_enter_opens_the_first_hit(page: Page, report: Path) -> None:
+    """From the search field itself, as it is typed: the first result is open and has the keyboard."""
+    page.open(report)
+    page.type("#overview-words", "good", ENTER)
+    page.until("document.querySelector('#overview-found .leads') !== null")
+    assert page.js("document.activeElement === document.querySelector('#overview-found summary')")
+    assert "statement of good" in page.text("#overview-found li")
 
 
 def test_a_place_in_a_part_is_found(page: Page, report: Path) -> None:
@@ -192,7 +211,12 @@ def test_why_a_transition_is_refused(page: Page, report: Path) -> None:
     page.until("document.querySelectorAll('#run-rows .tag').length === 3")
     rows = page.js("[...document.querySelectorAll('#run-rows ol > li')].map(e => e.textContent)")
     assert "obstacle" in rows[0] and "fired" in rows[0]
-    assert "lock" in rows[1] and "refused" in rows[1] and "closing_for = 0" in rows[1]
+    assert "lock" in rows[1] and "refused" in rows[1]
+    page.click("#run-rows li:nth-child(2) summary")
+    page.until("document.querySelector('#run-rows li:nth-child(2) .meaning') !== null")
+    page.click("#run-rows li:nth-child(2) .others summary")
+    page.until("document.querySelector('#run-rows li:nth-child(2) .parts .parts') !== null")
+    assert "closing_for = 0" in page.text("#run-rows li:nth-child(2) details")
     assert page.said() == []
 
 
@@ -215,7 +239,7 @@ def test_watch_expressions(page: Page, report: Path) -> None:
 def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) -> None:
     """The machine goes on in the page as the interpreter does; the run is saved as a stream and as a test; no verdict speaks of it."""
     opened(page, runs_of(report), f"{WRONG}&step=1")
-    page.until("!document.getElementById('run-if').hidden")
+    page.until("!document.getElementById('run-if-open').hidden")
     page.driver.execute_script(
         "window.saved = []; HTMLAnchorElement.prototype.click = () => {};"
         "const make = URL.createObjectURL; URL.createObjectURL = (blob) => (blob.text().then((t) => saved.push(t)), make(blob))"
@@ -227,7 +251,7 @@ def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) 
     page.click("#run-if-take")
     page.js("(document.getElementById('run-input-released').value = 'false')")
     page.type("#run-input-speed", "7")
-    page.click("#run-if-ten")
+    page.click("#run-if-on")
     page.until("document.getElementById('run-said').textContent.startsWith('step 12 of 12')")
     page.click("#run-if-back")
     page.type("#run-input-speed", "metres")
@@ -235,7 +259,7 @@ def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) 
     assert page.text("#run-if-flaw") == "speed: 07metres is no whole number."
     page.js("(document.getElementById('run-input-speed').value = '100001')")
     page.click("#run-if-take")
-    assert "100001 mm/s is outside 0..100000" in page.text("#run-if-flaw")
+    assert "100\u202f001\xa0mm/s is outside 0..100\u202f000" in page.text("#run-if-flaw")
     rows = [{"speed": 0, "blocked": False, "released": True}] * 2 + [
         {"speed": 7, "blocked": False, "released": False}
     ] * 9
@@ -264,7 +288,7 @@ def test_a_run_from_any_state_is_not_saved(page: Page, tmp_path: Path, monkeypat
     undecided = pump.target(pump.OPEN)
     folder = write_folder(tmp_path, prove_target(undecided, limits=Limits(depth=3), jobs=1), [undecided]).parent
     opened(page, runs_of(folder / "index.html"), "#result=pump%2Fproperty%2Fcounted+too+high&step=1")
-    page.until("!document.getElementById('run-if').hidden")
+    page.until("!document.getElementById('run-if-open').hidden")
     page.click("#run-if-open")
     page.click("#run-if-stream")
     assert "begins in a state that is no first state of the machine" in page.text("#run-if-flaw")

@@ -25,7 +25,11 @@ from safeloc.language.terms import in_order
 from safeloc.target import Target
 
 _PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
-_NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into", "in_a_step"}, Property: {"helper"}}
+_NOT_READ = {
+    Target: {"simulate", "pictures", "doc", "spec", "configuration", "config_file"},
+    Part: {"into", "in_a_step"},
+    Property: {"helper"},
+}
 """Fields on which no finding depends, and fields whose content enters the digest in another way below."""
 
 

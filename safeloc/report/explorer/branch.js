@@ -1,3 +1,5 @@
+const MOST_STEPS = 10000; // that a link may take, and a press of a button
+
 /* A run with other inputs: it has the steps of a stored run up to one of them, and goes on as the machine does. */
 
 class Branch extends Trace {
@@ -11,12 +13,33 @@ class Branch extends Trace {
     this.columns = KINDS.flatMap((kind) => this.names[kind].map((name) => [kind, name]));
     for (const [kind, name] of this.columns) this.found.set(`${kind} ${name}`, trace.series(kind, name).slice(0, from + 1));
     this.found.set("truth", trace.truth.slice(0, from + 1));
+    this.monitors = this.live.monitors(from).slice(-1);
+    this.taken = [];
+  }
+
+  /* What the claims of the machine say of the steps that were taken here: statement, step and name of each that one of them breaks. */
+  get broken() {
+    return this.became(true).map(({ statement, step, name }) => [statement, step, name]);
+  }
+
+  /* Claims that say nothing any more, since a step broke what they assume. */
+  get silent() {
+    return this.became(false);
+  }
+
+  became(broken) {
+    const { claims } = this.live.machine;
+    const found = this.monitors.at(-1).became.map((one, at) => one && { ...one, name: claims[at].name, statement: claims[at].statement });
+    return found.filter((one) => one && one.broken === broken && one.step > this.from).sort((one, other) => one.step - other.step);
   }
 
   /* Takes a step with these inputs, in the machine's own form. RangeError for inputs that the machine refuses. */
   take(given, signals) {
     const { machine } = this.live;
-    const made = machine.step(this.live.before(this.steps + 1), given);
+    const before = this.live.before(this.steps + 1);
+    const made = machine.step(before, given);
+    this.monitors.push(machine.monitored(this.monitors.at(-1), before, given));
+    this.taken.push(given);
     const fired = Object.fromEntries(machine.machines.map((name, at) => [machine.machines.length === 1 ? "fired" : `${name}.fired`, made.fired[at]]));
     const values = { inputs: given, fired, state: made.state, outputs: made.outputs };
     for (const [kind, name] of this.columns) {
@@ -33,7 +56,40 @@ class Branch extends Trace {
 
   back() {
     for (const values of this.found.values()) values.pop();
+    this.monitors.pop();
+    this.taken.pop();
     this.steps -= 1;
+  }
+
+  /* ---------------------------------------------------- as a link */
+
+  /* What the recording has as inputs of a step, or the step before where it has none: what a link tells differences from. */
+  base(step) {
+    if (step <= this.stored.steps) return this.storedInputs(step);
+    return step - this.from >= 2 ? this.taken[step - this.from - 2] : step > 1 ? this.live.given(step - 1) : {};
+  }
+
+  /* The steps that were taken here, as [how many, what differs from the base] of equal ones in a row. */
+  changes() {
+    const found = [];
+    this.taken.forEach((given, at) => {
+      const base = this.base(this.from + at + 1);
+      const names = Object.keys({ ...base, ...given }).filter((name) => (base[name] ?? null) !== (given[name] ?? null));
+      const differs = this.live.machine.toJson(Object.fromEntries(names.map((name) => [name, given[name] ?? null])));
+      if (found.length && JSON.stringify(found.at(-1)[1]) === JSON.stringify(differs)) found.at(-1)[0] += 1;
+      else found.push([1, differs]);
+    });
+    return found;
+  }
+
+  /* Takes the steps of a link. RangeError or Error for what is no such list, or what the machine refuses. */
+  follow(changes, signals) {
+    const isList = Array.isArray(changes) && changes.every((one) => Array.isArray(one) && one.length === 2 && Number.isInteger(one[0]) && one[0] > 0 && one[1] && Object.getPrototypeOf(one[1]) === Object.prototype);
+    if (!isList) throw new Error("its changes are damaged");
+    if (changes.reduce((sum, [count]) => sum + count, 0) > MOST_STEPS) throw new Error(`it has more than ${shown(MOST_STEPS, null)} steps`);
+    for (const [count, differs] of changes) {
+      for (let at = 0; at < count; at += 1) this.take(present({ ...this.base(this.steps + 1), ...this.live.machine.fromJson(differs) }), signals);
+    }
   }
 
   /* The run as a file: the inputs of every step, and the first values that the machine leaves open. */
@@ -61,15 +117,39 @@ class Inputs {
   constructor(box, live) {
     this.live = live;
     this.fields = live.inputs.map((one) => [one, fieldOf(one)]);
-    const row = ([one, field]) => element("p", {}, element("label", { for: field.id }, one.name), field, element("span", { class: "soft" }, rangeOf(one)));
+    const row = ([one, field]) => element("p", {}, element("label", { for: field.id }, one.name), field, this.release(one), element("span", { class: "soft" }, rangeOf(one)));
+    this.releases = new Map();
     const own = this.fields.filter(([one]) => !one.ghost).map(row);
     const world = this.fields.filter(([one]) => one.ghost).map(row);
+    this.own = new Set(); // names that somebody set: they stay where the others follow the recording
+    for (const [one, field] of this.fields) field.addEventListener("input", () => this.choose(one.name, true));
     box.replaceChildren(...own, ...(world.length ? [element("details", {}, element("summary", {}, `${world.length} inputs of the world: how the train moves and its sensors err`), ...world)] : []));
   }
 
-  /* Fills in what was given in a step. */
+  release(one) {
+    const button = element("button", { class: "quiet own", hidden: true, "aria-label": `${one.name} as recorded again`, onclick: () => this.choose(one.name, false) }, "yours \u00d7");
+    this.releases.set(one.name, button);
+    return button;
+  }
+
+  /* Marks an input as set by hand, or gives it back to the recording. */
+  choose(name, isOwn) {
+    this.own[isOwn ? "add" : "delete"](name);
+    this.releases.get(name).hidden = !isOwn;
+    if (!isOwn) this.fill(this.filled);
+  }
+
+  /* Fills in what was given in a step; what somebody set stays. */
   fill(given) {
-    for (const [one, field] of this.fields) field.value = String(given[one.name] ?? "");
+    this.filled = given;
+    for (const [one, field] of this.fields) if (!this.own.has(one.name)) field.value = String(given[one.name] ?? "");
+  }
+
+  /* These inputs of the recording, with what somebody set in their place. */
+  over(recorded) {
+    const given = this.given;
+    const own = [...this.own].map((name) => [name, given[name] ?? null]);
+    return present({ ...recorded, ...Object.fromEntries(own) });
   }
 
   /* What is filled in, in the machine's own form; an empty field is an absent input. RangeError for what is no number. */
@@ -85,6 +165,9 @@ class Inputs {
   }
 }
 
+/* Inputs without those that are absent. */
+const present = (given) => Object.fromEntries(Object.entries(given).filter(([, value]) => value !== null && value !== undefined));
+
 function fieldOf(one) {
   const id = `run-input-${one.name}`;
   if (one.kind === "integer") return element("input", { id, inputmode: "numeric", autocomplete: "off", placeholder: one.optional ? "absent" : "" });
@@ -93,7 +176,7 @@ function fieldOf(one) {
   return element("select", { id }, ...(one.optional ? [element("option", { value: "" }, "absent")] : []), ...options);
 }
 
-const rangeOf = (one) => (one.kind === "integer" ? `${shown(one.least, null)} to ${shown(one.most, null)} ${one.unit}` : "");
+const rangeOf = (one) => (one.kind === "integer" ? `${shown(one.least, null)} to ${shown(one.most, null)}\u00a0${one.unit}` : "");
 
 function download(name, text) {
   const address = URL.createObjectURL(new Blob([text], { type: "text/plain" }));

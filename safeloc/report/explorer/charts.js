@@ -258,5 +258,5 @@ function upright(lines, from, to) {
 }
 
 const number = (value) => shown(Math.abs(value) < 1e-9 ? 0 : Number(value.toPrecision(9)), null);
-const said = (value, unit) => (value === null || value === undefined ? "none" : `${number(value)} ${unit}`.trim());
+const said = (value, unit) => (value === null || value === undefined ? "none" : `${number(value)}${unit ? `\u00a0${unit}` : ""}`);
 const short = (text, room) => (text.length * 6.3 > room ? `\u2026${text.slice(-Math.floor(room / 6.3) + 1)}` : text);

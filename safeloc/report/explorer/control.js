@@ -1,6 +1,7 @@
 /* Opens a run by its link, and moves through it: buttons, keys, play, and the link of every step. */
 
 const APART_MS = 220; // between two steps while it plays
+const MOST_OF_LINK = 8000; // characters, which every browser and mail program takes
 
 const known = JSON.parse(place("run-known").textContent);
 let view = null;
@@ -20,9 +21,14 @@ function linkTo(result, step, more = {}, watched = []) {
 }
 
 function remember() {
-  if (!view || playing || view.trace.from !== undefined) return; // a link cannot hold the steps that were taken here
+  if (!view || playing) return;
   const more = { ...(view.part ? { machine: view.part } : {}), ...(view.plotted.length ? { chart: view.plotted.join(",") } : {}) };
-  asked = linkTo(view.result, view.step, more, view.watched);
+  const { trace } = view;
+  const branch = trace.from === undefined ? {} : { of: view.data.declaration, from: trace.from, take: JSON.stringify(trace.changes()) };
+  asked = linkTo(view.result, view.step, { ...more, ...branch }, view.watched);
+  const tooLong = asked.length > MOST_OF_LINK;
+  place("run-if-link").textContent = tooLong ? `This run is too long for a link (${shown(asked.length, null)} characters, at most ${shown(MOST_OF_LINK, null)}): save it as a stream. The link leads to the step at which it branches off.` : "";
+  if (tooLong) asked = linkTo(view.result, trace.from, more, view.watched);
   history.replaceState(null, "", asked);
 }
 
@@ -72,7 +78,7 @@ async function openRun(result, words) {
   place("run-flaw").hidden = true;
   place("run-body").hidden = false;
   head(data, trace);
-  choices(read, result);
+  choices(read, result, data);
   showRun(data, trace);
   view.plotted = (words.get("chart") ?? "").split(",").filter((one) => view.signal(one));
   setUp(words.get("machine") ?? "");
@@ -86,14 +92,43 @@ async function openRun(result, words) {
     return null;
   });
   if (view !== opened) return;
-  if (live) return start(live);
-  view.unexplained = flaw;
-  view.show(view.step);
+  if (live) start(live);
+  else {
+    view.unexplained = flaw;
+    view.show(view.step);
+  }
+  if (words.has("take")) takeLink(words, live, flaw);
 }
 
 function start(live) {
   view.setLive(live);
   offer(live);
+}
+
+/* The steps with other inputs that a link holds; where they cannot be taken, the reason, and the stored run stays. */
+function takeLink(words, live, flaw) {
+  const { data, trace } = view;
+  try {
+    if (!live?.fits) throw new Error(flaw || live.flaw || "this run has not all variables of the machine");
+    if (words.get("of") !== data.declaration) throw new Error(`it is of another version of ${data.name}`);
+    const from = Number(words.get("from"));
+    if (!Number.isInteger(from) || from < 0 || from > trace.steps) throw new Error(`this run has no step ${words.get("from")}`);
+    const branch = new Branch(trace, live, from);
+    branch.follow(changesOf(words.get("take")), data.signals);
+    begin(branch, live);
+    go(Number(words.get("step") || branch.steps));
+  } catch (error) {
+    place("run-flaw").hidden = false;
+    place("run-flaw").textContent = `The steps with other inputs of this link cannot be shown: ${spoken(error.message)} The stored run stands below.`.replace(/([^.])( The stored)/, "$1.$2");
+  }
+}
+
+function changesOf(text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new Error("its changes are damaged");
+  }
 }
 
 function showRun(data, trace) {
@@ -108,7 +143,7 @@ function head(data, trace) {
   place("run-machine").textContent = data.name;
   place("run-title").textContent = result.split("/").slice(2).join("/") || result;
   place("run-verdict").replaceChildren(element("span", { class: `verdict ${verdict.replace(" ", "-")}` }, verdict), ` ${wordOf(result, trace, data)}`);
-  place("run-statement").textContent = statement;
+  place("run-statement").textContent = spoken(statement);
   place("run-back").href = known.alone ? "" : `${known.report}${at ? `#${at}` : ""}`;
   place("run-back").hidden = known.alone;
   const others = trace.results.slice(1);
@@ -117,16 +152,19 @@ function head(data, trace) {
   document.title = `${result}: run`;
 }
 
-function choices(read, result) {
-  const options = read.runs.flatMap((run) => run.results.map((one) => element("option", { value: one, selected: one === result }, `${one.split("/").slice(1).join("/")} (${run.steps})`)));
+function choices(read, result, data) {
+  const options = read.runs.flatMap((run) => run.results.map((one) => element("option", { value: one, selected: one === result }, `${one.split("/").slice(1).join("/")} (${run.steps}${data.results[one]?.defence ? ", defence" : ""})`)));
   place("run-choice").replaceChildren(...options);
 }
 
 function wordOf(result, trace, data) {
   const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}`;
   if (data.results[result]?.verdict === "unknown") return `a counterexample to induction, ${steps} from a state that keeps all that is proved to one that breaks the property; no run need come there`;
+  if (data.results[result]?.defence) return `a defence: in a run of ${steps} the machine withstands a world that breaks its assumption`;
   const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
-  return broken.length ? `at step ${broken.join(", ")} of ${trace.steps}` : `a run of ${steps}`;
+  const last = broken.at(-1);
+  if (broken.length > 1) return `at steps ${broken.slice(0, -1).join(", ")} and ${last} of ${trace.steps}`;
+  return broken.length ? `at step ${last} of ${trace.steps}` : `a run of ${steps}`;
 }
 
 function setUp(part) {
@@ -212,27 +250,62 @@ let inputs = null;
 
 /* Offers to branch off where the machine itself is in the page and the run is one of the whole of it. */
 function offer(live) {
-  place("run-if").hidden = !live?.fits;
-  if (live?.fits && view.trace.from === undefined) branching(false);
+  place("run-if-open").hidden = !live?.fits;
+  branching(live?.fits && view.trace.from !== undefined);
 }
 
 function branching(on) {
-  for (const id of ["take", "ten", "rest", "back", "stream", "test", "close"]) place(`run-if-${id}`).hidden = !on;
-  place("run-if-open").hidden = on;
+  place("run").classList.toggle("branching", on);
+  place("run-if").hidden = !on;
+  if (on) place("run-if-open").hidden = true;
   place("run-if-flaw").hidden = true;
-  if (!on) place("run-if-inputs").replaceChildren();
-  const says = on
-    ? [`The stored run up to step ${view.trace.from}; then the inputs below. No property is checked on it: save the run, and `, element("code", {}, "safeloc replay"), " checks it."]
-    : ["From this step on the machine goes on in the page, with inputs that you choose."];
-  place("run-if-says").replaceChildren(...says);
 }
 
 function branchOff() {
-  const { live, data, trace, step } = view;
-  const branch = new Branch(trace, live, step);
+  const { live, trace, step } = view;
+  begin(new Branch(trace, live, step), live);
+  place("run-if-title").scrollIntoView({ block: "nearest" });
+}
+
+function begin(branch, live) {
   inputs = new Inputs(place("run-if-inputs"), live);
-  inputs.fill(branch.storedInputs(Math.min(step + 1, trace.steps)));
-  showBranch(data, branch);
+  untils();
+  showBranch(view.data, branch);
+  refill();
+}
+
+/* Fills the form for the next step: with what is recorded of it, or with what was given last. */
+function refill() {
+  const { trace } = view;
+  const next = trace.steps + 1;
+  const recorded = place("run-if-how").value === "recorded" || !trace.taken.length;
+  inputs.fill(recorded ? trace.storedInputs(Math.min(next, trace.stored.steps)) : trace.taken.at(-1));
+}
+
+/* Until what the machine may go on: its position, its modes, or an output. */
+function untils() {
+  const { reported } = view.data;
+  const names = view.names("outputs").map((name) => element("option", { value: `output ${name}` }, `${name} changes`));
+  const withdrawn = reported ? [element("option", { value: "withdrawn" }, "the position is withdrawn")] : [];
+  place("run-if-until").replaceChildren(element("option", { value: "" }, "that many steps"), ...withdrawn, element("option", { value: "mode" }, "a mode changes"), ...names);
+}
+
+/* A function that tells after each step whether to stop. Error where that can never be. */
+function stopper() {
+  const { trace, data } = view;
+  const until = place("run-if-until").value;
+  const at = (kind, names) => JSON.stringify(names.map((name) => String(trace.at(kind, name, trace.steps))));
+  const changes = (kind, names) => {
+    const before = at(kind, names);
+    return () => at(kind, names) !== before;
+  };
+  if (until === "withdrawn") {
+    const isValid = () => trace.at("outputs", data.reported.valid, trace.steps) === data.reported.valid_is;
+    if (!isValid()) throw new Error(`no position is valid at step ${trace.steps}, so none can be withdrawn.`);
+    return () => !isValid();
+  }
+  if (until === "mode") return changes("state", trace.names.state.filter((name) => name.split(".").at(-1) === "mode"));
+  return until ? changes("outputs", [until.slice("output ".length)]) : () => false;
 }
 
 function showBranch(data, branch) {
@@ -240,41 +313,92 @@ function showBranch(data, branch) {
   showRun(data, branch);
   [view.plotted, view.watched, view.part] = [plotted, watched, part];
   view.fill();
-  place("run-verdict").textContent = `not checked: other inputs from step ${branch.from + 1} on`; // no verdict speaks of this run
+  place("run-verdict").textContent = `a run by hand: other inputs from step ${branch.from + 1} on; no proof speaks of it`;
   place("run-statement").textContent = "";
   place("run-slider").max = place("run-step").max = branch.steps;
   place("run-of").textContent = `of ${branch.steps}`;
   view.setLive(branch.live);
   offer(branch.live);
-  branching(true);
+  place("run-violating").hidden = view.violating === null;
+  sayBranch(branch);
   go(branch.steps);
 }
 
-/* Takes steps with what `given` returns for each; what the machine refuses is said, and the steps before it stay. */
-function takeSteps(count, given) {
-  const { trace, data } = view;
-  let flaw = "";
+/* What the claims of the machine say of the steps that were taken here. */
+function sayBranch(branch) {
+  const { claims } = branch.live.machine;
+  const many = claims.length === 1 ? "1 property is" : `${claims.length} properties are`;
+  const checked = claims.length ? `${many} checked in every step.` : "It has no property that can be checked here.";
+  place("run-if-says").textContent = `The stored run up to step ${branch.from}; then the inputs below. ${checked} That none is violated is no proof.`;
+  const lines = branch.broken.map(([statement, step, name]) => {
+    const to = element("button", { class: "quiet violated", onclick: () => go(step) }, `step ${step}`);
+    return element("p", { class: "violated" }, element("b", {}, `violated: ${name}`), spoken(statement) === name ? " " : `, ${spoken(statement)} `, to);
+  });
+  const { silent } = branch;
+  if (silent.length) lines.push(element("p", { class: "unknown" }, `From step ${silent[0].step} on ${silent.length} of ${many.replace(/ (is|are)$/, "")} say nothing, since a step broke what they assume.`));
+  place("run-if-broken").replaceChildren(...lines);
+}
+
+/* Takes the step that is filled in; what the machine refuses is said. */
+function takeOne() {
+  takeSteps(1, () => inputs.given, () => false);
+}
+
+/* Takes steps until one does what is asked for, a property is violated, or the number is reached. */
+function goOn() {
+  const { trace } = view;
+  const most = Number(place("run-if-most").value);
+  const asRecorded = place("run-if-how").value === "recorded";
+  if (!Number.isInteger(most) || most < 1 || most > MOST_STEPS) return sayFlaw(`at most 1 to ${shown(MOST_STEPS, null)} steps can be taken at once.`);
   try {
-    for (let taken = 0; taken < count; taken += 1) trace.take(given(trace.steps + 1), data.signals);
+    const repeated = asRecorded ? null : inputs.given;
+    takeSteps(most, (step) => repeated ?? inputs.over(recordedAt(trace, step)), stopper());
+  } catch (error) {
+    sayFlaw(error.message);
+  }
+}
+
+function recordedAt(trace, step) {
+  if (step > trace.stored.steps) throw new Error(`the recording ends with step ${trace.stored.steps}.`);
+  return trace.storedInputs(step);
+}
+
+function takeSteps(most, given, isEnough) {
+  const { trace, data } = view;
+  const [begun, violated] = [trace.steps, trace.broken.length];
+  let [flaw, why] = ["", ""];
+  try {
+    while (!why && trace.steps - begun < most) {
+      trace.take(given(trace.steps + 1), data.signals);
+      if (trace.broken.length > violated) why = "a property is violated";
+      else if (isEnough()) why = place("run-if-until").selectedOptions[0].textContent;
+    }
   } catch (error) {
     flaw = error.message;
   }
   showBranch(data, trace);
-  place("run-if-flaw").hidden = !flaw;
-  place("run-if-flaw").textContent = flaw;
+  refill();
+  const taken = trace.steps - begun;
+  if (most > 1) place("run-if-says").textContent = `${taken} step${taken === 1 ? "" : "s"} taken${why ? `: ${why}` : ""}. ${place("run-if-says").textContent}`;
+  if (flaw) sayFlaw(flaw);
+}
+
+function sayFlaw(text) {
+  place("run-if-flaw").hidden = false;
+  place("run-if-flaw").textContent = spoken(text);
 }
 
 function takeBack() {
   if (view.trace.steps > view.trace.from) view.trace.back();
   showBranch(view.data, view.trace);
+  refill();
 }
 
 function save(form, ending) {
   try {
     download(`${view.data.name}-run${ending}`, view.trace.written(form));
   } catch (error) {
-    place("run-if-flaw").hidden = false;
-    place("run-if-flaw").textContent = error.message;
+    sayFlaw(error.message);
   }
 }
 
@@ -328,9 +452,8 @@ const PRESSED = {
   "run-link": copyLink,
   "run-keys": help,
   "run-if-open": branchOff,
-  "run-if-take": () => takeSteps(1, () => inputs.given),
-  "run-if-ten": () => takeSteps(10, () => inputs.given),
-  "run-if-rest": () => takeSteps(view.trace.stored.steps - view.trace.steps, (step) => view.trace.storedInputs(step)),
+  "run-if-take": takeOne,
+  "run-if-on": goOn,
   "run-if-back": takeBack,
   "run-if-stream": () => save("asStream", ".jsonl"),
   "run-if-test": () => save("asTest", "_test.py"),
@@ -367,6 +490,12 @@ place("run-watch").addEventListener("submit", (event) => {
   place("run-expression").value = "";
 });
 place("run-filter").addEventListener("input", () => view?.showValues());
+place("run-if-how").addEventListener("change", () => view?.trace.from !== undefined && refill());
+place("run-filter").addEventListener("keydown", (event) => {
+  if (event.key !== "Enter") return;
+  event.preventDefault(); // else the key would press the button that has the focus then
+  view?.openFirst();
+});
 place("run-only").addEventListener("change", () => view?.showValues());
 place("run-part").addEventListener("change", (event) => view && project(event.target.value));
 place("run-choice").addEventListener("change", (event) => (location.hash = linkTo(event.target.value, "").replace("&step=", "")));

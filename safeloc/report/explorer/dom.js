@@ -28,5 +28,8 @@ function shown(value, signal) {
   if (value === null || value === undefined) return "absent";
   if (typeof value === "boolean") return String(value);
   if (signal?.members?.length) return signal.members[Number(value)] ?? String(value);
-  return String(value).replace("-", "\u2212").replace(/\B(?=(\d{3})+$)/g, "\u202f");
+  return grouped(String(value).replace("-", "\u2212"));
 }
+
+/* The digits before a decimal point in groups of three. */
+const grouped = (digits) => digits.replace(/^[^.]+/, (whole) => whole.replace(/\B(?=(\d{3})+$)/g, "\u202f"));

@@ -3,6 +3,7 @@
 
 const machines = new Map();
 window.safelocMachine = (name, machine) => machines.set(name, machine);
+window.safelocCommon = machineCommon; // what the scripts of all machines have in common
 window.safelocScript = (name, text) => arrive(`script ${name}`, text);
 
 /* The machine of a target, by the name of its system; null where the page has none, or a run is one of a part by itself. Error for a
@@ -15,6 +16,7 @@ async function machineOf(file, script, trace) {
     }
   }
   const machine = machines.get(trace.machine) ?? null;
+  if (machine && !machine.look) throw new Error(`the script of the machine is of an earlier version; \`safeloc verify\` writes it again`);
   return machine && new Live(machine, trace);
 }
 
@@ -57,9 +59,25 @@ class Live {
     }
   }
 
-  /* The rows of the tables in the modes before a step, each with the parts of its guard that decide. */
+  /* The rows of the tables in the modes before a step, and the parts of all terms with their values in it; kept for the step that is
+     shown. Claims that look back need what a monitor has kept up to the step before. */
+  seen(step) {
+    if (this.looked?.step !== step) {
+      const look = (state, inputs) => this.machine.look(state, inputs, this.machine.looksBack ? this.monitors(step - 1).at(-1) : undefined);
+      this.looked = { step, seen: step === 0 && this.fits ? this.machine.lookFirst(this.before(1)) : this.asked(step, null, look) };
+    }
+    return this.looked.seen;
+  }
+
   rows(step) {
-    return this.asked(step, null, (state, inputs) => this.machine.explain(state, inputs));
+    return step < 1 ? null : (this.seen(step)?.rows ?? null);
+  }
+
+  /* What a monitor of the claims holds before the first step and after each step up to this one. */
+  monitors(step) {
+    const found = [this.machine.monitor(this.before(1))];
+    for (let at = 1; at <= step; at += 1) found.push(this.machine.monitored(found.at(-1), this.before(at), this.given(at)));
+    return found;
   }
 
   values(step) {
@@ -69,18 +87,4 @@ class Live {
   broken(step) {
     return this.asked(step, [], (state, inputs) => this.machine.broken(state, inputs));
   }
-}
-
-/* One part of a guard and its value, with the values that it reads. */
-function partLine(part) {
-  const values = Object.entries(part.values).map(([name, value]) => `${name} = ${value}`);
-  if (part.leftOut) values.push(`and ${part.leftOut} more`);
-  return element(
-    "li",
-    { style: `margin-left:${part.depth * 14}px` },
-    element("span", { class: part.value ? "is-true" : "is-false" }, part.value ? "true" : "false"),
-    " ",
-    element("code", {}, part.text),
-    values.length ? element("span", { class: "soft" }, ` ${values.join(", ")}`) : null,
-  );
 }

@@ -105,6 +105,15 @@ function leads(one) {
 
 /* ------------------------------------------------------ keys and links */
 
+/* Opens the first thing that was found. */
+async function openFirst() {
+  await search();
+  const first = place("overview-found").querySelector("details");
+  if (!first) return;
+  first.open = true;
+  first.querySelector("summary").focus();
+}
+
 function step(event) {
   const rows = [...place("overview-found").querySelectorAll("summary")];
   const at = rows.indexOf(document.activeElement);
@@ -156,6 +165,9 @@ for (const field of ["machine", "kind", "verdict"]) {
 place("overview").addEventListener("keydown", (event) => {
   if (event.key === "ArrowDown" || event.key === "ArrowUp") {
     if (event.target.localName !== "select") step(event);
+  } else if (event.key === "Enter" && event.target === place("overview-words")) {
+    event.preventDefault();
+    openFirst();
   } else if (event.key === "Escape") {
     place("overview-words").value = "";
     for (const field of ["machine", "kind", "verdict"]) place(`overview-${field}`).value = "";

@@ -1,6 +1,7 @@
 /* The line at one step: the train, the intervals that the machine states, sections with their modes, and places that inputs name. */
 
-const NAMED = 170; // width of the column of names, in pixels
+const NAMED = 170; // greatest width of the column of names, in pixels
+const NARROWEST = 200; // of a line that is drawn
 const ROW = 22;
 const LEAST_MM = 20000; // of the stretch of the line that is shown
 const SPANS = 6; // as many widths of the widest reported interval are shown
@@ -78,7 +79,8 @@ class Strip {
   show(step) {
     this.step = step;
     this.width = this.box.clientWidth;
-    if (this.card.hidden || this.width < 2 * NAMED) return;
+    if (this.card.hidden || this.width < NARROWEST) return;
+    this.named = Math.min(NAMED, Math.round(this.width * 0.38));
     [this.begin, this.end] = this.window(step);
     const shownNow = this.spans.filter(({ from, to }) => from[step] !== null && to[step] !== null);
     const marks = this.places.filter(({ values }) => values[step] !== null).map(({ name, values }) => ({ name, at: Number(values[step]) }));
@@ -101,12 +103,12 @@ class Strip {
   }
 
   x(at) {
-    return NAMED + ((this.width - NAMED - 10) * (at - this.begin)) / (this.end - this.begin);
+    return this.named + ((this.width - this.named - 10) * (at - this.begin)) / (this.end - this.begin);
   }
 
   axis(tall) {
     const unit = 10 ** Math.floor(Math.log10(this.stretch / 4));
-    const gap = [1, 2, 5, 10].map((factor) => factor * unit).find((one) => this.stretch / one <= 8) ?? unit;
+    const gap = [1, 2, 5, 10].map((factor) => factor * unit).find((one) => this.stretch / one <= Math.max(2, Math.min(8, (this.width - this.named) / 70))) ?? 10 * unit;
     const made = [];
     for (let at = Math.ceil(this.begin / gap) * gap; at <= this.end; at += gap) {
       made.push(drawn("line", { class: "grid", x1: this.x(at), x2: this.x(at), y1: 0, y2: tall - ROW }));
@@ -117,8 +119,9 @@ class Strip {
   }
 
   label(name, y) {
-    const text = name.length > 25 ? `\u2026${name.slice(-24)}` : name;
-    return drawn("text", { class: "tick", x: NAMED - 8, y: y + 14, "text-anchor": "end" }, drawn("title", {}, name), text);
+    const most = Math.floor(this.named / 6.6);
+    const text = name.length > most ? `\u2026${name.slice(1 - most)}` : name;
+    return drawn("text", { class: "tick", x: this.named - 8, y: y + 14, "text-anchor": "end" }, drawn("title", {}, name), text);
   }
 
   spanAt({ name, at, from, to, mode }, step, y) {
@@ -144,7 +147,7 @@ class Strip {
   beyond(at, y) {
     const right = at > this.end;
     const text = right ? `${metres(at)} \u2192` : `\u2190 ${metres(at)}`;
-    return drawn("text", { class: "tick", x: right ? this.width - 12 : NAMED + 4, y: y + 14, "text-anchor": right ? "end" : "start" }, text);
+    return drawn("text", { class: "tick", x: right ? this.width - 12 : this.named + 4, y: y + 14, "text-anchor": right ? "end" : "start" }, text);
   }
 
   train(at, tall) {

@@ -41,7 +41,8 @@ class View {
   /* What the run breaks: statements, each with the step that breaks it, in the order of the steps. */
   get broken() {
     const every = this.data.results[this.result]?.broken ?? [];
-    return every.filter(([, step]) => this.trace.from === undefined || step <= this.trace.from); // of other steps nothing was checked
+    if (this.trace.from === undefined) return every;
+    return [...every.filter(([, step]) => step <= this.trace.from), ...this.trace.broken]; // of a branch what the claims say in the page
   }
 
   get violating() {
@@ -252,6 +253,7 @@ class View {
   /* ---------------------------------------------------- at the cursor */
 
   show(step) {
+    const at = window.scrollY;
     this.step = Math.max(0, Math.min(this.trace.steps, step));
     this.charts.move(this.step);
     this.strip.show(this.step);
@@ -260,6 +262,7 @@ class View {
     this.showDiagram();
     this.showValues();
     this.markStep();
+    if (window.scrollY !== at) window.scrollTo(0, at); // what is read stays in its place, whatever grows or shrinks above it
     this.moved();
   }
 
@@ -271,14 +274,23 @@ class View {
     const lines = (others.length ? others : fired.length === 1 ? fired : []).map(([machine, name]) => this.firedLine(machine, name));
     if (as.length && fired.length > 1) {
       const rest = as.map(([machine, name]) => this.firedLine(machine, name));
-      lines.push(element("details", { open: !others.length }, element("summary", {}, `${as.length} fired as in the step before`), ...rest));
+      lines.push(fold("as before", [`${as.length} fired as in the step before`], () => rest, { open: !others.length }));
     }
-    for (const [statement, step] of this.broken) {
-      if (step === this.step) lines.unshift(element("p", { class: "violated" }, element("b", {}, "violated here: "), statement));
-    }
+    lines.unshift(...this.broken.filter(([, step]) => step === this.step).map((one) => this.brokenLine(one)));
     const laws = this.live?.broken(this.step) ?? [];
     if (laws.length) lines.push(element("p", { class: "unknown" }, `No proof speaks of what follows: this step breaks ${laws.length > 1 ? "the laws" : "the law"} \u201c${laws.join("\u201d, \u201c")}\u201d.`));
-    place("run-fired").replaceChildren(...(this.step ? lines : [element("p", { class: "soft" }, "the state before the first step")]));
+    if (!this.step) lines.push(element("p", { class: "soft" }, "the state before the first step"));
+    replaced(place("run-fired"), ...lines);
+  }
+
+  /* A statement that the step breaks, with the term that must not be so and the parts that make it so. */
+  brokenLine([statement, , claim]) {
+    const head = element("p", { class: "violated" }, element("b", {}, "violated here: "), spoken(statement));
+    const seen = this.live?.seen(this.step);
+    const asked = claim ? seen?.claim(claim) : null;
+    if (!asked) return head;
+    const late = asked.steps > 0 ? [element("p", { class: "soft" }, `The response has not come within ${asked.steps} steps; this is it:`)] : [];
+    return element("div", {}, head, fold(`claim/${claim}`, ["the part that fails, with its values"], () => [...late, ...wholeTerm(seen, seen.asked(asked), `claim/${claim}`)], { open: true }));
   }
 
   firedLine(machine, name) {
@@ -286,15 +298,23 @@ class View {
     const [before, after] = [this.modeOf(machine, this.step - 1), this.modeOf(machine, this.step)];
     const way = before === after ? `in ${after}` : `${before} \u2192 ${after}`;
     const head = element("p", { class: "fired" }, this.alone ? null : element("span", { class: "soft" }, `${machine}: `), element("b", {}, name), ` ${way}`);
+    const live = this.live?.rows(this.step)?.find((one) => one.fires && one.transition === name && (this.alone || one.machine === machine));
+    if (live) return element("div", {}, head, this.whyOf(live, "fired"));
     return row ? element("div", {}, head, this.guard(machine, row.guard)) : head;
+  }
+
+  /* The guard of a row and why it holds or not; it stays open from step to step. */
+  whyOf(row, at = "row") {
+    const key = `${at}/${row.machine}/${row.transition}`;
+    return fold(key, ["why"], () => wholeTerm(this.live.seen(this.step), row.place, key));
   }
 
   /* A guard, with the terms below it for which its letters stand. */
   guard(machine, text) {
     const known = this.parts.get(machine).terms;
     const named = [...new Set(text.match(/#\d+/g) ?? [])].filter((name) => known[name]);
-    const terms = named.map((name) => element("li", {}, element("code", {}, `${name} = ${known[name]}`)));
-    return element("div", { class: "guard" }, "when ", element("code", {}, text), terms.length ? element("ul", {}, ...terms) : null);
+    const terms = named.map((name) => element("li", {}, element("code", {}, `${name} = ${spoken(known[name])}`)));
+    return element("div", { class: "guard" }, "when ", element("code", {}, spoken(text)), terms.length ? element("ul", {}, ...terms) : null);
   }
 
   /* Of a composition, the machine that was chosen, else one that changed its mode, else the one before. */
@@ -312,7 +332,7 @@ class View {
     const rows = this.explained(part) ?? this.rowsAtHome(part, mode);
     const why = this.live?.flaw ?? this.unexplained;
     const note = why && this.step ? element("p", { class: "soft" }, `Why a transition is refused cannot be told: ${why}.`) : null;
-    place("run-rows").replaceChildren(element("ol", {}, ...rows.map((row) => rowLine(row, numbers.get(row.transition)))), ...(note ? [note] : []));
+    replaced(place("run-rows"), element("ol", {}, ...rows.map((row) => rowLine(row, numbers.get(row.transition), row.place === undefined ? null : this.whyOf(row)))), ...(note ? [note] : []));
     place("run-rows-box").firstElementChild.textContent = `transitions of ${part.name} in ${mode}`;
   }
 
@@ -326,7 +346,7 @@ class View {
     const fired = new Set(this.firedAt(this.step).filter(([machine]) => machine === part.name || this.alone).map(([, name]) => name));
     return part.table
       .filter((row) => row.source.split(", ").includes(mode))
-      .map((row) => ({ transition: row.name, target: row.target, fires: fired.has(row.name), enabled: null, parts: [] }));
+      .map((row) => ({ transition: row.name, target: row.target, fires: fired.has(row.name), enabled: null }));
   }
 
   showValues() {
@@ -342,6 +362,14 @@ class View {
     for (const body of place("run-values").tBodies) {
       body.rows[0].hidden = ![...body.rows].slice(1).some((row) => !row.hidden);
     }
+  }
+
+  /* Charts the first name that the filter leaves, and goes to it. */
+  openFirst() {
+    const first = this.values.find((one) => !one.row.hidden);
+    if (!first) return;
+    if (!this.plotted.includes(first.name)) this.plot(first.name);
+    first.button.focus();
   }
 
   /* Only what differs from what stands there is written: most values stay from step to step. */
@@ -416,9 +444,8 @@ function write(one, cell, text) {
 }
 
 /* A transition of the present mode: it fired, or was enabled, or is refused by parts of its guard. */
-function rowLine(row, number) {
+function rowLine(row, number, why) {
   const word = row.fires ? "fired" : row.enabled === null ? "" : row.enabled ? "enabled" : "refused";
   const head = [element("b", {}, row.transition), ` \u2192 ${row.target}`, word ? element("span", { class: `tag ${word}` }, word) : null];
-  const parts = row.parts.length ? element("details", {}, element("summary", {}, "why"), element("ul", { class: "parts" }, ...row.parts.map(partLine))) : null;
-  return element("li", { value: number, class: row.fires ? "took" : null }, ...head, parts);
+  return element("li", { value: number, class: row.fires ? "took" : null }, ...head, why);
 }

@@ -1,0 +1,369 @@
+"""The page of runs in a browser: why something is so, what breaks a claim, and runs that go on with other inputs."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs, urlencode
+
+import pytest
+
+from safeloc.catalogue import configured, load_target
+from safeloc.explain.pytest_file import run_file, run_file_pieces
+from safeloc.language.interpret import run
+from safeloc.language.verdict import Proved
+from safeloc.proof.results import Finding
+from safeloc.report.folder import write_folder
+from safeloc.report.recordings_page import recordings_page
+from safeloc.report.run_page import machine_script
+from safeloc.runtime.scripts import read_script
+from tests.report import keeper
+from tests.report.browser import DESK, ENTER, PHONE, RIGHT, Page, browser, opened, page
+
+__all__ = ["browser", "page"]  # fixtures
+NARROW_SPACE, FIXED_SPACE = "\u202f", "\xa0"
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a run in which nothing is violated and of one that violates a claim."""
+    folder = tmp_path_factory.mktemp("keeper")
+    streams = [keeper.stream(folder, "quiet", keeper.QUIET), keeper.stream(folder, "busy", keeper.BUSY)]
+    path = folder / "page.html"
+    path.write_text(recordings_page(keeper.target, streams, made="now"), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def odometry(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the recorded service of the odometry."""
+    target = load_target("odometry")
+    service = [path for path in target.streams if "service" in path.name]
+    path = tmp_path_factory.mktemp("odometry") / "page.html"
+    path.write_text(recordings_page(target, service, made="now"), encoding="utf-8")
+    return path
+
+
+def at(page: Page, path: Path, run: str, step: int, more: str = "") -> None:
+    """Open a run of the machine at a step, with the machine itself."""
+    name = path.parent.name.rstrip("0123456789")
+    opened(page, path, f"#result={name}%2Frecording%2F{run}&step={step}{more}")
+    page.until("!document.getElementById('run-if-open').hidden || document.getElementById('run').classList.contains('branching')")  # fmt: skip
+
+
+def chosen(page: Page, field: str, value: str) -> None:
+    """Choose a value in a list of the form."""
+    page.js("(e => { e.value = arguments[1]; e.dispatchEvent(new Event('change')) })(document.getElementById(arguments[0]))", field, value)  # fmt: skip
+
+
+def filled(page: Page, field: str, value: str) -> None:
+    """Fill a field of the form, as typing does."""
+    page.js("(e => { e.value = arguments[1]; e.dispatchEvent(new Event('input', {bubbles: true})) })(document.getElementById(arguments[0]))", field, value)  # fmt: skip
+
+
+def branched(page: Page) -> None:
+    """Branch off where the cursor is."""
+    page.click("#run-if-open")
+    page.until("!document.getElementById('run-if').hidden")
+
+
+def parts(page: Page, selector: str) -> list[str]:
+    """The parts that are open below an element, each with its own line alone."""
+    return [str(one) for one in page.js(
+        "[...document.querySelectorAll(arguments[0] + ' .parts > li')].map(e => (e.querySelector('summary') ?? e).textContent)", selector)]  # fmt: skip
+
+
+# ------------------------------------------------------------------ why
+
+
+ROW = "#run-rows li:nth-child(1)"
+
+
+def test_names_stay_names_and_unfold_level_by_level(page: Page, pages: Path) -> None:
+    """First the part that refuses, by its name; a click says what the name stands for, with its values; the others are one fold away."""
+    at(page, pages, "quiet", 2)
+    page.click(f"{ROW} summary")
+    page.until(f"document.querySelector('{ROW} .parts') !== null")
+    assert page.text(f"{ROW} .meaning") == f"false may start and (counted < 900{FIXED_SPACE}count)"
+    assert parts(page, ROW) == ["false may start"]
+    page.click(f"{ROW} .parts summary")
+    page.until(f"document.querySelectorAll('{ROW} .parts > li').length === 2")
+    assert page.text(f"{ROW} .parts .meaning") == "is go and age within limit"
+    value = f"1{NARROW_SPACE}200{FIXED_SPACE}ms"
+    assert parts(page, ROW)[1] == f"false age within limit (age_ms = {value})"
+    page.click(f"{ROW} .parts .parts summary")
+    page.until(f"document.querySelectorAll('{ROW} .parts > li').length === 3")
+    assert page.text(f"{ROW} .parts .parts .meaning") == f"is age_ms ≤ 1{NARROW_SPACE}000{FIXED_SPACE}ms"
+    assert page.js(f"document.querySelectorAll('{ROW} .others').length") == 2
+    assert "\u2026" not in page.text(ROW)
+    assert page.said() == []
+
+
+def test_what_was_unfolded_stays_open(page: Page, pages: Path) -> None:
+    """From step to step, with the keyboard on it and the page where it was; what was closed stays closed."""
+    page.size(*PHONE)
+    at(page, pages, "quiet", 1)
+    page.click(f"{ROW} summary")
+    page.until(f"document.querySelector('{ROW} .parts') !== null")
+    page.click(f"{ROW} .parts summary")
+    page.until(f"document.querySelectorAll('{ROW} .parts > li').length === 3")
+    page.js("scrollTo(0, 250)")
+    before = page.js("scrollY")
+    assert before > 0
+    page.press(RIGHT)
+    page.until("document.getElementById('run-said').textContent.startsWith('step 2 ')")
+    assert parts(page, ROW) == [
+        "false may start",
+        f"false age within limit (age_ms = 1{NARROW_SPACE}200{FIXED_SPACE}ms)",
+    ]
+    assert page.js("scrollY") == before
+    assert "may start" in page.js("document.activeElement.textContent")
+    page.click(f"{ROW} summary")
+    page.press(RIGHT)
+    page.until("document.getElementById('run-said').textContent.startsWith('step 3 ')")
+    assert not page.js(f"document.querySelector('{ROW} details').open")
+
+
+def test_a_violation_shows_the_part_that_fails(page: Page, pages: Path) -> None:
+    """At the step that breaks a claim stands its term with the values of its parts, of a late response the response."""
+    at(page, pages, "busy", 4)
+    page.until("document.querySelector('#run-fired .violated + details .parts') !== null")
+    assert page.text("#run-fired .violated") == f"violated here: at most 3 counts, in 1{NARROW_SPACE}000{FIXED_SPACE}ms"
+    assert page.text("#run-verdict") == "violated at steps 4 and 7 of 10"
+    told = page.text("#run-fired details")
+    assert f"counted = 4{FIXED_SPACE}count" in told
+    assert "mode = ON" in told
+    assert "false, but must be true" not in told
+    at(page, pages, "busy", 7)
+    page.until("document.querySelector('#run-fired .violated + details') !== null")
+    assert "has not come within 6 steps" in page.text("#run-fired")
+    assert "(mode = ON)" in page.text("#run-fired")
+    assert page.said() == []
+
+
+# ------------------------------------------------------------------ other inputs
+
+
+def test_a_branch_is_checked(page: Page, pages: Path) -> None:
+    """A violated property is said with its name, step and failing parts; it stops there; the jump leads to it; the words claim no proof."""
+    at(page, pages, "quiet", 3)
+    branched(page)
+    assert page.js("document.getElementById('run-violating').hidden")
+    assert "2 properties are checked in every step. That none is violated is no proof." in page.text("#run-if-says")
+    filled(page, "run-input-age_ms", "500")
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-if-broken').textContent !== ''")
+    assert "3 steps taken: a property is violated." in page.text("#run-if-says")
+    assert "violated: four counts, at most 3 counts" in page.text("#run-if-broken")
+    assert "no proof speaks of it" in page.text("#run-verdict")
+    assert page.js("document.querySelector('#run-verdict .verdict')") is None
+    assert f"counted = 4{FIXED_SPACE}count" in page.text("#run-fired details")
+    page.click("#run-start")
+    page.click("#run-violating")
+    page.until("document.getElementById('run-slider').value === '6'")
+    page.click("#run-if-back")
+    page.until("document.getElementById('run-if-broken').textContent === ''")
+    assert page.js("document.getElementById('run-violating').hidden")
+    page.click("#run-if-take")
+    page.until("document.getElementById('run-if-broken').textContent !== ''")
+    assert page.said() == []
+
+
+def test_as_recorded_except_what_is_yours(page: Page, pages: Path) -> None:
+    """Inputs that nobody set follow the recording; the one that was set stays until it is given back; the recording's end is said."""
+    at(page, pages, "quiet", 0)
+    branched(page)
+    chosen(page, "run-if-how", "recorded")
+    filled(page, "run-input-age_ms", "5000")
+    filled(page, "run-if-most", "4")
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-slider').value === '4'")
+    inputs = page.js("[...document.querySelectorAll('#run-steps tbody tr')].slice(1).map(r => r.cells[2].innerText)")
+    assert [f"age_ms = 5{NARROW_SPACE}000" in one for one in inputs] == [True] * 4
+    assert ["go = true" in one for one in inputs] == [bool(one["go"]) for one in keeper.QUIET[:4]]
+    page.click("#run-if-inputs .own:not([hidden])")
+    assert page.js("document.getElementById('run-input-age_ms').value") == "1500"
+    filled(page, "run-if-most", "100")
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-if-flaw').textContent !== ''")
+    assert page.text("#run-if-flaw") == "the recording ends with step 25."
+    assert page.js("document.getElementById('run-slider').max") == "25"
+    filled(page, "run-if-most", "0")
+    page.click("#run-if-on")
+    assert page.text("#run-if-flaw") == f"at most 1 to 10{NARROW_SPACE}000 steps can be taken at once."
+
+
+def test_until_a_mode_or_an_output_changes(page: Page, pages: Path) -> None:
+    """It stops at the step that does what was asked for, and says how many were taken."""
+    at(page, pages, "quiet", 0)
+    branched(page)
+    chosen(page, "run-if-how", "recorded")
+    chosen(page, "run-if-until", "mode")
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-if-says').textContent.startsWith('3 steps taken: a mode changes.')")
+    chosen(page, "run-if-until", "output counted")
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-if-says').textContent.startsWith('1 step taken: counted changes.')")
+    assert page.js("document.getElementById('run-slider').value") == "4"
+
+
+@pytest.mark.thorough(ordinary=1)
+def test_until_the_position_is_withdrawn(page: Page, odometry: Path) -> None:
+    """Both wheels fall silent in a recorded journey, all else goes on as recorded: the position is withdrawn in the end."""
+    at(page, odometry, "odometry-service", 400)
+    branched(page)
+    chosen(page, "run-if-how", "recorded")
+    for name in ("front_wheel_mm", "rear_wheel_mm"):
+        filled(page, f"run-input-{name}", "")
+    chosen(page, "run-if-until", "withdrawn")
+    filled(page, "run-if-most", "1000")
+    page.click("#run-if-on")
+    page.until(
+        "/^\\d+ steps taken: the position is withdrawn/.test(document.getElementById('run-if-says').textContent)"
+    )
+    assert 420 < int(page.js("document.getElementById('run-slider').value"))
+    page.click("#run-if-on")
+    assert "no position is valid at step" in page.text("#run-if-flaw")
+    assert page.said() == []
+
+
+# ------------------------------------------------------------------ the link
+
+
+def place(page: Page) -> dict[str, list[str]]:
+    """What the address holds."""
+    return parse_qs(str(page.js("location.hash.slice(1)")))
+
+
+def test_a_branch_is_in_its_link(page: Page, pages: Path) -> None:
+    """The link has the steps of departure and what differs; opening it makes the same run."""
+    at(page, pages, "quiet", 3)
+    branched(page)
+    filled(page, "run-input-age_ms", "500")
+    filled(page, "run-if-most", "2")
+    page.click("#run-if-on")
+    page.until("new URLSearchParams(location.hash.slice(1)).get('take') !== null && location.hash.includes('step=5')")
+    link = place(page)
+    assert link["from"] == ["3"]
+    assert json.loads(link["take"][0]) == [[1, {"age_ms": 500}], [1, {"age_ms": 500}]] or json.loads(
+        link["take"][0]
+    ) == [[2, {"age_ms": 500}]]
+    shown = page.js("document.getElementById('run-steps').innerText")
+    opened(page, pages, str(page.js("location.hash")))
+    page.until("document.getElementById('run').classList.contains('branching')")
+    assert page.js("document.getElementById('run-steps').innerText") == shown
+    assert page.js("document.getElementById('run-slider').value") == "5"
+    assert page.said() == []
+
+
+WRONG_LINKS = {
+    "another version": ({"of": "0123456789abcdef"}, "it is of another version of keeper"),
+    "an unknown input": ({"take": '[[1,{"speed":1}]]'}, 'keeper: unknown inputs "speed"'),
+    "out of range": ({"take": '[[1,{"age_ms":-1}]]'}, "age_ms: -1"),
+    "no list": ({"take": '{"a":1}'}, "its changes are damaged"),
+    "no JSON": ({"take": "[[1,"}, "its changes are damaged"),
+    "too many steps": ({"take": "[[100000000,{}]]"}, f"it has more than 10{NARROW_SPACE}000 steps"),
+    "no such step": ({"from": "99"}, "this run has no step 99"),
+    "markup": ({"take": '[[1,{"<img src=x onerror=alert(1)>":1}]]'}, "unknown inputs"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG_LINKS)
+def test_a_link_that_cannot_be_followed_is_refused(page: Page, pages: Path, wrong: str) -> None:
+    """The reason stands above the stored run, and no step of the branch is shown."""
+    at(page, pages, "quiet", 3)
+    declared = page.js("JSON.parse(document.getElementById('run-known').textContent)")
+    assert declared["alone"]
+    branched(page)
+    page.click("#run-if-take")
+    page.until("location.hash.includes('take=')")
+    changed, message = WRONG_LINKS[wrong]
+    link = {**{name: one[0] for name, one in place(page).items()}, **changed}
+    opened(page, pages, f"#{urlencode(link)}")
+    page.until("!document.getElementById('run-flaw').hidden")
+    assert message in page.text("#run-flaw")
+    assert "The stored run stands below." in page.text("#run-flaw")
+    assert not page.js("document.getElementById('run').classList.contains('branching')")
+    assert page.js("document.querySelectorAll('#run img').length") == 0
+    assert page.text("#run-of") == "of 25"
+
+
+def test_a_branch_too_long_for_a_link_says_so(page: Page, pages: Path) -> None:
+    """It offers the stream; the link leads to the step of departure."""
+    at(page, pages, "quiet", 3)
+    branched(page)
+    changes = json.dumps([[1, {"age_ms": 1001 + at % 7}] for at in range(700)])
+    link = {**{name: one[0] for name, one in place(page).items()}, "from": "3", "take": changes, "step": "20"}
+    page.click("#run-if-take")
+    page.until("location.hash.includes('of=')")
+    link["of"] = place(page)["of"][0]
+    opened(page, pages, f"#{urlencode(link)}")
+    page.until("document.getElementById('run-if-link').textContent.includes('save it as a stream')")
+    assert "take" not in place(page)
+    assert place(page)["step"] == ["3"]
+
+
+# ------------------------------------------------------------------ how it looks
+
+
+@pytest.mark.parametrize("width", [(1400, 900), PHONE], ids=["desk", "phone"])
+def test_line_and_chart_are_seen_beside_the_form(page: Page, pages: Path, width: tuple[int, int]) -> None:
+    """While one sets inputs the chart is on the screen: beside the form, on a phone above it; nothing is wider than the screen."""
+    page.size(*width)
+    at(page, pages, "quiet", 3)
+    branched(page)
+    page.js("document.getElementById('run-if-take').scrollIntoView({block: 'center'})")
+    box: Any = page.js(
+        "(({top, bottom}) => [top, bottom])(document.querySelector('#run-charts svg').getBoundingClientRect())"
+    )
+    assert 0 <= box[0] < width[1] - 60
+    assert page.js("document.documentElement.scrollWidth") <= width[0]
+    assert page.barriers() == []
+    page.size(*DESK)
+
+
+def test_enter_opens_the_first_name(page: Page, pages: Path) -> None:
+    """In the filter of values it charts the first name that is left."""
+    at(page, pages, "quiet", 3)
+    page.type("#run-filter", "age", ENTER)
+    page.until("[...document.querySelectorAll('#run-charts figcaption')].some(e => e.textContent.startsWith('age_ms'))")
+    assert page.js("document.activeElement.getAttribute('aria-label')") == "chart of age_ms"
+
+
+def test_a_defence_is_called_so(page: Page, tmp_path: Path) -> None:
+    """In the list of runs and above the run: it shows no fault, but that the machine withstands one."""
+    withstood = run(keeper.target.system, keeper.QUIET)
+    method = "a defence: witness of 25 steps with its assumption broken"
+    found = [
+        Finding("keeper/obligation/withstands", "keeper", "obligation", "it withstands", Proved(None, "bmc", witness=withstood), method, 0.1),
+        Finding("keeper/property/shown", "keeper", "property", "it comes", Proved(None, "bmc", witness=withstood), "witness", 0.1),
+    ]  # fmt: skip
+    folder = write_folder(tmp_path, found, [keeper.target]).parent
+    opened(page, folder / "run.html", "#result=keeper%2Fobligation%2Fwithstands")
+    assert "a defence: in a run of 25 steps the machine withstands" in page.text("#run-verdict")
+    options = page.js("[...document.querySelectorAll('#run-choice option')].map(e => e.textContent)")
+    assert sorted(options) == ["obligation/withstands (25, defence)", "property/shown (25)"]
+
+
+# ------------------------------------------------------------------ tests of configurations
+
+
+def test_a_named_configuration_can_be_saved_as_a_test(tmp_path: Path) -> None:
+    """The page of a machine in a named configuration or with a file has the text of a test that loads it so."""
+    for name, target in configured("emitter", ["one pattern is enough"]):
+        path = tmp_path / "emitter.js"
+        path.write_text(machine_script("emitter", target), encoding="utf-8")
+        text = read_script(path, "safelocScript").decode()
+        pieces = run_file_pieces(target, None)
+        assert f'configured("emitter", ["{name}"])' in pieces[0]
+        assert json.dumps(list(pieces)).replace(", ", ",")[1:40] in text.replace(", ", ",")
+        trace = run(target.system, [{"test_requested": False, "next_chain_works": True}] * 4)
+        made, [fired, *_] = run_file(target, trace, None), trace.steps[0].fired.values()
+        saved = tmp_path / "test_saved.py"
+        for content in (made, made.replace(f'["{fired}"]', '["another"]')):
+            saved.write_text(content, encoding="utf-8")
+            done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:safeloc", "--rootdir", str(tmp_path), "test_saved.py"], cwd=tmp_path, capture_output=True, text=True, check=False)  # fmt: skip
+            assert ("2 passed" in done.stdout) == (content == made), done.stdout
