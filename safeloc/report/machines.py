@@ -15,11 +15,12 @@ from safeloc.catalogue import Target
 from safeloc.codegen.diagram import to_svg
 from safeloc.config import figures
 from safeloc.language.checks.machine import input_variables, read_of_machine
-from safeloc.language.digest import full_digest
+from safeloc.language.digest import declaration_digest, full_digest
 from safeloc.language.machine import Any_, Machine, Transition
 from safeloc.language.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
+from safeloc.language.system import without_ghosts
 from safeloc.language.terms import Sharing
 from safeloc.language.units import Enumeration
 from safeloc.report.declared import declarations, place
@@ -35,6 +36,7 @@ def machine_data(target: Target) -> dict[str, Any]:
         "name": target.name,
         "spec": target.spec,
         "declaration": full_digest(system),
+        "exported": declaration_digest(without_ghosts(system)),
         "doc": target.doc,
         "state_variables": len(system.state),
         "inputs": len(system.inputs),

@@ -8,6 +8,8 @@ from xml.etree import ElementTree
 import jsonschema
 import pytest
 
+from safeloc.codegen.c99_layout import layout_of
+from safeloc.language.system import without_ghosts
 from safeloc.language.verdict import WORST_FIRST, Held, NotAsked, Proved, Result, Vacuous
 from safeloc.proof.results import Finding
 from safeloc.report.data import report_data, schema
@@ -92,6 +94,9 @@ def test_data_name_certificates_and_what_needs_none() -> None:
     (machine,) = data["machines"]
     assert "" == machine["spec"]
     assert 64 == len(machine["declaration"])
+    exported = layout_of(without_ghosts(target().system)).digest
+    assert exported == machine["exported"] != machine["declaration"]
+    assert f"<td>exported code and snapshots of lamp</td><td>{exported}</td>" in to_html(data)
 
 
 def test_junit_counts_what_says_nothing_as_errors() -> None:
