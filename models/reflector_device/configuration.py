@@ -7,7 +7,7 @@ from pydantic import model_validator
 from safeloc.config import Config
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.delocalized import DelocalizedConfig
-from safeloc.models.localizer.configuration import CHECKED, LocalizerConfig
+from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 LARGEST_ACCURACY_MM = 100_000
@@ -17,17 +17,9 @@ LARGEST_ACCURACY_MM = 100_000
 class ReflectorDeviceConfig(Config):
     """One vehicle with odometer, balise reader and radar; what they share is said once, in `motion`, and must be the same in each."""
 
-    motion: MotionConfig = CHECKED
-    balise: BaliseConfig = BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000)
-    reflector: ReflectorConfig = ReflectorConfig(
-        odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=16_777_216
-    )
-
-    @property
-    def host(self) -> DelocalizedConfig:
-        """The limits of what the host gets: those of the reflector machine."""
-        own = self.reflector
-        return DelocalizedConfig(tolerance_mm=own.tolerance_mm, position_limit_mm=own.position_limit_mm)
+    motion: MotionConfig = MotionConfig()
+    balise: BaliseConfig = BaliseConfig()
+    reflector: ReflectorConfig = ReflectorConfig(last_balise_identity=16_777_216, reference_tolerance_mm=25_000)
 
     @property
     def vehicle(self) -> LocalizerConfig:
@@ -64,3 +56,9 @@ class ReflectorDeviceConfig(Config):
                 "position; let telegram or map give the distance."
             )
         return self
+
+    @property
+    def host(self) -> DelocalizedConfig:
+        """The limits of what the host gets: those of the reflector machine."""
+        own = self.reflector
+        return DelocalizedConfig(tolerance_mm=own.tolerance_mm, position_limit_mm=own.position_limit_mm)
