@@ -10,19 +10,25 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, between, exact_to
+from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, between, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.balise.variables import ACCEPTED
 from safeloc.models.reflector.balise_reading import BaliseReading
+from safeloc.models.reflector.variables import BALISE_CONTRADICTS
 from safeloc.models.reflector_device import ReflectorDevice
+from safeloc.models.stop_point.variables import HOLD, NO_ORDER, PROCEED
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.properties import delocalized
 from safeloc.properties.balise.step import LAW as GROUPS
 from safeloc.properties.reflector.figures import LAW as RADAR
+from safeloc.properties.stop_point.place import LAW as BRAKES
 
-LAW = f"{GROUPS}; {RADAR}; one of odometer and check unit keeps its law; telegram and map have a reflector at one place"
+LAW = (
+    f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at "
+    f"one place; {BRAKES}"
+)
 REQUIREMENTS = ("RFL-1", "RFL-5", "RFL-9")
 _OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -31,7 +37,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _rejected, _anchored, _distances)
+    makers = (_host, _rejected, _anchored, _distances, _stops)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -105,7 +111,9 @@ def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
     given, truth = whole.source.own.balise, whole.motion.own.ghosts.truth
     place, accuracy = _in_source_num(whole, given.position.value), _in_source_num(whole, given.accuracy.value)
     handed = _in_source(whole, given.identity.present) & _in_source(whole, given.position.present)
-    position, below, above = (whole.composition.of(whole.groups.machine).num(one) for one in _interval(whole.groups.machine))
+    position, below, above = (
+        whole.composition.of(whole.groups.machine).num(one) for one in _interval(whole.groups.machine)
+    )
     exact = all_of([_in_source(whole, given.accuracy.present), _in_source(whole, given.since.present)])
     yield for_all_inputs(
         "an accepted group is handed over",
@@ -119,6 +127,12 @@ def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
         "balise machine's position and the greater of its margins, at the end of the cycle",
         requirements=("RFL-5",),
     )  # fmt: skip
+    yield under_assumption(
+        "no accepted group contradicts the reflector machine",
+        _in_source_num(whole, whole.source.machine.output("error")).ne(BALISE_CONTRADICTS),
+        statement="the intervals of balise machine and reflector machine never exclude each other",
+        requirements=("RFL-5", "RFL-D3"),
+    )
     off, most = truth - exact_to(place, NM), exact_to(accuracy, NM)
     yield under_assumption(
         "a reading holds the front end",
@@ -144,8 +158,7 @@ def _distances(whole: ReflectorDevice) -> Iterator[Property]:
         fits = _accepted(whole) & told & between(least, left, whole.config.reflector.range_limit_mm)
         yield for_all_inputs(
             f"the telegram's {name} distance is used",
-            _in_source(whole, mine.present).iff(fits)
-            & fits.implies(_in_source_num(whole, mine.value).eq(left)),
+            _in_source(whole, mine.present).iff(fits) & fits.implies(_in_source_num(whole, mine.value).eq(left)),
             statement=f"the {name} distance of an accepted telegram, counted from the group's place on the map, is handed over as "
             "what of it lies ahead of the position, wherever that is within the radar's range; no other distance is",
             requirements=("RFL-9",),
@@ -168,6 +181,39 @@ def _reflector_from_truth(whole: ReflectorDevice, given: BaliseReading, mapped: 
             "the reading and of the survey",
             requirements=("RFL-9", "RFL-6"),
         )
+
+
+# ------------------------------------------------------------------ the stop at a platform
+
+
+def _stops(whole: ReflectorDevice) -> Iterator[Property]:
+    """Proved of the stop-point machine for the interval that the host gets, with the true place of the front end."""
+    own, machine = whole.stop.own, whole.stop.machine
+    proceeds = machine.output("order").eq(PROCEED) & own.pending.eq(before(own.pending))
+    foremost, end = exact_to(own.position + own.above, NM), exact_to(own.stop + own.after, NM)
+    for name, front, words in (
+        ("brake order in time", own.next_truth, "the true front end"),
+        (
+            "brake order from the max safe front end",
+            foremost,
+            "the max safe front end of the interval that the host gets",
+        ),
+    ):
+        claim = under_assumption(
+            name,
+            proceeds.implies(front + own.run_out <= end),
+            statement="the vehicle may proceed to a stop only while the guaranteed brake, ordered in the next cycle, still stops "
+            f"{words} within the stop window or before it",
+            requirements=("RFL-D7",),
+        )
+        yield replace(whole.composition.inherited(machine, claim), name=name)
+    ordered = whole.composition.of(machine).num(machine.output("order"))
+    yield for_all_inputs(
+        "without a position nothing moves",
+        _restrictive(whole).implies(ordered.one_of(NO_ORDER, HOLD)),
+        statement="while the vehicle is restrictive it has the order to hold, or none if no stop is pending",
+        requirements=("RFL-D7", "MRK-D2"),
+    )
 
 
 # ------------------------------------------------------------------ words

@@ -1,14 +1,16 @@
-"""The reflector device as one: odometer, balise reader, radar, and the restrictive state (RFL-1, RFL-5, RFL-9).
+"""The reflector device as one: odometer, balise reader, radar, restrictive state, and the stop at a platform (RFL-1, -5, -9, -D7).
 
     motion       the odometer that all machines share, and the true movement
     balise       judges every telegram by linking and expectation window
     line         no machine on board: the map's next reflector, and the law on its distance from a group
     reflector    anchored by what the balise machine accepted, with that machine's interval; measures reflectors from there
     delocalized  passes the position on, or makes the vehicle restrictive
+    stop_point   orders brake and hold at a platform, by the interval that was passed on
 
 All act in one step. A telegram that the balise machine rejects is no reading for the reflector machine. That an accepted one
 holds the front end is not assumed: the containment of the balise machine proves it. Where groups contradict the position, the
-reflector machine, which began from the same groups, withdraws it as well.
+reflector machine, which began from the same groups, withdraws it as well. The order to brake counts from the max safe front end
+of the interval that the host gets.
 """
 
 from __future__ import annotations
@@ -20,12 +22,14 @@ from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, betwee
 from safeloc.language.machine import Machine
 from safeloc.language.system import canonical
 from safeloc.language.units import MM
-from safeloc.models import balise, delocalized, motion, reflector
+from safeloc.models import balise, delocalized, motion, reflector, stop_point
 from safeloc.models.localizer.sources import PIECES, Piece
 from safeloc.models.motion import Motion
 from safeloc.models.reflector.world import PRESCRIBED, READING
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.line import Line, line
+from safeloc.models.stop_point import StopPoint
+from safeloc.models.stop_point.world import REPORTED
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 
@@ -44,6 +48,7 @@ class ReflectorDevice:
     line: Line
     source: reflector.ReflectorMachine
     restrictive: Machine
+    stop: StopPoint
 
 
 def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDevice:
@@ -56,25 +61,29 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     map_ = line(config)
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
+    stop = stop_point.build(stop_point.parts(config.stop))
     wires: dict[Var, Expr] = {
         **reading.wires,
         **map_.hears(groups.own),
         **measuring.wires,
         **_anchor(groups, source),
         **_told(groups, map_, source),
-        **_into_host(groups, source, measuring, behind),
+        **_into_host(groups, measuring, behind),
         behind.next_truth: moves.own.ghosts.truth,
+        **_into_stop(restrictive, source, stop),
+        stop.own.next_truth: moves.own.ghosts.truth,
     }
     whole = compose(
         NAME,
-        [moves.machine, groups.machine, map_.machine, source.machine, restrictive],
+        [moves.machine, groups.machine, map_.machine, source.machine, restrictive, stop.machine],
         wires,
         shared=moves.shared,
         discharge=[
             *reading.discharged, *measuring.discharged, Clause(source.machine, READING), Clause(source.machine, PRESCRIBED), restrictive,
+            Clause(stop.machine, REPORTED),
         ],
     )  # fmt: skip
-    return ReflectorDevice(config, whole, moves, groups, map_, source, restrictive)
+    return ReflectorDevice(config, whole, moves, groups, map_, source, restrictive, stop)
 
 
 def _counts(groups: balise.Balise) -> Bool:
@@ -125,9 +134,7 @@ def _within(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:
     return _present(to, condition & between(to.value.low, value, to.value.high), value)
 
 
-def _into_host(
-    groups: balise.Balise, source: reflector.ReflectorMachine, piece: Piece, behind: delocalized.Parts
-) -> dict[Var, Expr]:
+def _into_host(groups: balise.Balise, piece: Piece, behind: delocalized.Parts) -> dict[Var, Expr]:
     """Return the wires of the restrictive state: an accepted group and a recognised reflector end it."""
     stated = piece.stated
     return {
@@ -137,4 +144,17 @@ def _into_host(
         behind.position: stated.position,
         behind.below: stated.below,
         behind.above: stated.above,
+    }
+
+
+def _into_stop(restrictive: Machine, source: reflector.ReflectorMachine, stop: StopPoint) -> dict[Var, Expr]:
+    """Return the wires of the stop at a platform: the interval that the host gets, and whether a reflector gave it."""
+    passed, own = ~restrictive.flag("restrictive"), stop.own
+    position, below, above = wired_interval(restrictive)
+    return {
+        own.valid: passed,
+        own.precise: passed & source.machine.flag("precise"),
+        own.position: position,
+        own.below: below,
+        own.above: above,
     }

@@ -10,6 +10,8 @@ from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.stop_point.variables import StopPointConfig
+
 LARGEST_ACCURACY_MM = 100_000
 """The reflector machine takes no reading that is less accurate."""
 
@@ -20,6 +22,7 @@ class ReflectorDeviceConfig(Config):
     motion: MotionConfig = MotionConfig()
     balise: BaliseConfig = BaliseConfig()
     reflector: ReflectorConfig = ReflectorConfig(last_balise_identity=16_777_216, reference_tolerance_mm=25_000)
+    stop: StopPointConfig = StopPointConfig()
 
     @property
     def vehicle(self) -> LocalizerConfig:
@@ -34,7 +37,17 @@ class ReflectorDeviceConfig(Config):
 
     @model_validator(mode="after")
     def _one_vehicle(self) -> ReflectorDeviceConfig:
-        assert self.vehicle
+        moves, stop = self.vehicle.motion, self.stop
+        wanted = {
+            "position_limit_mm": moves.position_limit_mm,
+            "max_speed_mm_s": moves.max_speed_mm_s,
+            "tolerance_mm": self.reflector.tolerance_mm,
+        }
+        for figure, value in wanted.items():
+            if getattr(stop, figure) != value:
+                raise ValueError(
+                    f"stop.{figure} is {getattr(stop, figure)}, but the vehicle's is {value} (motion, reflector); make them the same."
+                )
         return self
 
     @model_validator(mode="after")

@@ -21,14 +21,15 @@ from safeloc.models.balise import simulate as balise_streams
 from safeloc.models.balise.groups import Group
 from safeloc.models.motion.simulate import Measured, measured_by
 from safeloc.models.motion.world import ODOMETER_LAWFUL
-from safeloc.models.reflector.simulate import Radar, Reflector, Route, next_on_map
+from safeloc.models.reflector.simulate import Radar, Reflector, Route, next_on_map, stopping
 from safeloc.models.reflector.simulate import Scene as RadarScene
 from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector_device import NAME, compose_machines
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
 from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.faults import Fault
-from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+from safeloc.simulation.motion import Motion
 
 Steps = list[dict[str, Cell]]
 FOLDER, SEED = Path(__file__).with_name("recordings"), 7
@@ -42,18 +43,22 @@ OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", 
 class Scene:
     """A run along a route, and what is to come of it in words.
 
+    moves         from standstill to standstill: distance (mm, negative: backwards), top speed (mm/s), acceleration and brake
+                  (mm/s2), and the time it then stands (s)
     groups        balise groups, on the map and on the track
     radar         reflectors, and disturbances of the radar
     at_groups     faults of groups, by identity; `odometer`: faults of the odometer `wheel`, in cycles
     contradicted  cycles in which the route machine says that the route is contradicted
+    stops         stop points of a platform; the mission selects the first one, and leaves it in the last cycle
     """
 
-    legs: Sequence[Leg]
+    moves: Sequence[tuple[int, int, int, float]]
     groups: Sequence[Group]
     radar: RadarScene
     at_groups: Sequence[Fault] = ()
     odometer: Sequence[Fault] = ()
     contradicted: range = field(default=range(0))
+    stops: tuple[StopPlace, ...] = ()
     says: str = ""
 
 
@@ -64,25 +69,34 @@ LINE = Route(
 )  # fmt: skip
 GROUPS = (
     Group(101, 100_000, accuracy_mm=1_000), Group(102, 200_000, accuracy_mm=1_000),
-    Group(103, 300_000, accuracy_mm=1_000, reflector_mm=80_000, search_mm=10_000),
+    Group(103, 300_000, accuracy_mm=1_000, reflector_mm=80_000),
     Group(104, 900_000, accuracy_mm=1_000), Group(105, 1_100_000, accuracy_mm=1_000),
-    Group(106, 1_300_000, accuracy_mm=1_000, reflector_mm=100_000),
+    Group(106, 1_300_000, accuracy_mm=1_000, reflector_mm=100_000, search_mm=10_000),
 )  # fmt: skip
 SCENES: Mapping[str, Scene] = {
     "line": Scene(
-        [Leg(20_000, 85), Leg(0, 25)],
+        [(1_600_000, 20_000, 700, 2.0)],
         GROUPS,
         RadarScene(LINE, pauses=0, dropout=0),
-        says="The first group is the candidate, the second confirms it; its telegram tells the distance to reflector A, which passes "
-        "the self-test. From there reflectors are found one by one.",
+        says="The second group confirms the first. The telegram of the third tells the distance to reflector A: it is measured there, "
+        "and passes the self-test. Reflector B is found 170 m after A is passed. Far from any group and reflector the tolerance is "
+        "exceeded; two groups later the position is back, and the last telegram lets the search begin too late for a self-test.",
     ),
     "rejected": Scene(
-        [Leg(20_000, 85), Leg(0, 25)],
+        [(1_600_000, 20_000, 700, 2.0)],
         GROUPS,
         RadarScene(LINE, pauses=0, dropout=0),
         at_groups=(Fault("corrupted", 103),),
-        says="The telegram of the second group is corrupted: the balise machine rejects it, and the reflector machine gets nothing of it, "
-        "neither a place nor the distance to reflector A. The third group confirms the first one.",
+        says="The telegram of the third group is corrupted. The balise machine rejects it, and the reflector machine gets nothing of it, "
+        "neither a place nor the distance to reflector A: no self-test, and no reflector counts. The position is lost, and comes back "
+        "with the next groups that are accepted.",
+    ),
+    "stop": Scene(
+        [(354_500, 15_000, 600, 4.0), (-4_500, 600, 300, 4.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        stops=(StopPlace(350_000, 10_000, 10_000),),
+        says="A stop on the measured distance: the vehicle runs over, repositions backwards, and stands in place.",
     ),
 }  # fmt: skip
 """The scenes, by the end of the recordings' names."""
@@ -93,7 +107,7 @@ def simulate(config: ReflectorDeviceConfig, scene: Scene, *, seed: int) -> Steps
     motion = motion_of(config, scene)
     measured = measured_by("wheel", config.motion, motion, np.random.default_rng(seed), scene.odometer)
     groups = balise_streams.simulate(
-        config.balise, seed=seed, motion=motion, groups=scene.groups, missed=0, foreign=0, national_accuracy_mm=1_000, faults=scene.at_groups,
+        config.balise, seed=seed, motion=motion, groups=scene.groups, missed=0, foreign=0, counted=1.0, national_accuracy_mm=1_000, faults=scene.at_groups,
         measured=measured.reported,
     )  # fmt: skip
     return _Run(config, scene, motion, measured, np.random.default_rng(seed + 1)).steps(groups)
@@ -114,8 +128,7 @@ def simulated(config: ReflectorDeviceConfig, seed: int) -> Steps:
 
 def motion_of(config: ReflectorDeviceConfig, scene: Scene) -> Motion:
     """Return the vehicle's run, which begins at place 0."""
-    vehicle = VehicleConfig(max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9))
-    return move(vehicle, scene.legs, config.motion.period_ms)
+    return stopping(config.motion.period_ms, scene.moves)
 
 
 @lru_cache(maxsize=4)
@@ -132,7 +145,7 @@ class _Run:
         self, config: ReflectorDeviceConfig, scene: Scene, motion: Motion, measured: Measured, rng: np.random.Generator
     ) -> None:
         self._config, self._scene, self._motion, self._measured = config, scene, motion, measured
-        self._radar = Radar(config.reflector, scene.radar, rng)
+        self._radar, self._rng = Radar(config.reflector, scene.radar, rng), rng
         self._places = {group.identity: group.place_mm for group in scene.groups}
         self._board = _on_board(config.model_dump_json())
         self._known = {var.name for var in self._board.system.inputs}
@@ -144,7 +157,7 @@ class _Run:
 
     def _step(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
         own = {f"balise.{name}": cell for name, cell in read.items() if name not in OF_THE_VEHICLE}
-        step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read)}
+        step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
         given = {name: cell for name, cell in step.items() if name in self._known}
         self._state, _ = self._board.step(self._state, self._board.read(given))
         return step
@@ -168,6 +181,21 @@ class _Run:
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
         whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
         return {f"{'line' if name in OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
+
+    def _platform(self, cycle: int) -> dict[str, Cell]:
+        """Return mission, platform and speed in a cycle; without a platform there is nothing to stop at."""
+        config, stops = self._config.stop, self._scene.stops
+        true_speed = int(self._motion.speed_mm_s[cycle])
+        measured = true_speed if true_speed == 0 else true_speed + speed_error(self._rng, config)
+        step: dict[str, Cell] = {
+            "speed_mm_s": measured, "reposition_permitted": bool(stops), "released": False,
+            "departure": cycle == len(self._motion.position_nm) - 1,
+            "next_true_speed_mm_s": true_speed, "next_run_out_nm": run_out_nm(config, true_speed),
+        }  # fmt: skip
+        step |= places(config, stops)
+        if stops:
+            step["selected_stop"] = 1
+        return {f"stop_point.{name}": cell for name, cell in step.items()}
 
     def _map(self, read: Mapping[str, Cell]) -> dict[str, Cell]:
         """Return the map's next reflector, beyond the group that was read, and its distance from there if the telegram tells one."""

@@ -9,17 +9,19 @@ from safeloc.language.spec import Property
 from safeloc.models import reflector_device
 from safeloc.models.reflector_device import NAME, ReflectorDevice
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.reflector_device.configurations import CONFIGURATIONS
 from safeloc.properties import balise as balise_claims
 from safeloc.properties import delocalized as delocalized_claims
 from safeloc.properties import reflector as reflector_claims
 from safeloc.properties import reflector_device as claims
+from safeloc.properties import stop_point as stop_claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Target, recorded
 
 DOC = (
-    "Odometer, balise reader and radar, with the restrictive state behind them, in one step: reflectors are measured from where "
-    "the balise machine accepted a group."
+    "Odometer, balise reader and radar, with the restrictive state and the stop at a platform behind them, in one step: reflectors "
+    "are measured from where the balise machine accepted a group."
 )
 REPORTED = Reported(
     position="delocalized.position_mm",
@@ -47,6 +49,7 @@ def _members(whole: ReflectorDevice) -> dict[str, tuple[Property, ...]]:
         whole.groups.machine.name: tuple(balise_claims.properties(whole.groups)),
         whole.source.machine.name: tuple(reflector_claims.properties(whole.source)),
         whole.restrictive.name: tuple(delocalized_claims.properties(whole.restrictive, whole.config.host)),
+        whole.stop.machine.name: tuple(stop_claims.properties(whole.stop)),
     }
 
 
@@ -59,11 +62,12 @@ def _simulated(config: ReflectorDeviceConfig, seed: int) -> Sequence[Mapping[str
 ENTRIES = (
     Entry(
         NAME,
-        "balises and reflectors as one device: odometer, balise reader, radar, restrictive state",
+        "balises and reflectors as one device: odometer, balise reader, radar, restrictive state, stop at a platform",
         ReflectorDeviceConfig,
         target,
         Family.MARKERS,
         place=60,
+        configurations=CONFIGURATIONS,
         silent=("reflector",),
         records_of={"front_wheel_mm": "motion.odometer_mm", "front_radar_mm": "motion.check_mm"},
     ),
