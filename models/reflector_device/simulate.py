@@ -163,8 +163,8 @@ class _Run:
         return step
 
     def _vehicle(self, cycle: int) -> dict[str, Cell]:
-        measured, truth = self._measured, int(self._motion.position_nm[cycle])
-        step: dict[str, Cell] = {"true_step_nm": int(self._motion.step_nm[cycle]), "truth_mm": truth // NM_PER_MM}
+        measured = self._measured
+        step: dict[str, Cell] = {"true_step_nm": int(self._motion.step_nm[cycle])}
         units = {"motion.odometer_mm": measured.odometer, "motion.check_mm": measured.check}
         step |= {name: int(one.step_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
         wander = int(measured.odometer.wander_nm[cycle])
