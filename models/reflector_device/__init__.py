@@ -29,6 +29,7 @@ from safeloc.models.reflector.world import PRESCRIBED, READING
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.line import Line, line
 from safeloc.models.stop_point import StopPoint
+from safeloc.models.stop_point.variables import parts as stop_parts
 from safeloc.models.stop_point.world import REPORTED
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
@@ -61,7 +62,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     map_ = line(config)
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
-    stop = stop_point.build(stop_point.parts(config.stop))
+    stop = stop_point.build(stop_parts(config.stop))
     wires: dict[Var, Expr] = {
         **reading.wires,
         **map_.hears(groups.own),
