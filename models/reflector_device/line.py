@@ -33,7 +33,7 @@ from safeloc.models.balise.variables import Parts as BaliseParts
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 
 NAME = "line"
-SURVEY = "telegram and map have the reflector at one place"
+_SURVEY = "telegram and map have the reflector at one place"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ def line(config: ReflectorDeviceConfig) -> Line:
         state=declared.states,
         outputs={},
         transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-9",), 0)],
-        world=World(clauses={SURVEY: _survey(config, position, reference, read, kept)}),
+        world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),
         doc="The map's next reflector. Assumed: telegram and map tell of one place of it.",
     )
     return Line(made, position, reference, contradicted, read, kept)

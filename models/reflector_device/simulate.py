@@ -33,9 +33,9 @@ from safeloc.simulation.motion import Motion
 
 Steps = list[dict[str, Cell]]
 FOLDER, SEED = Path(__file__).with_name("recordings"), 7
-OF_THE_MAP = ("next_position_mm", "next_reference_mm", "route_contradicted")
+_OF_THE_MAP = ("next_position_mm", "next_reference_mm", "route_contradicted")
 """Inputs of the reflector machine that are inputs of the line here."""
-OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_step_nm", "truth_mm")
+_OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_step_nm", "truth_mm")
 """Names of the balise machine's own steps that the vehicle gives here."""
 
 
@@ -156,7 +156,7 @@ class _Run:
         return [self._step(cycle, read) for cycle, read in enumerate(groups)]
 
     def _step(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
-        own = {f"balise.{name}": cell for name, cell in read.items() if name not in OF_THE_VEHICLE}
+        own = {f"balise.{name}": cell for name, cell in read.items() if name not in _OF_THE_VEHICLE}
         step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
         given = {name: cell for name, cell in step.items() if name in self._known}
         self._state, _ = self._board.step(self._state, self._board.read(given))
@@ -180,7 +180,7 @@ class _Run:
         seen |= {"route_contradicted": cycle in self._scene.contradicted}
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
         whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
-        return {f"{'line' if name in OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
+        return {f"{'line' if name in _OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
 
     def _platform(self, cycle: int) -> dict[str, Cell]:
         """Return mission, platform and speed in a cycle; without a platform there is nothing to stop at."""
