@@ -91,6 +91,7 @@ def simulate(
     dropout: float = 0.01,
     missed: float = 0.03,
     foreign: float = 0.002,
+    counted: float = 0.5,
     national_accuracy_mm: int | None = 5_000,
     legs: Sequence[Leg] | None = None,
     motion: Motion | None = None,
@@ -105,6 +106,7 @@ def simulate(
              that is not on the route set last
     missed   the share of groups that are not read
     foreign  the share of cycles without another telegram that bring one of another track
+    counted  the share of readings with a latched counter
     national_accuracy_mm  received in the first cycle; None: the default applies
     motion   the vehicle's run; without it, the run over `legs`, or over a random service
     faults   named faults of groups (`KINDS`); none of them breaks the assumption
@@ -125,7 +127,7 @@ def simulate(
     spots = _spots(config, known, in_force, rng, faults)
     passages = list(_passages(motion, spots, config.period_ms, rng, missed))
     ahead = {0: known} | {one.cycle: one.groups for one in routes}
-    run = _Run(config, motion, distances, ahead, rng, foreign, national_accuracy_mm)
+    run = _Run(config, motion, distances, ahead, rng, foreign, national_accuracy_mm, counted)
     return [run.step(number, passages) for number in range(len(motion.position_nm))]
 
 
@@ -188,9 +190,10 @@ class _Run:
 
     def __init__(
         self, config: BaliseConfig, motion: Motion, distances: Distances, routes: Mapping[int, Sequence[Group]],
-        rng: np.random.Generator, foreign: float, national_mm: int | None,
+        rng: np.random.Generator, foreign: float, national_mm: int | None, counted: float,
     ) -> None:  # fmt: skip
         self._config, self._motion, self._distances, self._rng, self._foreign = config, motion, distances, rng, foreign
+        self._counted = counted
         self._routes = routes
         self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
@@ -284,7 +287,7 @@ class _Run:
         half = self._config.odometer.wander_nm
         since = round(run / NM_PER_MM + self._rng.uniform(-0.5, 0.5) * min(half / NM_PER_MM, 20))
         wander = self._wander - (run - since * NM_PER_MM)
-        if self._rng.random() < 0.5 and abs(wander) <= half:
+        if self._rng.random() < self._counted and abs(wander) <= half:
             read["telegram_since_mm"] = since
             ghosts["reading_wander_nm"] = wander
         return read, ghosts

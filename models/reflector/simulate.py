@@ -167,6 +167,27 @@ def _on_board(config: str) -> Compiled:
     return compile_system(without_ghosts(lower(machine(ReflectorConfig.model_validate_json(config)))))
 
 
+def next_on_map(route: Route, reported: Mapping[str, Value], passed_mm: int | None) -> dict[str, Cell]:
+    """Return the map's next reflector: beyond the balise that was passed, else the target, else the reported position.
+
+    reported  outputs of the machine after the last step
+    """
+    if passed_mm is None and not reported["valid"]:
+        return {}
+    sighted = reported["reflector_model"] != 0
+    here = reported["reflector_position_mm"] if sighted else reported["position_mm"] - reported["margin_below_mm"]
+    found = route.ahead(int(here) if passed_mm is None else passed_mm)
+    if found is None:
+        return {}
+    return {
+        "next_position_mm": found.position_mm,
+        "next_model": found.model,
+        "next_view_from_mm": found.view_from_mm,
+        "next_view_to_mm": found.view_to_mm,
+        "next_clear_mm": route.clear_mm(found),
+    }
+
+
 class _Run:
     """One run, cycle by cycle, with the machine in the loop: its reports decide the map's answers."""
 
@@ -174,6 +195,7 @@ class _Run:
         self, config: ReflectorConfig, scene: Scene, motion: Motion, odometer: Distances, rng: np.random.Generator
     ) -> None:
         self._config, self._scene, self._motion, self._odometer, self._rng = config, scene, motion, odometer, rng
+        self._radar = Radar(config, scene, rng)
         self._code: Compiled = _on_board(config.model_dump_json())
         self._state = self._code.first()
         self._wander = 0
@@ -190,19 +212,15 @@ class _Run:
         if balise is not None:
             reported |= self._balise(balise, now)
         reported |= self._map(balise)
-        reported |= self._frame(cycle, now - before, now)
+        reported |= self._radar.frame(cycle, now - before, now)
         reported = completed(self._config, reported)
-        reported = {**self._no_origins(), **reported, "next_radar_bias_nm": self._bias_mm(cycle) * NM_PER_MM}
+        reported = {
+            **self._radar.no_origins(), **reported, "next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM,
+        }  # fmt: skip
         own = {name: value for name, value in reported.items() if not _is_ghost(name) and name != "next_radar_bias_nm"}
         self._state, _ = self._code.step(self._state, self._code.read(own))
         ghosts = {"true_step_nm": now - before, "next_wander_nm": self._wander, "truth_mm": now // NM_PER_MM}
         return {**reported, **ghosts}
-
-    def _no_origins(self) -> dict[str, Cell]:
-        slots = range(1, self._config.echo_slots + 1)
-        real: dict[str, Cell] = {f"echo_{number}_from_reflector": False for number in slots}
-        wrong: dict[str, Cell] = {f"echo_{number}_scaled_nm": 0 for number in slots}
-        return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}, **wrong}
 
     def _measured(self, cycle: int) -> dict[str, Cell]:
         inputs: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.checked_distance else {}
@@ -230,26 +248,31 @@ class _Run:
     def _map(self, balise: Balise | None) -> dict[str, Cell]:
         """Return the map's next reflector: beyond the balise, the target, or the reported position."""
         out, route = self._code.named_outputs(self._state), self._scene.route
-        sighted = out["reflector_model"] != 0
-        reported = out["reflector_position_mm"] if sighted else out["position_mm"] - out["margin_below_mm"]
-        if balise is None and not out["valid"]:
-            return {}
-        found = route.ahead(balise.position_mm if balise is not None else int(reported))
-        if found is None:
-            return {}
-        reference = {"next_reference_mm": found.position_mm - balise.position_mm} if balise and balise.reference else {}
-        return {
-            "next_position_mm": found.position_mm,
-            "next_model": found.model,
-            "next_view_from_mm": found.view_from_mm,
-            "next_view_to_mm": found.view_to_mm,
-            "next_clear_mm": route.clear_mm(found),
-            **reference,
-        }
+        found = next_on_map(route, out, None if balise is None else balise.position_mm)
+        reference: dict[str, Cell] = {}
+        if balise and balise.reference and found:
+            reference = {"next_reference_mm": int(found["next_position_mm"]) - balise.position_mm}
+        return {**found, **reference}
 
-    # ------------------------------------------------------------------ radar
 
-    def _frame(self, cycle: int, step_nm: int, now: int) -> dict[str, Cell]:
+# ------------------------------------------------------------------ radar
+
+
+class Radar:
+    """The radar of one run, and what it meets along the route."""
+
+    def __init__(self, config: ReflectorConfig, scene: Scene, rng: np.random.Generator) -> None:
+        self._config, self._scene, self._rng = config, scene, rng
+
+    def no_origins(self) -> dict[str, Cell]:
+        """Return the ghosts of slots without an echo."""
+        slots = range(1, self._config.echo_slots + 1)
+        real: dict[str, Cell] = {f"echo_{number}_from_reflector": False for number in slots}
+        wrong: dict[str, Cell] = {f"echo_{number}_scaled_nm": 0 for number in slots}
+        return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}, **wrong}
+
+    def frame(self, cycle: int, step_nm: int, now: int) -> dict[str, Cell]:
+        """Return the frame of a cycle that the vehicle ends at `now`, with the echoes' ghosts."""
         if self._rng.random() < self._scene.pauses or self._hit("pause", cycle):
             return {"frame_present": False}
         share = self._config.frame_latency_ms / self._config.period_ms * float(self._rng.uniform(0, 0.8))
@@ -277,7 +300,7 @@ class _Run:
     def _echo(self, one: Reflector, range_mm: int, cycle: int) -> dict[str, Cell]:
         noise = int(self._rng.uniform(-0.8, 0.8) * (self._scene.error_mm - 1))
         scaled, most = self._scaled_mm(cycle, range_mm), self._config.range_limit_mm
-        off = self._bias_mm(cycle) + scaled + noise
+        off = self.bias_mm(cycle) + scaled + noise
         weaker = 2_000 if self._hit("weak", cycle) else 0
         return {
             "range_mm": max(0, min(most, range_mm + off)),
@@ -290,7 +313,7 @@ class _Run:
             "scaled_nm": scaled * NM_PER_MM,
         }
 
-    def _bias_mm(self, cycle: int) -> int:
+    def bias_mm(self, cycle: int) -> int:
         """Return by how much the radar measures every range too long, mm."""
         shift, drift = self._hit("shift", cycle), self._hit("drift", cycle)
         shifted = KINDS.figure(shift, "by_mm") if shift else 0

@@ -42,6 +42,9 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can guarantee if it checks the distance."""
+READING = "a balise reading is true, or that of a balise far away"
+PRESCRIBED = "the prescribed distance is that of the map"
+"""Clauses that the balise machine can guarantee if it gives the readings."""
 FAR_STEPS = 16
 """Distance at the highest speed, in cycles: more than all errors that a cycle adds on either side."""
 
@@ -88,12 +91,12 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
             on_line, "The coordinates of the map do not end before the vehicle does.", ("position_limit_mm",), "[D]",
             "infrastructure", "when the map is made",
         ),
-        "a balise reading is true, or that of a balise far away": _balise_law(own, lost),
+        READING: _balise_law(own, lost),
         "an echo of a reflector has its range": _range_law(own),
         "the radar's systematic error drifts slowly": _drift_law(own),
         "the radar's scale is within its figure": _scale_law(own),
         "no strong echo comes from beyond the strong range": _reach_law(own),
-        "the prescribed distance is that of the map": _prescribed_law(own),
+        PRESCRIBED: _prescribed_law(own),
         "reflectors of one model are far apart on the map": _map_law(own),
         "other things show no reflector's signature": _clutter_law(own),
     }  # fmt: skip

@@ -95,8 +95,8 @@ def simulate_platform(
         steps.append(
             {
                 **reported,
-                "speed_mm_s": true_speed if true_speed == 0 else true_speed + _error(rng, config),
-                **_places(config, platform.stops),
+                "speed_mm_s": true_speed if true_speed == 0 else true_speed + speed_error(rng, config),
+                **places(config, platform.stops),
                 "selected_stop": platform.selected,
                 "reposition_permitted": platform.permitted,
                 "departure": cycle >= len(seen) - 1,
@@ -116,7 +116,8 @@ def run_out_nm(config: StopPointConfig, speed_mm_s: int) -> int:
     return (speed * config.reaction_ms + speed * speed * 1_000 // (2 * config.brake_mm_s2)) * NM_PER_UM
 
 
-def _error(rng: np.random.Generator, config: StopPointConfig) -> int:
+def speed_error(rng: np.random.Generator, config: StopPointConfig) -> int:
+    """Draw the error of a measured speed, mm/s: up to four tenths of the permitted one."""
     return int(rng.uniform(-0.4, 0.4) * config.speed_error_mm_s)
 
 
@@ -127,12 +128,12 @@ def _motion(stop: Stop, reduced_mm_s: int, period_ms: int) -> Motion:
     return stopping(period_ms, moves)
 
 
-def _places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Cell]:
-    """Return the map's inputs; a stop point that the platform does not have gets the window of the first one."""
+def places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Cell]:
+    """Return the map's inputs; a stop point that the platform does not have gets the window of the first one, if there is one."""
     inputs: dict[str, Cell] = {}
     for number in range(1, config.stop_points + 1):
         known = number <= len(stops)
-        stop = stops[number - 1] if known else stops[0]
+        stop = stops[number - 1] if known else next(iter(stops), StopPlace(0))
         inputs |= {f"stop_{number}_position_mm": stop.position_mm} if known else {}
         inputs |= {f"stop_{number}_before_mm": stop.before_mm, f"stop_{number}_after_mm": stop.after_mm}
     return inputs

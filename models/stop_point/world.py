@@ -11,6 +11,9 @@ from safeloc.language.units import NM, NM_PER_UM, UM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.stop_point.variables import Parts
 
+REPORTED = "a valid interval holds the truth"
+"""The clause that the machine before it can guarantee."""
+
 
 def world(own: Parts) -> World:
     """Return the world: the front end, its speed, and its run-out after an order to brake."""
@@ -19,7 +22,7 @@ def world(own: Parts) -> World:
         choices=own.declared.choices,
         moves={own.truth: own.next_truth, own.true_speed: own.next_true_speed, own.run_out: own.next_run_out},
         clauses={
-            "a valid interval holds the truth": _reported(own),
+            REPORTED: _reported(own),
             "speed is measured within its error": _measured(own),
             "the brakes reach their guaranteed rate": _braked(own),
             "a higher speed has a greater square": _squared(own),

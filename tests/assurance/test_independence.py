@@ -149,6 +149,7 @@ def test_what_an_output_may_be_is_put_out() -> None:
         "satellite",
         "guard",
         "marker_device",
+        "reflector_device",
         "localizer",
     ],
 )

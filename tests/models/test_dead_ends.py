@@ -26,6 +26,7 @@ SLOW = {
     "odometry",
     "supervised_odometry",
     "marker_device",
+    "reflector_device",
     "reflector",
     "balise",
 }

@@ -1,0 +1,119 @@
+"""The line of a reflector device: the map's next reflector, and what telegram and map say of its distance from the group that is read.
+
+The machine computes nothing. It has the inputs of map and route, and the law on them. Of the group it reads the place that the balise
+machine keeps: a claim of that machine shows that it keeps places as telegram and linking gave them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.declared import Declared
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    all_of,
+    between,
+    boolean,
+    number,
+    optional,
+)
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.units import COUNT, MM
+from safeloc.language.world import Law, World
+from safeloc.models.balise.reading_world import read_rightly
+from safeloc.models.balise.telegram import Reading, Telegram, telegram
+from safeloc.models.balise.variables import Parts as BaliseParts
+from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+
+NAME = "line"
+_SURVEY = "telegram and map have the reflector at one place"
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """The machine and its inputs.
+
+    position   the map's next reflector
+    reference  its distance from its group by the map; present for the first reflector behind a group
+    contradicted  the route machine found the route contradicted
+    read       the telegram as the antenna read it
+    kept       the group that set the balise machine's interval last, and its place on the map, mm
+    """
+
+    machine: Machine
+    position: Optional
+    reference: Optional
+    contradicted: BoolVar
+    read: Telegram
+    kept: tuple[NumVar, NumVar]
+
+    def hears(self, sister: BaliseParts) -> dict[Var, Expr]:
+        """Return the wires of the telegram and of the kept group to the balise machine."""
+        wires: dict[Var, Expr] = {}
+        for mine, theirs in zip(self.read.inputs, sister.read.inputs, strict=True):
+            wires |= {mine.value: theirs.value, mine.present: theirs.present}
+        return wires | dict(zip(self.kept, (sister.memory.group, sister.memory.place), strict=True))
+
+
+def line(config: ReflectorDeviceConfig) -> Line:
+    """Build the machine with fresh inputs."""
+    declared, table = Declared(), modes("KNOWN")
+    limit, reach, of_groups = config.reflector.position_limit_mm, config.reflector.range_limit_mm, config.balise
+    position = declared.sensor(optional("next_position_mm", MM, -limit, limit))
+    reference = declared.sensor(optional("next_reference_mm", MM, 0, reach))
+    contradicted = declared.sensor(boolean("route_contradicted"))
+    read = telegram(
+        declared,
+        last_identity=of_groups.last_group_identity,
+        position_limit_mm=of_groups.position_limit_mm,
+        max_step_mm=of_groups.limits.max_step_mm,
+        age_limit_ms=of_groups.telegram_age_limit_ms,
+        reflector_reach_mm=of_groups.reflector_reach_mm,
+    )
+    kept = (
+        declared.sensor(number("kept_group", COUNT, 0, of_groups.last_group_identity)),
+        declared.sensor(number("kept_group_position_mm", MM, -limit, limit)),
+    )
+    made = Machine(
+        name=NAME,
+        modes=table,
+        inputs=declared.inputs,
+        state=declared.states,
+        outputs={},
+        transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-9",), 0)],
+        world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),
+        doc="The map's next reflector. Assumed: telegram and map tell of one place of it.",
+    )
+    return Line(made, position, reference, contradicted, read, kept)
+
+
+def _survey(
+    config: ReflectorDeviceConfig, position: Optional, reference: Optional, read: Telegram, kept: tuple[NumVar, NumVar]
+) -> Law:
+    group, place = kept
+    most = config.reflector.map_accuracy_mm
+
+    def agrees(told: Optional) -> Bool:
+        return told.present.implies(between(-most, place + told.value - position.value, most))
+
+    return Law(
+        all_of([_is_read(read, group), position.present]).implies(agrees(read.reflector) & agrees(reference)),
+        "The distance from a group to its reflector, by the telegram or by the map, is the distance of their places on the map, "
+        "within the survey's accuracy. The place of a group is that of linking, else of its telegram.",
+        ("map_accuracy_mm",),
+        "[D] one survey for telegram and map",
+        "infrastructure",
+        "audit of the line's map: distance from balise to reflector; commissioning of every balise",
+    )
+
+
+def _is_read(read: Reading, group: Num) -> Bool:
+    """Return whether the group whose place is kept is the one that was read, whole and with right check bits."""
+    return read_rightly(read) & read.group.value.eq(group)

@@ -1,0 +1,223 @@
+"""Simulated runs of the reflector device as step streams, ghosts included: odometer, groups, and a radar along one route.
+
+The map is simulated too: its next reflector is the one ahead of the reported position, so each stream is made step by step with
+the whole device running. `python -m safeloc.models.reflector_device.simulate` writes the recordings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.nodes import Value
+from safeloc.language.system import without_ghosts
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.balise import simulate as balise_streams
+from safeloc.models.balise.groups import Group
+from safeloc.models.motion.simulate import Measured, measured_by
+from safeloc.models.motion.world import ODOMETER_LAWFUL
+from safeloc.models.reflector.simulate import Radar, Reflector, Route, next_on_map, stopping
+from safeloc.models.reflector.simulate import Scene as RadarScene
+from safeloc.models.reflector.step_inputs import completed
+from safeloc.models.reflector_device import NAME, compose_machines
+from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
+from safeloc.runtime.streams.steps import Cell, write_steps
+from safeloc.simulation.faults import Fault
+from safeloc.simulation.motion import Motion
+
+Steps = list[dict[str, Cell]]
+FOLDER, SEED = Path(__file__).with_name("recordings"), 7
+_OF_THE_MAP = ("next_position_mm", "next_reference_mm", "route_contradicted")
+"""Inputs of the reflector machine that are inputs of the line here."""
+_OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_step_nm", "truth_mm")
+"""Names of the balise machine's own steps that the vehicle gives here."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A run along a route, and what is to come of it in words.
+
+    moves         from standstill to standstill: distance (mm, negative: backwards), top speed (mm/s), acceleration and brake
+                  (mm/s2), and the time it then stands (s)
+    groups        balise groups, on the map and on the track
+    radar         reflectors, and disturbances of the radar
+    at_groups     faults of groups, by identity; `odometer`: faults of the odometer `wheel`, in cycles
+    contradicted  cycles in which the route machine says that the route is contradicted
+    stops         stop points of a platform; the mission selects the first one, and leaves it in the last cycle
+    """
+
+    moves: Sequence[tuple[int, int, int, float]]
+    groups: Sequence[Group]
+    radar: RadarScene
+    at_groups: Sequence[Fault] = ()
+    odometer: Sequence[Fault] = ()
+    contradicted: range = field(default=range(0))
+    stops: tuple[StopPlace, ...] = ()
+    says: str = ""
+
+
+LINE = Route(
+    (),
+    (Reflector(380_000, "A", 100_000), Reflector(700_000, "B", 150_000), Reflector(1_400_000, "C", 120_000),
+     Reflector(1_480_000, "D", 120_000)),
+)  # fmt: skip
+GROUPS = (
+    Group(101, 100_000, accuracy_mm=1_000), Group(102, 200_000, accuracy_mm=1_000),
+    Group(103, 300_000, accuracy_mm=1_000, reflector_mm=80_000),
+    Group(104, 900_000, accuracy_mm=1_000), Group(105, 1_100_000, accuracy_mm=1_000),
+    Group(106, 1_300_000, accuracy_mm=1_000, reflector_mm=100_000, search_mm=10_000),
+)  # fmt: skip
+SCENES: Mapping[str, Scene] = {
+    "line": Scene(
+        [(1_600_000, 20_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        says="The second group confirms the first. The telegram of the third tells the distance to reflector A: it is measured there, "
+        "and passes the self-test. Reflector B is found 170 m after A is passed. Far from any group and reflector the tolerance is "
+        "exceeded; two groups later the position is back, and the last telegram lets the search begin too late for a self-test.",
+    ),
+    "rejected": Scene(
+        [(1_600_000, 20_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        at_groups=(Fault("corrupted", 103),),
+        says="The telegram of the third group is corrupted. The balise machine rejects it, and the reflector machine gets nothing of it, "
+        "neither a place nor the distance to reflector A: no self-test, and no reflector counts. The position is lost, and comes back "
+        "with the next groups that are accepted.",
+    ),
+    "stop": Scene(
+        [(354_500, 15_000, 600, 4.0), (-4_500, 600, 300, 4.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        stops=(StopPlace(350_000, 10_000, 10_000),),
+        says="A stop on the measured distance: the vehicle runs over, repositions backwards, and stands in place.",
+    ),
+}  # fmt: skip
+"""The scenes, by the end of the recordings' names."""
+
+
+def simulate(config: ReflectorDeviceConfig, scene: Scene, *, seed: int) -> Steps:
+    """Return the scene as steps: inputs, and ghosts that obey every law unless a fault breaks one."""
+    motion = motion_of(config, scene)
+    measured = measured_by("wheel", config.motion, motion, np.random.default_rng(seed), scene.odometer)
+    groups = balise_streams.simulate(
+        config.balise, seed=seed, motion=motion, groups=scene.groups, missed=0, foreign=0, counted=1.0, national_accuracy_mm=1_000, faults=scene.at_groups,
+        measured=measured.reported,
+    )  # fmt: skip
+    return _Run(config, scene, motion, measured, np.random.default_rng(seed + 1)).steps(groups)
+
+
+def first_state(config: ReflectorDeviceConfig) -> dict[str, Value]:
+    """Return first values of the open variables: the vehicle stands at place 0."""
+    checked: dict[str, Value] = {
+        "odometer_wander_nm": 0, "motion.lawful_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value
+    }  # fmt: skip
+    return {"truth_nm": 0, **(checked if config.motion.check is not None else {})}
+
+
+def simulated(config: ReflectorDeviceConfig, seed: int) -> Steps:
+    """Return the run along the line; the seed gives the errors of the sensors."""
+    return simulate(config, SCENES["line"], seed=seed)
+
+
+def motion_of(config: ReflectorDeviceConfig, scene: Scene) -> Motion:
+    """Return the vehicle's run, which begins at place 0."""
+    return stopping(config.motion.period_ms, scene.moves)
+
+
+@lru_cache(maxsize=4)
+def _on_board(config: str) -> Compiled:
+    """Return the device without its world, compiled once for each configuration (JSON)."""
+    whole = compose_machines(ReflectorDeviceConfig.model_validate_json(config))
+    return compile_system(without_ghosts(whole.composition.system))
+
+
+class _Run:
+    """One run, cycle by cycle, with the device in the loop: its reports decide the map's answers."""
+
+    def __init__(
+        self, config: ReflectorDeviceConfig, scene: Scene, motion: Motion, measured: Measured, rng: np.random.Generator
+    ) -> None:
+        self._config, self._scene, self._motion, self._measured = config, scene, motion, measured
+        self._radar, self._rng = Radar(config.reflector, scene.radar, rng), rng
+        self._places = {group.identity: group.place_mm for group in scene.groups}
+        self._board = _on_board(config.model_dump_json())
+        self._known = {var.name for var in self._board.system.inputs}
+        self._state = self._board.first()
+
+    def steps(self, groups: Sequence[Mapping[str, Cell]]) -> Steps:
+        """Return all cycles; `groups` are the balise machine's own steps."""
+        return [self._step(cycle, read) for cycle, read in enumerate(groups)]
+
+    def _step(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
+        own = {f"balise.{name}": cell for name, cell in read.items() if name not in _OF_THE_VEHICLE}
+        step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
+        given = {name: cell for name, cell in step.items() if name in self._known}
+        self._state, _ = self._board.step(self._state, self._board.read(given))
+        return step
+
+    def _vehicle(self, cycle: int) -> dict[str, Cell]:
+        measured = self._measured
+        step: dict[str, Cell] = {"true_step_nm": int(self._motion.step_nm[cycle])}
+        units = {"motion.odometer_mm": measured.odometer, "motion.check_mm": measured.check}
+        step |= {name: int(one.step_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
+        wander = int(measured.odometer.wander_nm[cycle])
+        names = ("balise.odometer_next_wander_nm", "reflector.next_wander_nm")
+        if measured.check is not None:
+            names = ("odometer_next_wander_nm", "motion.lawful_next_wander_nm")
+        return step | dict.fromkeys(names, wander)
+
+    def _reflectors(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
+        """Return map and radar in a cycle."""
+        now, step = int(self._motion.position_nm[cycle]), int(self._motion.step_nm[cycle])
+        seen = {**self._map(read), **self._radar.frame(cycle, step, now)}
+        seen |= {"route_contradicted": cycle in self._scene.contradicted}
+        whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
+        whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
+        return {f"{'line' if name in _OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
+
+    def _platform(self, cycle: int) -> dict[str, Cell]:
+        """Return mission, platform and speed in a cycle; without a platform there is nothing to stop at."""
+        config, stops = self._config.stop, self._scene.stops
+        true_speed = int(self._motion.speed_mm_s[cycle])
+        measured = true_speed if true_speed == 0 else true_speed + speed_error(self._rng, config)
+        step: dict[str, Cell] = {
+            "speed_mm_s": measured, "reposition_permitted": bool(stops), "released": False,
+            "departure": cycle == len(self._motion.position_nm) - 1,
+            "next_true_speed_mm_s": true_speed, "next_run_out_nm": run_out_nm(config, true_speed),
+        }  # fmt: skip
+        step |= places(config, stops)
+        if stops:
+            step["selected_stop"] = 1
+        return {f"stop_point.{name}": cell for name, cell in step.items()}
+
+    def _map(self, read: Mapping[str, Cell]) -> dict[str, Cell]:
+        """Return the map's next reflector, beyond the group that was read, and its distance from there if the telegram tells one."""
+        reported = self._board.named_outputs(self._state)
+        own = {name.removeprefix("reflector."): value for name, value in reported.items()}
+        place = self._places.get(int(read.get("telegram_group", 0)))
+        found = next_on_map(self._scene.radar.route, own, place)
+        if place is None or not found or "telegram_reflector_mm" not in read:
+            return found
+        return {**found, "next_reference_mm": int(found["next_position_mm"]) - place}
+
+
+def write(folder: Path = FOLDER) -> list[Path]:
+    """Write all recordings, each with its first state; return their paths."""
+    config, paths = ReflectorDeviceConfig(), list[Path]()
+    for name, scene in SCENES.items():
+        paths.append(folder / f"{NAME}-{name}.jsonl.gz")
+        steps = simulate(config, scene, seed=SEED)
+        write_steps(paths[-1], steps, machine=NAME, first=first_state(config), short=True)
+    return paths
+
+
+if __name__ == "__main__":
+    for path in write():
+        print(path)

@@ -1,0 +1,74 @@
+"""The catalogue entry of the reflector device."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from safeloc.language.spec import Property
+from safeloc.models import reflector_device
+from safeloc.models.reflector_device import NAME, ReflectorDevice
+from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.reflector_device.configurations import CONFIGURATIONS
+from safeloc.properties import balise as balise_claims
+from safeloc.properties import delocalized as delocalized_claims
+from safeloc.properties import reflector as reflector_claims
+from safeloc.properties import reflector_device as claims
+from safeloc.properties import stop_point as stop_claims
+from safeloc.reported import Reported
+from safeloc.runtime.streams.steps import Cell
+from safeloc.target import Entry, Family, Target, recorded
+
+DOC = (
+    "Odometer, balise reader and radar, with the restrictive state and the stop at a platform behind them, in one step: reflectors "
+    "are measured from where the balise machine accepted a group."
+)
+REPORTED = Reported(
+    position="delocalized.position_mm",
+    below="delocalized.margin_below_mm",
+    above="delocalized.margin_above_mm",
+    valid="delocalized.restrictive",
+    valid_is=False,
+    truth="truth_nm",
+)
+
+
+def target(config: ReflectorDeviceConfig) -> Target:
+    """Make the composition, with the properties of each of its machines."""
+    whole = reflector_device.compose_machines(config)
+    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    return Target(
+        NAME, system.machines, system, properties, config, DOC, recorded(NAME), REPORTED, partial(_simulated, config),
+        members=_members(whole),
+    )  # fmt: skip
+
+
+def _members(whole: ReflectorDevice) -> dict[str, tuple[Property, ...]]:
+    """The properties of each machine by itself; motion and the line have none."""
+    return {
+        whole.groups.machine.name: tuple(balise_claims.properties(whole.groups)),
+        whole.source.machine.name: tuple(reflector_claims.properties(whole.source)),
+        whole.restrictive.name: tuple(delocalized_claims.properties(whole.restrictive, whole.config.host)),
+        whole.stop.machine.name: tuple(stop_claims.properties(whole.stop)),
+    }
+
+
+def _simulated(config: ReflectorDeviceConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.reflector_device.simulate import simulated  # numpy is loaded only where something is simulated
+
+    return simulated(config, seed)
+
+
+ENTRIES = (
+    Entry(
+        NAME,
+        "balises and reflectors as one device: odometer, balise reader, radar, restrictive state, stop at a platform",
+        ReflectorDeviceConfig,
+        target,
+        Family.MARKERS,
+        place=60,
+        configurations=CONFIGURATIONS,
+        silent=("reflector",),
+        records_of={"front_wheel_mm": "motion.odometer_mm", "front_radar_mm": "motion.check_mm"},
+    ),
+)

@@ -1,0 +1,246 @@
+"""Properties of the reflector device as one: what its host gets, and what a telegram may do to it (RFL-1, RFL-5, RFL-9, RFL-D4).
+
+No position of a balise is an input of the whole: that what the reflector machine is anchored by holds the front end is proved of
+the balise machine. What a telegram says is compared with the raw telegram, and with the true place of the front end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, between, exact_to
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.units import NM
+from safeloc.models.balise.variables import ACCEPTED
+from safeloc.models.reflector.balise_reading import BaliseReading
+from safeloc.models.reflector.variables import BALISE_CONTRADICTS
+from safeloc.models.reflector_device import ReflectorDevice
+from safeloc.models.stop_point.variables import HOLD, NO_ORDER, PROCEED
+from safeloc.models.vocabulary.reasons import CONTRADICTION
+from safeloc.properties import delocalized
+from safeloc.properties.balise.step import LAW as GROUPS
+from safeloc.properties.reflector.figures import LAW as RADAR
+from safeloc.properties.stop_point.place import LAW as BRAKES
+
+LAW = (
+    f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at "
+    f"one place; {BRAKES}"
+)
+REQUIREMENTS = ("RFL-1", "RFL-5", "RFL-9")
+_OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
+
+
+def properties(whole: ReflectorDevice) -> list[Property]:
+    """Return the properties of the whole device."""
+    makers = (_host, _rejected, _anchored, _distances, _stops)
+    return [prop for maker in makers for prop in maker(whole)]
+
+
+# ------------------------------------------------------------------ what the host gets
+
+
+def _host(whole: ReflectorDevice) -> Iterator[Property]:
+    yield _containment(whole)
+    for claim in delocalized.properties(whole.restrictive, whole.config.host):
+        if claim.name in _OF_THE_RESTRICTIVE_STATE:
+            yield whole.composition.inherited(whole.restrictive, claim)
+    restrictive = _restrictive(whole)
+    measured = _of_source(whole, "precise") & _of_source(whole, "recognised")
+    yield for_all_inputs(
+        "only a group or a reflector ends a loss",
+        (earlier_bool(restrictive) & ~restrictive).implies(_accepted(whole) | measured),
+        statement="the restrictive state is left only in a cycle in which a group passed every check, or a reflector was recognised",
+        requirements=("RFL-5", "MRK-D1"),
+    )
+
+
+def _containment(whole: ReflectorDevice) -> Property:
+    """Proved of the restrictive state, given that the reflector machine's interval holds the truth, which that machine has to keep."""
+    machine, truth = whole.restrictive, next(iter(whole.restrictive.world.choices))  # the vehicle's, after the step
+    assert isinstance(truth, NumVar)
+    position, below, above = _interval(machine)
+    own = under_assumption(
+        "containment",
+        machine.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
+        statement="the position that the host gets contains the true position of the front end",
+    )
+    return replace(whole.composition.inherited(machine, own), name=own.name)
+
+
+# ------------------------------------------------------------------ what the balise machine rejects
+
+
+def _rejected(whole: ReflectorDevice) -> Iterator[Property]:
+    given = whole.source.own.balise
+    inputs = (given.identity, given.position, given.accuracy, given.since, given.reference, given.search)
+    read = any_of(_in_source(whole, one.present) for one in inputs)
+    yield for_all_inputs(
+        "a rejected telegram is no reading",
+        (~_accepted(whole)).implies(~read),
+        statement="of a telegram that the balise machine does not accept, the reflector machine gets nothing: no place, no "
+        "distance to a reflector, and no place from which to search for it",
+        requirements=("RFL-5", "RFL-9", "RFL-D4"),
+    )
+    located = _of_source(whole, "valid")
+    yield for_all_inputs(
+        "only an accepted group anchors",
+        (located & ~earlier_bool(located)).implies(_accepted(whole)),
+        statement="the reflector machine reports a position again only in a cycle in which the balise machine accepted a group",
+        requirements=("RFL-5", "RFL-D4"),
+    )
+    machine = whole.groups.machine
+    disproved = whole.composition.of(machine).num(machine.output("reason")).eq(CONTRADICTION)
+    yield for_all_inputs(
+        "groups that contradict withdraw the position",
+        disproved.implies(_restrictive(whole) & ~located),
+        statement="while the balise machine reports nothing because groups contradict its position, the host gets none by "
+        "reflectors either, from the same cycle on",
+        requirements=("RFL-D4", "RFL-D3"),
+    )
+
+
+# ------------------------------------------------------------------ what it accepts
+
+
+def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
+    given, truth = whole.source.own.balise, whole.motion.own.ghosts.truth
+    place, accuracy = _in_source_num(whole, given.position.value), _in_source_num(whole, given.accuracy.value)
+    handed = _in_source(whole, given.identity.present) & _in_source(whole, given.position.present)
+    position, below, above = (
+        whole.composition.of(whole.groups.machine).num(one) for one in _interval(whole.groups.machine)
+    )
+    exact = all_of([_in_source(whole, given.accuracy.present), _in_source(whole, given.since.present)])
+    yield for_all_inputs(
+        "an accepted group is handed over",
+        _accepted(whole).implies(
+            all_of([
+                handed, exact, place.eq(position), (accuracy >= below) & (accuracy >= above),
+                accuracy.eq(below) | accuracy.eq(above), _in_source_num(whole, given.since.value).eq(0),
+            ])
+        ),
+        statement="every group that the balise machine accepts is a reading of the reflector machine in the same cycle, with the "
+        "balise machine's position and the greater of its margins, at the end of the cycle",
+        requirements=("RFL-5",),
+    )  # fmt: skip
+    yield under_assumption(
+        "no accepted group contradicts the reflector machine",
+        _in_source_num(whole, whole.source.machine.output("error")).ne(BALISE_CONTRADICTS),
+        statement="the intervals of balise machine and reflector machine never exclude each other",
+        requirements=("RFL-5", "RFL-D3"),
+    )
+    off, most = truth - exact_to(place, NM), exact_to(accuracy, NM)
+    yield under_assumption(
+        "a reading holds the front end",
+        handed.implies(between(-most, off, most)),
+        statement="the true position of the front end is no farther from a reading than its accuracy: no reading is stray",
+        requirements=("RFL-5",),
+    )
+
+
+# ------------------------------------------------------------------ the distance that a telegram brings
+
+
+def _distances(whole: ReflectorDevice) -> Iterator[Property]:
+    given, ahead = whole.source.own.balise, whole.source.own.ahead
+    raw, kept = whole.groups.own.read, whole.groups.own.memory.place
+    telegram, place = whole.composition.of(whole.groups.machine), _in_source_num(whole, given.position.value)
+    group = telegram.num(kept)
+    for name, mine, theirs, least in (
+        ("reflector", given.reference, raw.reflector, 0), ("search", given.search, raw.search, 1),
+    ):  # fmt: skip
+        told, distance = telegram.bool(theirs.present), telegram.num(theirs.value)
+        left = group + distance - place
+        fits = _accepted(whole) & told & between(least, left, whole.config.reflector.range_limit_mm)
+        yield for_all_inputs(
+            f"the telegram's {name} distance is used",
+            _in_source(whole, mine.present).iff(fits) & fits.implies(_in_source_num(whole, mine.value).eq(left)),
+            statement=f"the {name} distance of an accepted telegram, counted from the group's place on the map, is handed over as "
+            "what of it lies ahead of the position, wherever that is within the radar's range; no other distance is",
+            requirements=("RFL-9",),
+        )
+    yield from _reflector_from_truth(whole, given, _in_source_num(whole, ahead.position.value))
+
+
+def _reflector_from_truth(whole: ReflectorDevice, given: BaliseReading, mapped: Num) -> Iterator[Property]:
+    """The distance that is handed over against the true place of the front end and the place of the reflector on the map."""
+    ahead, truth = whole.source.own.ahead, whole.motion.own.ghosts.truth
+    accuracy = _in_source_num(whole, given.accuracy.value) + whole.config.reflector.map_accuracy_mm
+    off, most = exact_to(mapped, NM) - truth, exact_to(accuracy, NM)
+    for name, told in (("telegram", given.reference), ("map", ahead.reference)):
+        distance = exact_to(_in_source_num(whole, told.value), NM)
+        known = _in_source(whole, told.present) & _in_source(whole, ahead.position.present)
+        yield under_assumption(
+            f"the distance by the {name} is that of the true front end",
+            known.implies(between(-most, off - distance, most)),
+            statement=f"the distance by the {name} is that from the true front end to the map's next reflector, within the accuracy of "
+            "the reading and of the survey",
+            requirements=("RFL-9", "RFL-6"),
+        )
+
+
+# ------------------------------------------------------------------ the stop at a platform
+
+
+def _stops(whole: ReflectorDevice) -> Iterator[Property]:
+    """Proved of the stop-point machine for the interval that the host gets, with the true place of the front end."""
+    own, machine = whole.stop.own, whole.stop.machine
+    proceeds = machine.output("order").eq(PROCEED) & own.pending.eq(before(own.pending))
+    foremost, end = exact_to(own.position + own.above, NM), exact_to(own.stop + own.after, NM)
+    for name, front, words in (
+        ("brake order in time", own.next_truth, "the true front end"),
+        (
+            "brake order from the max safe front end",
+            foremost,
+            "the max safe front end of the interval that the host gets",
+        ),
+    ):
+        claim = under_assumption(
+            name,
+            proceeds.implies(front + own.run_out <= end),
+            statement="the vehicle may proceed to a stop only while the guaranteed brake, ordered in the next cycle, still stops "
+            f"{words} within the stop window or before it",
+            requirements=("RFL-D7",),
+        )
+        yield replace(whole.composition.inherited(machine, claim), name=name)
+    ordered = whole.composition.of(machine).num(machine.output("order"))
+    yield for_all_inputs(
+        "without a position nothing moves",
+        _restrictive(whole).implies(ordered.one_of(NO_ORDER, HOLD)),
+        statement="while the vehicle is restrictive it has the order to hold, or none if no stop is pending",
+        requirements=("RFL-D7", "MRK-D2"),
+    )
+
+
+# ------------------------------------------------------------------ words
+
+
+def _restrictive(whole: ReflectorDevice) -> Bool:
+    return whole.composition.of(whole.restrictive).bool(whole.restrictive.flag("restrictive"))
+
+
+def _accepted(whole: ReflectorDevice) -> Bool:
+    """The balise machine reports a position, and the telegram of this cycle passed every check."""
+    machine, into = whole.groups.machine, whole.composition.of(whole.groups.machine)
+    return into.bool(machine.flag("valid")) & into.num(machine.output("telegram")).eq(ACCEPTED)
+
+
+def _of_source(whole: ReflectorDevice, output: str) -> Bool:
+    return _in_source(whole, whole.source.machine.flag(output))
+
+
+def _in_source(whole: ReflectorDevice, term: Bool) -> Bool:
+    return whole.composition.of(whole.source.machine).bool(term)
+
+
+def _in_source_num(whole: ReflectorDevice, term: Num) -> Num:
+    return whole.composition.of(whole.source.machine).num(term)
+
+
+def _interval(machine: Machine) -> tuple[Num, Num, Num]:
+    position, below, above = (machine.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
+    return position, below, above

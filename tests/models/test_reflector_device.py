@@ -1,0 +1,358 @@
+"""The reflector device: what the balise machine rejects anchors nothing, a wrong wire is not proved, the recordings say what they teach."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.catalogue import load_target
+from safeloc.codegen.smtlib import Query
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Var, ite
+from safeloc.language.machine import Machine
+from safeloc.language.system import environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.trace import Trace
+from safeloc.language.units import NM_PER_MM
+from safeloc.models import reflector_device
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.delocalized import DelocalizedConfig
+from safeloc.models.motion import MotionConfig
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.reflector.world import PRESCRIBED, READING
+from safeloc.models.reflector_device import ReflectorDevice, ReflectorDeviceConfig, compose_machines
+from safeloc.models.reflector_device.simulate import SCENES, write
+from safeloc.models.stop_point.variables import StopPointConfig
+from safeloc.models.stop_point.world import REPORTED
+from safeloc.models.vocabulary.absent import wired_interval
+from safeloc.proof.provers.implication import Failure, Refuted, unproved
+from safeloc.proof.provers.inherited import contracts
+from safeloc.proof.provers.replayed_evidence import admissible_run
+from safeloc.properties.reflector_device import properties
+from safeloc.runtime.streams.steps import read_steps
+from tests.models.inductive import inductive_in
+from tests.shipped_recordings import shipped
+
+ORDER = ("motion", "balise", "line", "reflector", "delocalized", "stop_point")
+Wires = Mapping[Var, Expr]
+Wrong = Callable[[ReflectorDevice, Wires], Wires]
+"""The wires that are wrong, of the device and of its right wires."""
+
+
+# ------------------------------------------------------------------ contracts
+
+
+def contract(whole: ReflectorDevice, owner: str, *without: str) -> Failure | None:
+    """Whether what a machine assumes of earlier ones follows in one step from their lemmas, except some, and the laws of the world."""
+    system = whole.composition.system
+    after = Substitution(dict(system.next))
+    earlier = tuple(f"{name}: " for name in ORDER[: ORDER.index(owner)])
+    lemmas = [term for name, term in system.lemmas.items() if name.startswith(earlier) and name not in without]
+    given = [environment(system), in_range(system.state), *lemmas, *(after.bool(one) for one in lemmas)]
+    [owed] = [term for fact, term in contracts(system).items() if str(fact) == f"contract of {owner} holds"]
+    return unproved(Query("contract", given, {"owed": owed}), 120).get("owed")
+
+
+def test_only_the_laws_of_sensors_are_assumed() -> None:
+    """What is said of a reading, of its distance to the reflector and of the reported interval is owed; none of it is an input."""
+    system = compose_machines().composition.system
+    owed = {part.name: part.guaranteed for part in system.parts if part.guaranteed}
+    restrictive = "a valid position holds the truth"
+    assert {"reflector": (READING, PRESCRIBED), "delocalized": (restrictive,), "stop_point": (REPORTED,)} == owed
+    left = {var.name for var in system.inputs}
+    assert not {name for name in left if name.startswith(("reflector.balise", "delocalized."))}
+    assert not {name for name in left if name.startswith("stop_point.") and ("position" in name or "margin" in name)} - {
+        "stop_point.stop_1_position_mm", "stop_point.stop_1_position_mm.present", "stop_point.stop_2_position_mm",
+        "stop_point.stop_2_position_mm.present", "stop_point.reposition_permitted",
+    }  # fmt: skip
+    assert {"balise.telegram_group", "line.next_position_mm", "reflector.echo_1_range_mm"} <= left
+
+
+_OF_GROUPS = "balise: the interval holds the truth"
+_OF_REFLECTORS = "reflector: a dead-reckoned interval holds the truth"
+_OF_THE_HOST = "delocalized: a passed position holds the truth"
+
+
+@pytest.mark.parametrize(
+    ("owner", "lemmas"),
+    [
+        ("reflector", (_OF_GROUPS,)),
+        ("delocalized", (_OF_REFLECTORS,)),
+        ("stop_point", (_OF_REFLECTORS, _OF_THE_HOST)),
+    ],
+)
+def test_each_contract_follows_from_the_machines_before(owner: str, lemmas: tuple[str, ...]) -> None:
+    """And not without their containment."""
+    whole = compose_machines()
+    assert None is contract(whole, owner)
+    assert isinstance(contract(whole, owner, *lemmas), Refuted)
+
+
+# ------------------------------------------------------------------ wires exchanged on purpose
+
+
+def _raw_telegram(whole: ReflectorDevice, _: Wires) -> Wires:
+    """Whatever the antenna read is a reading, with the balise machine's interval."""
+    given, read = whole.source.own.balise, whole.groups.own.read
+    return {given.identity.present: read.group.present, given.identity.value: read.group.value}
+
+
+def _raw_place(whole: ReflectorDevice, _: Wires) -> Wires:
+    """The place in the telegram in place of the balise machine's position."""
+    return {whole.source.own.balise.position.value: ite(_counts(whole), whole.groups.own.read.place.value, 0)}
+
+
+def _place_of_the_group(whole: ReflectorDevice, _: Wires) -> Wires:
+    """The group's place on the map, without the antenna's offset and the run since."""
+    return {whole.source.own.balise.position.value: ite(_counts(whole), whole.groups.own.memory.place, 0)}
+
+
+def _one_margin(whole: ReflectorDevice, _: Wires) -> Wires:
+    _, below, _ = wired_interval(whole.groups.machine)
+    return {whole.source.own.balise.accuracy.value: ite(_counts(whole), below, 0)}
+
+
+def _untimed(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.source.own.balise.since.present: FALSE}
+
+
+def _offset_dropped(whole: ReflectorDevice, right: Wires) -> Wires:
+    """The telegram's distance as it stands, although it counts from the group."""
+    given = whole.source.own.balise.reference
+    return {given.value: ite(_flag(right[given.present]), whole.groups.own.read.reflector.value, 0)}
+
+
+def _sign_turned(whole: ReflectorDevice, right: Wires) -> Wires:
+    position, _, _ = wired_interval(whole.groups.machine)
+    told, given = whole.groups.machine.output("reflector_mm"), whole.source.own.balise.reference
+    return {given.value: ite(_flag(right[given.present]) & (position > told), position - told, 0)}
+
+
+def _search_for_reflector(whole: ReflectorDevice, right: Wires) -> Wires:
+    given = whole.source.own.balise
+    return {given.reference.present: right[given.search.present], given.reference.value: right[given.search.value]}
+
+
+def _map_from_the_group(whole: ReflectorDevice, right: Wires) -> Wires:
+    given = whole.source.own.ahead.reference
+    return {given.value: ite(_flag(right[given.present]), whole.line.reference.value, 0)}
+
+
+def _groups_may_contradict(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.source.own.contradicted: whole.line.contradicted}
+
+
+def _host_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
+    machine = whole.restrictive
+    above, below = _input(machine, "source_margin_above_mm"), _input(machine, "source_margin_below_mm")
+    return {above: right[below], below: right[above]}
+
+
+def _always_a_reference(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {_input(whole.restrictive, "reference_accepted"): TRUE}
+
+
+def _stop_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
+    own = whole.stop.own
+    return {own.above: right[own.below], own.below: right[own.above]}
+
+
+def _stop_without_a_position(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.stop.own.valid: TRUE}
+
+
+def _balise_position_for_the_host(whole: ReflectorDevice, _: Wires) -> Wires:
+    """The host gets the balise machine's position with the reflector machine's margins."""
+    position, _, _ = wired_interval(whole.groups.machine)
+    return {_input(whole.restrictive, "source_position_mm"): position}
+
+
+WRONG: Mapping[str, tuple[Wrong, str]] = {
+    "a raw telegram anchors": (_raw_telegram, "a rejected telegram is no reading"),
+    "the telegram's place": (_raw_place, "contract of reflector"),
+    "the group's place": (_place_of_the_group, "an accepted group is handed over"),
+    "one margin for both": (_one_margin, "contract of reflector"),
+    "a reading without its time": (_untimed, "an accepted group is handed over"),
+    "the telegram's distance from the group": (_offset_dropped, "contract of reflector"),
+    "the sign turned": (_sign_turned, "the telegram's reflector distance is used"),
+    "search and reflector exchanged": (_search_for_reflector, "the telegram's reflector distance is used"),
+    "the map's distance from the group": (_map_from_the_group, "contract of reflector"),
+    "groups may contradict": (_groups_may_contradict, "groups that contradict withdraw the position"),
+    "the host's margins exchanged": (_host_margins_exchanged, "contract of delocalized"),
+    "every cycle a reference": (_always_a_reference, "only a group or a reflector ends a loss"),
+    "the balise's position for the host": (_balise_position_for_the_host, "contract of delocalized"),
+    "the stop's margins exchanged": (_stop_margins_exchanged, "contract of stop_point"),
+    "a stop without a position": (_stop_without_a_position, "without a position nothing moves"),
+}
+"""Wires exchanged on purpose, and what is no longer proved: a contract, or a claim of the whole."""
+
+
+def _counts(whole: ReflectorDevice) -> Bool:
+    return whole.groups.machine.flag("reference_accepted")
+
+
+def _flag(term: Expr) -> Bool:
+    assert isinstance(term, Bool)
+    return term
+
+
+def _input(machine: Machine, name: str) -> Var:
+    [found] = [var for var in machine.inputs if isinstance(var, Var) and var.name == name]
+    return found
+
+
+@pytest.mark.thorough(ordinary=4)
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is refused by the contract or the claim that is named, which the right wires keep."""
+    wrong, claim = WRONG[name]
+    assert not holds(rewired(wrong, monkeypatch), claim)
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
+def test_the_right_wires_keep_it(claim: str) -> None:
+    """So that a refusal is due to the wire."""
+    assert holds(compose_machines(), claim)
+
+
+def holds(whole: ReflectorDevice, claim: str) -> bool:
+    """Whether a contract follows, or a claim of the whole is inductive with the lemmas."""
+    if claim.startswith("contract of "):
+        return contract(whole, claim.removeprefix("contract of ")) is None
+    [prop] = [one for one in properties(whole) if one.name == claim]
+    return inductive_in(whole.composition.system, prop, claim)
+
+
+def rewired(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> ReflectorDevice:
+    """The device with some wires replaced."""
+    given: list[tuple[str, list[Machine], dict[Var, Expr]]] = []
+    more: dict[str, object] = {}
+
+    def noted(name: str, machines: list[Machine], wires: dict[Var, Expr], **others: object) -> Composition:
+        given.append((name, machines, wires))
+        more.update(others)
+        return compose(name, machines, wires, **others)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(reflector_device, "compose", noted)
+    whole = compose_machines()
+    [(name, machines, wires)] = given
+    return replace(whole, composition=compose(name, machines, {**wires, **wrong(whole, wires)}, **more))  # type: ignore[arg-type]
+
+
+# ------------------------------------------------------------------ recordings
+
+
+@cache
+def recorded(name: str) -> Trace:
+    """A shipped recording, refused in the first step that breaks what is assumed."""
+    stream = read_steps(shipped(f"reflector_device-{name}"))
+    return admissible_run(load_target("reflector_device").system, dict(stream.first), stream.steps)
+
+
+def fired(name: str, machine: str, *transitions: str) -> list[int]:
+    """The cycles of a recording in which a machine took one of the transitions."""
+    steps = recorded(name).steps
+    return [at for at, one in enumerate(steps) if one.fired[f"{machine}.fired"] in transitions]
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("name", SCENES)
+def test_every_interval_holds_the_truth(name: str) -> None:
+    """The recording obeys every law to its end, and the front end lies in each interval that the host gets."""
+    target, trace = load_target("reflector_device"), recorded(name)
+    assert len(trace.steps) == len(read_steps(shipped(f"reflector_device-{name}")).steps)
+    located = 0
+    for one in trace.steps:
+        interval = target.reported.interval_mm(one.outputs) if target.reported else None
+        if interval is not None:
+            located += 1
+            assert interval[0] * NM_PER_MM <= int(one.state["truth_nm"]) <= interval[1] * NM_PER_MM
+    assert located > 100
+
+
+@pytest.mark.thorough
+def test_along_the_line_groups_anchor_and_reflectors_are_measured() -> None:
+    """A passes the self-test at the group whose telegram tells of it, B is found by itself, and the position comes back by groups alone."""
+    assert len(fired("line", "reflector", "self-test passed at the balise")) == 1
+    [test] = fired("line", "reflector", "self-test passed at the balise")
+    assert test in fired("line", "balise", "expected group resets the position")
+    [found] = fired("line", "reflector", "reflector found")
+    [lost] = fired("line", "delocalized", "position lost")
+    first, again = fired("line", "delocalized", "reference accepted")
+    assert first < test < found < lost < again
+    assert [first, again] == fired("line", "balise", "group confirms the candidate")
+    assert fired("line", "reflector", "reference measurement begins") > [again]
+
+
+@pytest.mark.thorough
+def test_a_rejected_telegram_anchors_nothing() -> None:
+    """The same line with one corrupted telegram: the balise machine rejects it, and the radar measures nothing up to the next groups."""
+    right = fired("line", "reflector", "self-test passed at the balise")
+    assert right == fired("rejected", "balise", "telegram rejected")
+    assert not fired("rejected", "reflector", "self-test passed at the balise", "reflector found", "reflector tracked")
+    assert all(one.outputs["reflector.source"] != 2 for one in recorded("rejected").steps)
+    [lost] = fired("rejected", "delocalized", "position lost")
+    assert right[0] < lost < fired("line", "delocalized", "position lost")[0]
+    assert fired("rejected", "delocalized", "reference accepted") == fired("line", "delocalized", "reference accepted")
+
+
+@pytest.mark.thorough
+def test_a_stop_is_made_on_the_measured_distance() -> None:
+    """Over the window, back into it, and in place; the brake order came before that."""
+    orders = ("brakes", "overruns", "repositions", "backs into the window", "stops in place", "departs")
+    cycles = [fired("stop", "stop_point", one)[0] for one in orders]
+    assert cycles == sorted(cycles)
+    assert recorded("stop").steps[cycles[-2]].outputs["stop_point.in_position"]
+
+
+@pytest.mark.thorough
+def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
+    """To the byte."""
+    for path in write(tmp_path):
+        assert shipped(path.name.removesuffix(".jsonl.gz")).read_bytes() == path.read_bytes()
+
+
+# ------------------------------------------------------------------ configuration
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            {"motion": MotionConfig(period_ms=200)},
+            r"balise\.period_ms is 100, but the vehicle's is 200 \(motion\); make them the same",
+        ),
+        (
+            {"reflector": ReflectorConfig()},
+            r"reflector\.last_balise_identity 1000000 is below balise\.last_group_identity 16777216",
+        ),
+        (
+            {"balise": BaliseConfig(tolerance_mm=100_001)},
+            r"balise\.tolerance_mm 100001 is above 100000, the widest reading",
+        ),
+        (
+            {"reflector": ReflectorConfig(last_balise_identity=16_777_216, reference_distance_mm=60_000)},
+            r"reflector\.reference_distance_mm must be 0: it counts from the balise",
+        ),
+        (
+            {"stop": StopPointConfig(tolerance_mm=20_000)},
+            r"stop\.tolerance_mm is 20000, but the vehicle's is 30000 \(motion, reflector\)",
+        ),
+    ],
+)
+def test_figures_that_do_not_fit_are_refused(changed: dict[str, object], message: str) -> None:
+    """One vehicle has one cycle and one line, and each accepted group has to be a reading; the message says what to do."""
+    with pytest.raises(ValidationError, match=message):
+        ReflectorDeviceConfig(**changed)  # type: ignore[arg-type]
+
+
+def test_the_host_has_the_reflector_machines_limits() -> None:
+    """So no position of it is lost on the way, and figures at their limits are taken."""
+    assert DelocalizedConfig(tolerance_mm=30_000) == ReflectorDeviceConfig().host
+    ReflectorDeviceConfig(balise=BaliseConfig(tolerance_mm=100_000))
