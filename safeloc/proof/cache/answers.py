@@ -1,4 +1,5 @@
-"""The cache of solver answers: the fact that every goal of a query is proved, and the hypotheses that a proof needs.
+"""The cache of solver answers: the fact that every goal of a query is proved, by which programs that was confirmed, and the
+hypotheses that a proof needs.
 
 The key is the text of the query (hypotheses and goals), the solver, and the engine; after an edit of a machine only the
 affected queries are solved again.
@@ -57,19 +58,39 @@ def keeping() -> bool:
     return bool(_PLACES)
 
 
-def proved_before(solver: Solver, text: str) -> bool:
-    """Return whether this solver has proved every goal of this text before."""
+def proved_before(text: str) -> bool:
+    """Return whether z3 has proved every goal of this text before."""
+    return _answer("z3", text) == _PROVED
+
+
+def keep_proved(text: str) -> None:
+    """Cache the fact that z3 has proved every goal of this text."""
+    if _PLACES:
+        _PLACES[-1].store.put(_KIND, _key("z3", text), _PROVED)
+
+
+def confirmed_before(text: str) -> tuple[str, ...]:
+    """Return the programs that have confirmed every goal of this text before, with their versions; nothing if that is not known.
+
+    An entry that names no program, as safeloc wrote it before it named them, counts as none: the text is asked again.
+    """
+    said, *by = _answer("second", text).split(b"\n")
+    return tuple(name.decode() for name in by) if said == _PROVED else ()
+
+
+def keep_confirmed(text: str, by: Sequence[str]) -> None:
+    """Cache the names of the programs that have confirmed every goal of this text."""
+    if _PLACES and by:
+        _PLACES[-1].store.put(_KIND, _key("second", text), b"\n".join([_PROVED, *(name.encode() for name in by)]))
+
+
+def _answer(solver: Solver, text: str) -> bytes:
+    """Return what is cached of this solver's answer; nothing if there is none, or none that is new enough."""
     if not _PLACES:
-        return False
+        return b""
     place = _PLACES[-1]
     entry = place.store.get(_KIND, _key(solver, text))
-    return entry is not None and entry.data == _PROVED and entry.since >= place.since
-
-
-def keep_proved(solver: Solver, text: str) -> None:
-    """Cache the fact that this solver has proved every goal of this text."""
-    if _PLACES:
-        _PLACES[-1].store.put(_KIND, _key(solver, text), _PROVED)
+    return entry.data if entry is not None and entry.since >= place.since else b""
 
 
 def needed_before(text: str, hypotheses: int) -> list[int] | None:

@@ -25,7 +25,7 @@ from safeloc.proof.provers.never import none_happens
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachable_targets import happens, without_assumption
-from safeloc.proof.provers.recheck import ENGINE, UNCONFIRMED
+from safeloc.proof.provers.recheck import UNCONFIRMED, confirmed_by
 from safeloc.proof.provers.settle import settled
 
 NAMED = 3  # undecided readings that the verdict names; it only counts the others
@@ -165,7 +165,7 @@ def _verdict(found: _Found, by_folding: str) -> Verdict:
         return Unknown("; ".join(open_[:NAMED]) + more)
     if not found.asked:
         return Proved(None, "folding", by_construction=by_folding)
-    return Proved(None, "z3", 1, (ENGINE,), found.texts, by_construction=by_folding)
+    return Proved(None, "z3", 1, confirmed_by(found.texts), found.texts, by_construction=by_folding)
 
 
 def _shown(run: Trace | None) -> str:

@@ -20,7 +20,7 @@ from safeloc.proof.provers.never import never, none_happens
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachable_targets import happens, without_assumption
-from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.provers.settle import settled, settled_but
 
 # ------------------------------------------------------------------ ranges
@@ -33,8 +33,9 @@ def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
     kept = [var for var in numeric if range_of(var) not in known.refuted]
     if kept:
         statement = f"{len(kept)} of {len(numeric)} state variables stay in their declared ranges"
-        verdict = Proved(all_of(known.everything), "1-induction", 1, (ENGINE,), known.certificates)
-        yield Obligation("ranges", statement, verdict, f"1-induction, re-checked by {ENGINE}")
+        by = confirmed_by(known.certificates)
+        verdict = Proved(all_of(known.everything), "1-induction", 1, by, known.certificates)
+        yield Obligation("ranges", statement, verdict, rechecked_in_words("1-induction", by))
     for var in numeric:
         if range_of(var) in known.refuted:
             goal = observe(system, reachable("a range left", ~in_range([var])))
@@ -100,7 +101,9 @@ def _overflow(system: TransitionSystem, what: _Computed, known: Base, limits: Li
     by_bounds = f"{every - len(wide)} of {every} terms stay within 64 bits by the bounds of their parts"
     query = Query(f"{system.name} {what.name}", what.given, _within(wide), about(system, what.name))
     asked, rest = settled_but(query, deadline(limits.seconds), list(known.certificates))
-    method = f"{by_bounds}; {len(wide)} by z3 and {ENGINE}" if wide else by_bounds
+    texts = {**known.certificates, **asked.texts} if rest else {}
+    by_solvers = rechecked_in_words(f"{by_bounds}; {len(wide)} by z3", confirmed_by(asked.texts))
+    method = by_solvers if wide else by_bounds
     goals = {number: _left(system, f"{what.name} {number}", ~query.goals[number], what) for number in asked.failed}
     found = none_happens({goal: str(asked.failed[number]) for number, goal in goals.items()}, limits)
     for number, goal in goals.items():
@@ -109,12 +112,11 @@ def _overflow(system: TransitionSystem, what: _Computed, known: Base, limits: Li
         names = ", ".join(var.name for var in what.unsure)
         yield Obligation(what.name, FITS, Unknown(f"it rests on ranges that are not proved: {names}"), method)
     elif rest or not wide:
-        engine, texts = ("z3", {**known.certificates, **asked.texts}) if wide else ("intervals", dict[str, str]())
-        rechecked = (ENGINE,) if wide else ()
+        engine = "z3" if wide else "intervals"
         yield Obligation(
             what.name,
             f"{FITS}, except in terms with an obligation of their own" if asked.failed else FITS,
-            Proved(None, engine, len(texts) and 1, rechecked, texts, by_construction=by_bounds),
+            Proved(None, engine, len(texts) and 1, confirmed_by(texts), texts, by_construction=by_bounds),
             method,
         )
 
@@ -137,7 +139,7 @@ def _overflow_at_first(system: TransitionSystem, limits: Limits) -> Iterator[Obl
     query = Query(f"{system.name} overflow of first values", [in_range(system.state)], _within(wide), head)
     asked = settled(query, deadline(limits.seconds))
     statement, method = "`initially` is computed within 64 bits, whatever first values are chosen", "one query a term"
-    verdict: Verdict = Proved(None, "z3", 0, (ENGINE,), asked.texts)
+    verdict: Verdict = Proved(None, "z3", 0, confirmed_by(asked.texts), asked.texts)
     if asked.failed:
         number, why = next(iter(asked.failed.items()))
         reason = f"{infix(wide[number])}: {why}; narrow the ranges, or bound each value in `initially`"

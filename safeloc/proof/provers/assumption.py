@@ -23,6 +23,7 @@ from safeloc.proof.provers.asking import ask, new_solver, plain_solver, why_unkn
 from safeloc.proof.provers.dead_ends import NO_RUN, lasts
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.recheck import rechecked_in_words
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting
 from safeloc.proof.provers.replayed_evidence import admissible_run
 
@@ -51,7 +52,7 @@ def how(verdict: Verdict) -> str:
     """Describe the method of the proof, or the methods tried."""
     match verdict:
         case Proved(engine=engine, rechecked=rechecked):
-            return f"{engine}, re-checked by {' and '.join(rechecked)}"
+            return rechecked_in_words(engine, rechecked)
         case Violated(trace=None):
             return "bounded search"
         case Violated(engine=engine):

@@ -33,7 +33,7 @@ from safeloc.proof.provers.further_assumption import EMPTY
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, remember
-from safeloc.proof.provers.recheck import ENGINE, certify, file_name
+from safeloc.proof.provers.recheck import certify, confirmed_by, file_name
 from safeloc.proof.provers.recorded_witnesses import Recording, lawful_part
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.provers.spacer import spacer
@@ -142,7 +142,7 @@ class _Search:
         if self.open:
             return None
         texts = {**self.known.certificates, **self.texts, **self._witnesses()}
-        return Proved(None, "witness functions", 1, (ENGINE,), texts)
+        return Proved(None, "witness functions", 1, confirmed_by(texts), texts)
 
     def _witnesses(self) -> dict[str, str]:
         """Write the witness functions as a text of their own, for the checker: the goals do not name them."""
@@ -209,7 +209,8 @@ class _Search:
     def _proved(self, verdict: Verdict) -> Verdict | None:
         """Return the proof with the earlier certificates; None if the verdict is no proof."""
         if isinstance(verdict, Proved):
-            return replace(verdict, certificates={**self.texts, **verdict.certificates, **self._witnesses()})
+            texts = {**self.texts, **verdict.certificates, **self._witnesses()}
+            return replace(verdict, rechecked=confirmed_by(texts), certificates=texts)
         self.reasons.append(getattr(verdict, "reason", ""))
         return None
 
@@ -294,7 +295,8 @@ def further_assumption_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verd
     verdict = lasts(goal.plain, limits, of=goal.prop)
     match verdict:
         case Proved(certificates=certificates):
-            return replace(proved, certificates={**proved.certificates, **certificates})
+            texts = {**proved.certificates, **certificates}
+            return replace(proved, rechecked=confirmed_by(texts), certificates=texts)
         case Violated(trace=None):
             return Vacuous(EMPTY)
         case Violated(trace=trace, reason=reason):

@@ -90,12 +90,12 @@ def unproved(
     if not keeping():
         return _failures(query, seconds, seed, core_seconds)
     text = text_of(query)
-    if proved_before("z3", text):
+    if proved_before(text):
         return {}
     with alone_in_asking("z3", text):
-        failed = {} if proved_before("z3", text) else _failures(query, seconds, seed, core_seconds)
+        failed = {} if proved_before(text) else _failures(query, seconds, seed, core_seconds)
         if not failed:
-            keep_proved("z3", text)
+            keep_proved(text)
     return failed
 
 

@@ -20,7 +20,7 @@ from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import Failure, Refuted, Undecided, unproved
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base
-from safeloc.proof.provers.recheck import ENGINE, INDUCTION_OF_ONE_GOAL, UNCONFIRMED, certify
+from safeloc.proof.provers.recheck import INDUCTION_OF_ONE_GOAL, UNCONFIRMED, certify, confirmed_by
 
 _SHOWN = 12
 """Variables of a counterexample to induction that are named; those that are 0 or false are left out."""
@@ -83,7 +83,7 @@ def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], s
         return Unknown(f"proved by {k}-induction in z3, but {UNCONFIRMED}", k - 1)
     texts = {**known.certificates, **{one.file: one.text for one in made}}
     invariant = all_of([*given_facts(goal, known), _wanted(goal)])
-    return Proved(invariant, f"{k}-induction", k, (ENGINE,), texts)
+    return Proved(invariant, f"{k}-induction", k, confirmed_by(texts), texts)
 
 
 def given_facts(goal: Goal, known: Base) -> list[Bool]:

@@ -17,7 +17,7 @@ from safeloc.proof.provers.never import never
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.reachable_targets import happens, without_assumption
-from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.recheck import confirmed_by
 from safeloc.proof.provers.settle import settled_but
 
 Rows = tuple[int, int]
@@ -41,7 +41,8 @@ def _overlap(system: TransitionSystem, machine: Machine, limits: Limits) -> Iter
         nothing = Proved(None, "construction", by_construction="no two transitions have one rank and mode")
         yield Obligation(f"overlap {machine.name}", statement, nothing, nothing.by_construction)
     elif rest:
-        verdict = Proved(None, "z3", 1, (ENGINE,), {**known.certificates, **asked.texts})
+        texts = {**known.certificates, **asked.texts}
+        verdict = Proved(None, "z3", 1, confirmed_by(texts), texts)
         others = ", except for pairs with an obligation of their own" if asked.failed else ""
         yield Obligation(f"overlap {machine.name}", statement + others, verdict, f"{len(rest)} pairs, one query each")
     for rows, why in asked.failed.items():

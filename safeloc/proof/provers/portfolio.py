@@ -33,7 +33,7 @@ from safeloc.proof.provers.inherited import contract_properties, contracts
 from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
-from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
@@ -104,7 +104,8 @@ def _reach(goal: Goal, limits: Limits, recordings: Sequence[Recording] = ()) -> 
         return replace(_witnessed(recorded[goal]), engine="recorded")
     never = kinduction(goal, replace(limits, seconds=limits.seconds / 2))
     if isinstance(never, Proved):
-        return Violated(None, never.engine, f"no run reaches it: proved by {never.engine}")
+        how = rechecked_in_words(never.engine, never.rechecked)
+        return Violated(None, how, f"no run reaches it: proved by {never.engine}")
     if isinstance(never, Vacuous):
         return never
     if found.depth == limits.depth and ends.left > 0:
@@ -293,7 +294,8 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     verdict = prove_one(observe(part.alone, of_part), half) if not first.failed else None
     if isinstance(verdict, Proved):
         texts = {**known.certificates, **verdict.certificates, **first.texts}
-        return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself", certificates=texts)
+        engine, by = f"{verdict.engine} of {part.name} by itself", confirmed_by(texts)
+        return replace(verdict, invariant=None, engine=engine, rechecked=by, certificates=texts)
     if isinstance(verdict, Violated):
         return _of_the_composition(goal, part, of_part, half)
     return prove_one(goal, half)
@@ -343,14 +345,15 @@ def _facts(system: TransitionSystem, known: Base, seconds: float) -> list[Findin
 
 
 def _lemmas(system: TransitionSystem, known: Base, seconds: float) -> Iterator[Finding | Dropped]:
+    by = confirmed_by(known.certificates)
     for name, term in system.lemmas.items():
         goal, key = observe(system, always(name, term)), Fact("lemma", name)
         if key in known.refuted:
             yield Dropped(goal, f"not used: {known.refuted[key]}")
         else:
-            verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
+            verdict = Proved(term, "1-induction", 1, by, known.certificates)
             reach = "for all inputs in range" if key in known.always else "under the assumption"
-            method = f"1-induction, all lemmas together, {reach}, re-checked by {ENGINE}"
+            method = rechecked_in_words(f"1-induction, all lemmas together, {reach}", by)
             yield _finding(goal, "lemma", verdict, method, seconds)
 
 
@@ -358,8 +361,9 @@ def _contracts(system: TransitionSystem, known: Base, seconds: float) -> Iterato
     for key, prop in contract_properties(system):
         goal = observe(system, prop)
         if key in known.kept:
-            verdict = Proved(known.kept[key], "1-induction", 1, (ENGINE,), known.certificates)
-            method = f"assume-guarantee: what is known of the machines before it, re-checked by {ENGINE}"
+            by = confirmed_by(known.certificates)
+            verdict = Proved(known.kept[key], "1-induction", 1, by, known.certificates)
+            method = rechecked_in_words("assume-guarantee: what is known of the machines before it", by)
             yield _finding(goal, "lemma", verdict, method, seconds)
         else:
             why = known.refuted.get(key, "the machines before it do not guarantee this assumption")
@@ -406,9 +410,9 @@ def _finding(goal: Goal, kind: Literal["lemma", "property"], verdict: Verdict, m
 def _method(verdict: Verdict) -> str:
     match verdict:
         case Proved(engine=engine, rechecked=rechecked):
-            return f"{engine}, re-checked by {' and '.join(rechecked)}"
+            return rechecked_in_words(engine, rechecked)
         case Violated(engine=engine, trace=None):
-            return f"{engine}, re-checked by {ENGINE}"
+            return engine
         case Violated(engine=engine):
             return f"{engine}, replayed in the interpreter"
         case Vacuous():

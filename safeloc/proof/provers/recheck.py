@@ -23,14 +23,12 @@ import cvc5
 from safeloc import yices
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.errors import EngineError
-from safeloc.proof.cache.answers import keep_proved, proved_before
+from safeloc.proof.cache.answers import confirmed_before, keep_confirmed
 from safeloc.proof.provers.limits import CLOCK, Deadline, deadline, milliseconds, spend
 from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.once import alone_in_asking
 
 _CVC5 = f"cvc5 {cvc5.__version__}"
-ENGINE = _CVC5 if yices.version() is None else f"yices {yices.version()} or {_CVC5}"
-"""The programs of which one confirms each proof."""
 UNCONFIRMED = "cvc5 could not confirm it in time"
 """The reason of every result that z3 has proved and that is not confirmed: cvc5 is the last one asked."""
 YICES_SECONDS, YICES_INDUCTION_SECONDS = 10.0, 4.0
@@ -58,9 +56,43 @@ UNITS_PER_SECOND = 300_000
 _USED = "resource::resourceUnitsUsed"
 
 
+class ConfirmedText(str):
+    """The text of a query of which all goals are confirmed, with the programs that confirmed them, in the order in which they were
+    asked: two if yices left a goal open.
+
+    It equals the same text that other programs confirmed: what it proves is the same.
+    """
+
+    by: tuple[str, ...]
+
+    def __new__(cls, text: str, by: tuple[str, ...]) -> ConfirmedText:
+        """Make the text."""
+        made = super().__new__(cls, text)
+        made.by = by
+        return made
+
+    def __getnewargs__(self) -> tuple[str, tuple[str, ...]]:  # type: ignore[override] # str's own has the text alone
+        """Return what a copy in another process is made from."""
+        return str(self), self.by
+
+
+def confirmed_by(certificates: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the programs that confirmed these certificates, each at least one of them; yices, which is asked first, comes first."""
+    found = {name for text in certificates.values() if isinstance(text, ConfirmedText) for name in text.by}
+    return tuple(sorted(found, reverse=True))
+
+
+def rechecked_in_words(how: str, by: Sequence[str]) -> str:
+    """Return how something was proved, with the programs that confirmed it: the second one confirmed what the first one left open."""
+    return f"{how}, re-checked by {' and, for what it left open, '.join(by)}" if by else how
+
+
 @dataclass(frozen=True)
 class Certificate(Generic[Key]):
-    """The text of a query, and the goals that no second solver could decide in time; if there are none, the proof is confirmed."""
+    """The text of a query, and the goals that no second solver could decide in time; if there are none, the proof is confirmed.
+
+    text  a ConfirmedText if the proof is confirmed
+    """
 
     file: str
     text: str
@@ -86,27 +118,32 @@ def _certify(
 ) -> Certificate[Key]:
     text = to_smtlib(query, relies_on)
     file = file_name(query.name, text)
-    if proved_before("second", text):
-        return Certificate(file, text, ())
+    if by := confirmed_before(text):
+        return Certificate(file, ConfirmedText(text, by), ())
     with alone_in_asking("second", text):
-        open_ = () if proved_before("second", text) else _unconfirmed(query, file, text, seconds, options)
-        if not open_:
-            keep_proved("second", text)
-    return Certificate(file, text, open_)
+        if by := confirmed_before(text):
+            return Certificate(file, ConfirmedText(text, by), ())
+        open_, by = _asked(query, file, text, seconds, options)
+        if open_:
+            return Certificate(file, text, open_)
+        keep_confirmed(text, by)
+    return Certificate(file, ConfirmedText(text, by), ())
 
 
-def _unconfirmed(
+def _asked(
     query: Query[Key], file: str, text: str, seconds: float, options: Mapping[str, str]
-) -> tuple[Key, ...]:
-    """Return the goals that neither yices nor cvc5 confirms in time."""
+) -> tuple[tuple[Key, ...], tuple[str, ...]]:
+    """Return the goals that neither yices nor cvc5 confirms in time, and the programs that confirm the others."""
     alone_s = YICES_INDUCTION_SECONDS if options is INDUCTION_OF_ONE_GOAL else YICES_SECONDS
     left = _left_by_yices(query, file, text, seconds, alone_s)
+    by_yices = (f"yices {yices.version()}",) if len(left) < len(query.goals) else ()
     if not left:
-        return ()
-    if len(left) < len(query.goals):
+        return (), by_yices
+    if by_yices:
         query = Query(query.name, query.hypotheses, {goal: query.goals[goal] for goal in left})
         text = to_smtlib(query)
-    return _left_by_cvc5(query, file, text, seconds, options)
+    open_ = _left_by_cvc5(query, file, text, seconds, options)
+    return open_, (*by_yices, *([_CVC5] if len(open_) < len(left) else []))
 
 
 def _left_by_yices(query: Query[Key], file: str, text: str, seconds: float, alone_s: float) -> tuple[Key, ...]:
@@ -204,7 +241,7 @@ def decide(
     solver.setOption("rlimit-per", str(max(1, int(UNITS_PER_SECOND * most))))
     solver.setOption("tlimit-per", str(milliseconds(CLOCK * most)))
     parser = cvc5.InputParser(solver, symbols)
-    parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, text, file)
+    parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, str(text), file)  # it takes no subclass of str
     try:
         return _answers(parser, solver, symbols, deadline(seconds))
     except RuntimeError as error:

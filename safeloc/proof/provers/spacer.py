@@ -26,7 +26,7 @@ from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts
 from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline, milliseconds, spend
 from safeloc.proof.provers.proved_base import Base, base
-from safeloc.proof.provers.recheck import ENGINE, UNCONFIRMED, certify
+from safeloc.proof.provers.recheck import UNCONFIRMED, certify, confirmed_by
 from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 
 UNITS_PER_SECOND = 1_000_000
@@ -121,7 +121,8 @@ def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verd
         if certificate.undecided:
             return Unknown(f"proved by spacer, but {UNCONFIRMED}")
         certificates[certificate.file] = certificate.text
-    return Proved(all_of([*given_facts(goal, known), invariant]), "spacer", 0, (ENGINE,), certificates)
+    proved = all_of([*given_facts(goal, known), invariant])
+    return Proved(proved, "spacer", 0, confirmed_by(certificates), certificates)
 
 
 def queries(goal: Goal, facts: Sequence[Bool], invariant: Bool) -> tuple[Query[str], Query[str], Query[str]]:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+import cvc5
+
+from safeloc import yices
 from safeloc.language.expr import TRUE, Bool, boolean, minimum, number
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.spec import Goal, always, observe
@@ -16,6 +19,8 @@ LOW, HIGH = modes("LOW", "HIGH")
 MODE = current_mode((LOW, HIGH))
 TICK = boolean("tick")
 LEVEL = number("level", COUNT, 0, 10)
+ASKED_FIRST = f"cvc5 {cvc5.__version__}" if yices.version() is None else f"yices {yices.version()}"
+"""The program that is asked first for a second opinion: it confirms all that is small."""
 
 
 def counter(

@@ -7,9 +7,9 @@ from safeloc.language.verdict import Proved, Unknown, Violated, require_proved
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.provers.spacer import spacer
 from tests.examples import EXAMPLES, Example
+from tests.proof.provers.small import ASKED_FIRST
 
 EVERY = pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 LIMITS = Limits(depth=12, seconds=20.0)
@@ -20,7 +20,7 @@ def test_kinduction_proves_what_holds(example: Example) -> None:
     """The true property is proved for streams of any length, and cvc5 confirms every certificate."""
     proved = require_proved(kinduction(observe(example.system, example.holds), LIMITS))
     assert proved.engine == f"{proved.depth}-induction"
-    assert proved.rechecked == (ENGINE,)
+    assert proved.rechecked == (ASKED_FIRST,)
     assert all("(check-sat)" in text for text in proved.certificates.values())
 
 

@@ -55,7 +55,7 @@ def test_who_waits_gives_its_place_and_asks_nothing(tmp_path: Path) -> None:
             other.start()
             assert here.recv() == "ready"
             places.take()  # comes back only from a process that waits for the turn
-            keep_proved("z3", TEXT)
+            keep_proved(TEXT)
         assert not here.poll(0.2)  # its place is still taken
         places.give()
         assert here.recv() == ([], True)

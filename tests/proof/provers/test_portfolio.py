@@ -13,10 +13,10 @@ from safeloc.language.verdict import Proved, Unknown, Verdict, Violated, require
 from safeloc.proof.provers import portfolio as module
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove, prove_one
-from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.results import Finding
 from tests.examples import EXAMPLES, Example
 from tests.proof.provers.small import (
+    ASKED_FIRST,
     FULL_TOGETHER,
     HIGH,
     LEFT,
@@ -204,4 +204,4 @@ def test_requirements_and_assumption_are_handed_on() -> None:
     claim = always("claim", LEVEL <= 10, statement="never too full", requirements=("MRK-1",), assumption="none")
     [finding] = prove(system(counter()), [claim], LIMITS)
     assert (finding.statement, finding.requirements, finding.assumption) == ("never too full", ("MRK-1",), "none")
-    assert finding.method == f"1-induction, re-checked by {ENGINE}"
+    assert finding.method == f"1-induction, re-checked by {ASKED_FIRST}"

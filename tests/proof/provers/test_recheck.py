@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 from collections.abc import Callable
 
+import cvc5
 import pytest
 
 from safeloc import yices
@@ -17,10 +19,19 @@ from safeloc.proof.provers import kinduction as prover
 from safeloc.proof.provers import recheck as module
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.recheck import certify, decide, file_name, recheck
+from safeloc.proof.provers.recheck import (
+    ConfirmedText,
+    certify,
+    confirmed_by,
+    decide,
+    file_name,
+    recheck,
+    rechecked_in_words,
+)
 from tests.proof.provers.small import FULL_TOGETHER, LEVEL, SAME, counter, goal, pair
 
 needs_yices = pytest.mark.skipif(yices.program() is None, reason="yices is not installed")
+CVC5 = f"cvc5 {cvc5.__version__}"
 X = NumVar("x", ONE, 0, 9)
 SOUND = Query("sound", [X > 3], {"above 2": X > 2, "above 0": X > 0})
 
@@ -82,8 +93,10 @@ def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
         return decide(file, text, **how)  # type: ignore[arg-type]
 
     monkeypatch.setattr(module, "decide", listening)
-    certificates = _proof().certificates
+    proof = _proof()
+    certificates = proof.certificates
     assert sorted(decided) == sorted(certificates)
+    assert proof.rechecked == (CVC5,)
     assert len(certificates) == 4
 
 
@@ -99,8 +112,10 @@ def test_every_proof_calls_yices_and_none_cvc5(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(yices, "answers", listening)
     monkeypatch.setattr(module, "recheck", lambda *_, **__: pytest.fail("cvc5 was asked"))
-    certificates = _proof().certificates
+    proof = _proof()
+    certificates = proof.certificates
     assert sorted(asked) == sorted(certificates.values())
+    assert proof.rechecked == (f"yices {yices.version()}",)
     assert len(certificates) == 4
 
 
@@ -115,13 +130,36 @@ def test_cvc5_decides_what_yices_leaves_open(left: str, monkeypatch: pytest.Monk
         return recheck(file, text, expected, **how)  # type: ignore[arg-type] # handed on as it came
 
     whole = certify(SOUND, seconds=10.0)
+    assert confirmed_by({whole.file: whole.text}) == (f"yices {yices.version()}",)
     monkeypatch.setattr(yices, "answers", lambda *_: ["unsat", left])
     monkeypatch.setattr(module, "recheck", listening)
-    assert certify(SOUND, seconds=10.0) == whole
+    again = certify(SOUND, seconds=10.0)
+    assert again == whole
+    assert confirmed_by({again.file: again.text}) == (f"yices {yices.version()}", CVC5)
     [text] = asked
     assert "above 0" in text and "above 2" not in text
     monkeypatch.setattr(module, "recheck", lambda *_, **__: ["unknown"])
-    assert certify(SOUND, seconds=10.0).undecided == ("above 0",)
+    open_ = certify(SOUND, seconds=10.0)
+    assert open_.undecided == ("above 0",)
+    assert confirmed_by({open_.file: open_.text}) == ()
+
+
+def test_a_text_keeps_its_names_on_the_way_to_another_process() -> None:
+    """Results are pickled, and the text is that of before for everything else."""
+    text = pickle.loads(pickle.dumps(ConfirmedText("(check-sat)", ("yices 2", "cvc5 1"))))
+    assert (text, text.by) == ("(check-sat)", ("yices 2", "cvc5 1"))
+    assert confirmed_by({"one": ConfirmedText("", ("cvc5 1",)), "two": text, "no query": "plain"}) == (
+        "yices 2",
+        "cvc5 1",
+    )
+
+
+def test_who_left_what_open_is_told_in_words() -> None:
+    """Two programs did not both confirm the same; and by nobody is said of nothing."""
+    assert rechecked_in_words("spacer", ("cvc5 1",)) == "spacer, re-checked by cvc5 1"
+    told = rechecked_in_words("spacer", ("yices 2", "cvc5 1"))
+    assert told == "spacer, re-checked by yices 2 and, for what it left open, cvc5 1"
+    assert rechecked_in_words("construction", ()) == "construction"
 
 
 @needs_yices
