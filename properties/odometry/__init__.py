@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite, maximum, with_unit
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import MM, NM, NM_PER_MM
@@ -161,6 +161,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
         "greater than the front device's (which no reading of the other device touches)",
         requirements=("MRK-1", "MRK-D3", "MRK-D5"),
     )
+    yield from _takes_over(model)
     leading = [f"leading reading at {end}" for end in ("front", "rear")]
     trailing = [f"trailing reading at {end}" for end in ("front", "rear")]
     yield for_all_inputs(
@@ -175,6 +176,36 @@ def _selection(model: Odometry) -> Iterator[Property]:
         statement="after the trailing reading of the same marker the values M2 are used",
         requirements=("MRK-1", "MRK-5"),
     )
+
+
+def _takes_over(model: Odometry) -> Iterator[Property]:
+    """Claim when the other device's values are used without a reading; none of a machine with one device."""
+    machine, own = model.machine, model.own
+    unset = all_of(verdict.ne(ACCEPTED) for verdict in _verdicts(own))
+    for front, rear in zip(own.devices, own.devices[1:], strict=False):
+        *_, front_leads, rear_leads = machine.modes
+        to_rear = unset & before(machine.mode).eq(front_leads) & machine.mode.eq(rear_leads)
+        to_front = unset & before(machine.mode).eq(rear_leads) & machine.mode.eq(front_leads)
+        yield for_all_inputs(
+            "the rear device takes over only with a smaller margin",
+            to_rear.implies(any_of(_narrower(one, front) for one in rear.units)),
+            statement="without a reading the rear device takes over only if its margin is smaller than the front device's, or if "
+            "the front device has no position",
+            requirements=("MRK-1", "MRK-D3"),
+        )
+        yield for_all_inputs(
+            "the front device takes over with no greater margin",
+            to_front.implies(all_of(one.alive.implies(~_narrower(one, front)) for one in rear.units)),
+            statement="without a reading the front device takes over only if its margin is not greater than the rear device's, or if "
+            "the rear device has no position",
+            requirements=("MRK-1", "MRK-D3"),
+        )
+
+
+def _narrower(unit: Unit, other: Device) -> Bool:
+    """The unit has a position, with a smaller margin than each unit of the other device that has one."""
+    margin = maximum(unit.above, unit.below)
+    return unit.alive & all_of(one.alive.implies(margin < maximum(one.above, one.below)) for one in other.units)
 
 
 def _no_worse(machine: Machine, unit: Unit) -> Bool:
