@@ -12,7 +12,7 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num, w
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry.distance_device import Device, Unit
-from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
+from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, NOT_BETTER, OUT_OF_WINDOW, Reader
 from safeloc.models.odometry.variables import OdometryConfig, Parts
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
@@ -100,6 +100,62 @@ def _references(model: Odometry) -> Iterator[Property]:
             "not",
             requirements=("MRK-1", "MRK-5"),
         )
+    yield from _waiting(model)
+
+
+def _waiting(model: Odometry) -> Iterator[Property]:
+    """Claim which identities wait for the trailing reader: those that the leading one read, until the trailing one reads them."""
+    own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
+    turned = own.backwards.iff(~earlier_bool(own.backwards))
+    led = [(_leads_before(own, end) & _counts(reader), reader.marker.value) for end, reader in enumerate(own.readers)]
+    passed = [
+        (~_leads_before(own, end) & _counts(reader), reader.marker.value) for end, reader in enumerate(own.readers)
+    ]
+    waits = own.pending.places
+    yield for_pairs(
+        "an identity waits only once the leading reader has read it",
+        all_of(
+            one.ne(0).implies(
+                any_of(one.eq(earlier_num(other)) for other in waits)
+                | any_of(counts & one.eq(marker) for counts, marker in led)
+            )
+            for one in waits
+        ),
+        statement="an identity begins to wait for the trailing reader only in a cycle in which the leading reader reads it and the "
+        "reading passes every check",
+    )
+    yield for_pairs(
+        "an identity that the trailing reader has read waits no longer",
+        all_of(
+            (counts & all_of(~also | other.ne(marker) for also, other in led)).implies(
+                all_of(one.ne(marker) for one in waits)
+            )
+            for counts, marker in passed
+        ),
+        statement="after the trailing reading of a marker its identity waits no longer, so that a second such reading does not count",
+    )
+    mode, lost, none_waits = model.machine.mode, model.machine.modes[0], all_of(one.eq(0) for one in waits)
+    yield for_pairs(
+        "no identity waits after turning",
+        (turned & before(mode).ne(lost)).implies(none_waits),
+        statement="when the direction of travel turns, and with it which reader leads, no identity waits",
+    )
+    yield for_pairs(
+        "no identity waits after a loss",
+        mode.eq(lost).implies(none_waits),
+        statement="with neither position nor candidate no identity waits",
+    )
+
+
+def _leads_before(own: Parts, end: int) -> Bool:
+    """The reader at that end leads, by the direction of travel before the cycle."""
+    back = earlier_bool(own.backwards)
+    return back if end == 1 else ~back
+
+
+def _counts(reader: Reader) -> Bool:
+    """The reading passed every check, whether or not it sets its device."""
+    return reader.verdict.one_of(ACCEPTED, CANDIDATE, NOT_BETTER)
 
 
 def _verdicts(own: Parts, of: Device | None = None) -> list[Num]:
@@ -123,7 +179,7 @@ def _entitled(model: Odometry, end: int, reader: Reader) -> Bool:
     ahead = ite(back, last_place > place, last_place < place)
     new = last.eq(0) | (last.ne(marker) & ahead)
     unknown = all_of(earlier_num(waiting).ne(marker) for waiting in own.pending.places)
-    leading = back if end == 1 else ~back
+    leading = _leads_before(own, end)
     return all_of([reader.marker.present, reader.place.present, leading.implies(new), leading | ~unknown])
 
 

@@ -47,7 +47,9 @@ class Row:
 
 def rows(text: str) -> list[Row]:
     """The rows of all tables whose first cell is an id."""
-    cells = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in text.splitlines() if line.startswith("|")]
+    cells = [
+        [cell.strip() for cell in line.strip("|").split(" | ")] for line in text.splitlines() if line.startswith("|")
+    ]
     return [Row(*row) for row in cells if re.fullmatch(r"[A-Z]+-D?\d+", row[0])]
 
 
@@ -97,7 +99,9 @@ def unknown_machines(row: Row) -> list[str]:
 
 def missing_files(row: Row) -> list[str]:
     """Files that the row names and that do not exist."""
-    of_claims = [ROOT / one if one.startswith("tests/") else ROOT / "properties" / one for one in FILE.findall(row.claims)]
+    of_claims = [
+        ROOT / one if one.startswith("tests/") else ROOT / "properties" / one for one in FILE.findall(row.claims)
+    ]
     of_wrong = [ROOT / "tests" / one for one in FILE.findall(row.wrong)]
     return [f"{row.id}: {path.relative_to(ROOT)}" for path in (*of_claims, *of_wrong) if not path.is_file()]
 
@@ -111,7 +115,9 @@ def unfounded(row: Row) -> list[str]:
         found.append("shown by nothing")
     if not re.search(r"tried|`", row.wrong):
         found.append("no wrong machine, and not said that none was tried")
-    return [f"{row.id}: {what}" for what in found] + [f"{row.id}: an empty cell" for cell in vars(row).values() if not cell]
+    return [f"{row.id}: {what}" for what in found] + [
+        f"{row.id}: an empty cell" for cell in vars(row).values() if not cell
+    ]
 
 
 CHECKS = (unknown_claims, unknown_machines, missing_files, unfounded)
@@ -125,7 +131,11 @@ def faults(text: str) -> list[str]:
     wrong = [f"{name}: {times[name]} times" for name in {*entries, *times} if times[name] != 1 or name not in entries]
     words = Counter(row.word for row in found)
     counts = "**{} are shown, {} are weak, {} are missing.**".format(*(words[word] for word in JUDGEMENTS))
-    return [*wrong, *([] if counts in text else [f"the counts are {counts}"]), *(one for row in found for check in CHECKS for one in check(row))]
+    return [
+        *wrong,
+        *([] if counts in text else [f"the counts are {counts}"]),
+        *(one for row in found for check in CHECKS for one in check(row)),
+    ]
 
 
 def test_the_page_is_in_step() -> None:

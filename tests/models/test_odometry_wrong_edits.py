@@ -16,9 +16,9 @@ from safeloc.language.terms import Substitution, variables
 from safeloc.language.units import MM
 from safeloc.models import odometry
 from safeloc.models.odometry import distance_device
-from safeloc.models.odometry.cycle import Judgement
+from safeloc.models.odometry.cycle import Judgement, Reading
 from safeloc.models.odometry.distance_device import Cycle, Device
-from safeloc.models.odometry.marker_reading import Fix, Reader, fix
+from safeloc.models.odometry.marker_reading import NONE, Fix, Pending, Reader, fix
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
@@ -140,6 +140,22 @@ def front_leads_while_alive(patch: Patch) -> None:
     patch.setattr(odometry, "_leads", leads)
 
 
+def identities_kept(patch: Patch) -> None:
+    """An identity that the trailing reader has read waits on."""
+    patch.setattr(Pending, "_without", lambda own, passed, trailing: list(own.places))
+
+
+def refused_identities_wait(patch: Patch) -> None:
+    """An identity waits for the trailing reader although the leading reading was refused."""
+    patch.setattr(Reading, "consistent", property(lambda one: one.verdict.ne(NONE)))
+
+
+def identities_kept_in_turning(patch: Patch) -> None:
+    """Identities wait on when the direction of travel turns."""
+    sound = Pending.after
+    patch.setattr(Pending, "after", lambda own, *found: sound(own, *found[:-1], TRUE))
+
+
 EDITS: Mapping[str, tuple[Edit, str]] = {
     "rear reading without the vehicle length": (reader_with(offset=as_num(0, MM)), "containment"),
     "length tolerance not added": (reader_with(offset_tolerance_mm=0), "containment"),
@@ -164,6 +180,15 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
     "top speed not gated": (limits_with(max_step_mm=9_000), "front_wheel gate"),
     "a gate that lets pass what no vehicle runs": (limits_with(max_step_change_mm=100_000), "containment"),
     "readers swapped": (readers_swapped, "rear reading pairs"),
+    "an identity read at both ends waits on": (
+        identities_kept,
+        "an identity that the trailing reader has read waits no longer",
+    ),
+    "an identity that was refused waits": (
+        refused_identities_wait,
+        "an identity waits only once the leading reader has read it",
+    ),
+    "identities wait on in turning": (identities_kept_in_turning, "no identity waits after turning"),
     "the rear device leads where margins are equal": (
         rear_leads_where_equal,
         "the rear device takes over only with a smaller margin",
