@@ -101,6 +101,7 @@ def _references(model: Odometry) -> Iterator[Property]:
             requirements=("MRK-1", "MRK-5"),
         )
     yield from _waiting(model)
+    yield from _last_marker(model)
 
 
 def _waiting(model: Odometry) -> Iterator[Property]:
@@ -144,6 +145,32 @@ def _waiting(model: Odometry) -> Iterator[Property]:
         "no identity waits after a loss",
         mode.eq(lost).implies(none_waits),
         statement="with neither position nor candidate no identity waits",
+    )
+
+
+def _last_marker(model: Odometry) -> Iterator[Property]:
+    """Claim which marker counts as the last one: by it a repeated marker, or one that lies behind, is refused."""
+    own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
+    mode, lost, back, (front, rear) = (
+        model.machine.mode,
+        model.machine.modes[0],
+        earlier_bool(own.backwards),
+        own.readers,
+    )
+    counts = ite(back, _counts(rear), _counts(front))
+    read = own.last_marker.eq(ite(back, rear.marker.value, front.marker.value))
+    there = own.last_place.eq(ite(back, rear.place.value, front.place.value))
+    yield for_pairs(
+        "the marker that the leading reader read last is stored",
+        (counts & mode.ne(lost) & own.backwards.iff(back)).implies(read & there),
+        statement="after a leading reading that passes every check its marker is the last one, with its place on the map",
+    )
+    same_place = own.last_place.eq(earlier_num(own.last_place))
+    stays = own.last_marker.eq(earlier_num(own.last_marker)) | own.last_marker.eq(0)
+    yield for_pairs(
+        "without a leading reading the last marker stays",
+        (~counts & mode.ne(lost) & before(mode).ne(lost)).implies(stays & same_place),
+        statement="without such a reading the last marker stays, or is forgotten",
     )
 
 

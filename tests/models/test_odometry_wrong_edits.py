@@ -156,6 +156,16 @@ def identities_kept_in_turning(patch: Patch) -> None:
     patch.setattr(Pending, "after", lambda own, *found: sound(own, *found[:-1], TRUE))
 
 
+def not_remembered(field: str) -> Edit:
+    """What the leading reader read last is not taken over."""
+
+    def edit(patch: Patch) -> None:
+        sound = Judgement.remembered
+        patch.setattr(Judgement, "remembered", lambda own: replace(sound(own), **{field: getattr(own.own, field)}))
+
+    return edit
+
+
 EDITS: Mapping[str, tuple[Edit, str]] = {
     "rear reading without the vehicle length": (reader_with(offset=as_num(0, MM)), "containment"),
     "length tolerance not added": (reader_with(offset_tolerance_mm=0), "containment"),
@@ -189,6 +199,14 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
         "an identity waits only once the leading reader has read it",
     ),
     "identities wait on in turning": (identities_kept_in_turning, "no identity waits after turning"),
+    "the last marker is not taken over": (
+        not_remembered("last_marker"),
+        "the marker that the leading reader read last is stored",
+    ),
+    "the last marker's place is not taken over": (
+        not_remembered("last_place"),
+        "the marker that the leading reader read last is stored",
+    ),
     "the rear device leads where margins are equal": (
         rear_leads_where_equal,
         "the rear device takes over only with a smaller margin",
