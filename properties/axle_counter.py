@@ -1,4 +1,4 @@
-"""Properties of a train's entry record (FVA-3, FVA-5).
+"""Properties of a train's entry record (FVA-3, FVA-5; as a device FVA-12, FVA-14).
 
 The truth is counted upwards along the line; a record is counted in the direction in which it reports the train as coming.
 """
@@ -15,7 +15,7 @@ from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 
-REQUIREMENTS = ("FVA-3", "FVA-5")
+REQUIREMENTS = ("FVA-3", "FVA-5", "FVA-12", "FVA-14")
 LAW = (
     "heads without a fault report every axle and true bounds of its speed; trains keep to their traction and "
     "brakes, and follow each other at the headway; the input that a passage is over is true"

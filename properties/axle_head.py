@@ -1,4 +1,4 @@
-"""Properties of a counting head (FVA-4, FVA-5)."""
+"""Properties of a counting head (FVA-4, FVA-5; as a device FVA-13, FVA-14)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from safeloc.language.spec import Property, always, previous, reachable, since
 from safeloc.models.axle_head import AxleHead
 from safeloc.models.axle_head.variables import DOWN, NO_AXLE, UP, Parts
 
-REQUIREMENTS = ("FVA-4", "FVA-5")
+REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 LAW = "one wheel at a time, sampled often enough, and no false damping"
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 

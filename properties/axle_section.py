@@ -1,4 +1,4 @@
-"""Properties of a section between axle counters (FVA-4, FVA-5).
+"""Properties of a section between axle counters (FVA-4, FVA-5; as a device FVA-13, FVA-14).
 
 Every property is written from the axles reported in a cycle, from the axles really in the section, and from the state that
 the requirement names: mode, count, lead time, and the ways of a sweep since the reset.
@@ -22,7 +22,7 @@ from safeloc.models.axle_section.variables import (
     Parts,
 )
 
-REQUIREMENTS = ("FVA-4", "FVA-5")
+REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 LAW = (
     "heads without a fault count truly; the driver who reports a sweep ran it on sight after the reset was "
     "requested, has left, and met nothing where he ran through"

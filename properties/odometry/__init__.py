@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite, maximum, with_unit
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry.distance_device import Device, Unit
-from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
+from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, NOT_BETTER, OUT_OF_WINDOW, Reader
 from safeloc.models.odometry.variables import OdometryConfig, Parts
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
@@ -100,6 +100,89 @@ def _references(model: Odometry) -> Iterator[Property]:
             "not",
             requirements=("MRK-1", "MRK-5"),
         )
+    yield from _waiting(model)
+    yield from _last_marker(model)
+
+
+def _waiting(model: Odometry) -> Iterator[Property]:
+    """Claim which identities wait for the trailing reader: those that the leading one read, until the trailing one reads them."""
+    own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
+    turned = own.backwards.iff(~earlier_bool(own.backwards))
+    led = [(_leads_before(own, end) & _counts(reader), reader.marker.value) for end, reader in enumerate(own.readers)]
+    passed = [
+        (~_leads_before(own, end) & _counts(reader), reader.marker.value) for end, reader in enumerate(own.readers)
+    ]
+    waits = own.pending.places
+    yield for_pairs(
+        "an identity waits only once the leading reader has read it",
+        all_of(
+            one.ne(0).implies(
+                any_of(one.eq(earlier_num(other)) for other in waits)
+                | any_of(counts & one.eq(marker) for counts, marker in led)
+            )
+            for one in waits
+        ),
+        statement="an identity begins to wait for the trailing reader only in a cycle in which the leading reader reads it and the "
+        "reading passes every check",
+    )
+    yield for_pairs(
+        "an identity that the trailing reader has read waits no longer",
+        all_of(
+            (counts & all_of(~also | other.ne(marker) for also, other in led)).implies(
+                all_of(one.ne(marker) for one in waits)
+            )
+            for counts, marker in passed
+        ),
+        statement="after the trailing reading of a marker its identity waits no longer, so that a second such reading does not count",
+    )
+    mode, lost, none_waits = model.machine.mode, model.machine.modes[0], all_of(one.eq(0) for one in waits)
+    yield for_pairs(
+        "no identity waits after turning",
+        (turned & before(mode).ne(lost)).implies(none_waits),
+        statement="when the direction of travel turns, and with it which reader leads, no identity waits",
+    )
+    yield for_pairs(
+        "no identity waits after a loss",
+        mode.eq(lost).implies(none_waits),
+        statement="with neither position nor candidate no identity waits",
+    )
+
+
+def _last_marker(model: Odometry) -> Iterator[Property]:
+    """Claim which marker counts as the last one: by it a repeated marker, or one that lies behind, is refused."""
+    own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
+    mode, lost, back, (front, rear) = (
+        model.machine.mode,
+        model.machine.modes[0],
+        earlier_bool(own.backwards),
+        own.readers,
+    )
+    counts = ite(back, _counts(rear), _counts(front))
+    read = own.last_marker.eq(ite(back, rear.marker.value, front.marker.value))
+    there = own.last_place.eq(ite(back, rear.place.value, front.place.value))
+    yield for_pairs(
+        "the marker that the leading reader read last is stored",
+        (counts & mode.ne(lost) & own.backwards.iff(back)).implies(read & there),
+        statement="after a leading reading that passes every check its marker is the last one, with its place on the map",
+    )
+    same_place = own.last_place.eq(earlier_num(own.last_place))
+    stays = own.last_marker.eq(earlier_num(own.last_marker)) | own.last_marker.eq(0)
+    yield for_pairs(
+        "without a leading reading the last marker stays",
+        (~counts & mode.ne(lost) & before(mode).ne(lost)).implies(stays & same_place),
+        statement="without such a reading the last marker stays, or is forgotten",
+    )
+
+
+def _leads_before(own: Parts, end: int) -> Bool:
+    """The reader at that end leads, by the direction of travel before the cycle."""
+    back = earlier_bool(own.backwards)
+    return back if end == 1 else ~back
+
+
+def _counts(reader: Reader) -> Bool:
+    """The reading passed every check, whether or not it sets its device."""
+    return reader.verdict.one_of(ACCEPTED, CANDIDATE, NOT_BETTER)
 
 
 def _verdicts(own: Parts, of: Device | None = None) -> list[Num]:
@@ -123,7 +206,7 @@ def _entitled(model: Odometry, end: int, reader: Reader) -> Bool:
     ahead = ite(back, last_place > place, last_place < place)
     new = last.eq(0) | (last.ne(marker) & ahead)
     unknown = all_of(earlier_num(waiting).ne(marker) for waiting in own.pending.places)
-    leading = back if end == 1 else ~back
+    leading = _leads_before(own, end)
     return all_of([reader.marker.present, reader.place.present, leading.implies(new), leading | ~unknown])
 
 
@@ -161,6 +244,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
         "greater than the front device's (which no reading of the other device touches)",
         requirements=("MRK-1", "MRK-D3", "MRK-D5"),
     )
+    yield from _takes_over(model)
     leading = [f"leading reading at {end}" for end in ("front", "rear")]
     trailing = [f"trailing reading at {end}" for end in ("front", "rear")]
     yield for_all_inputs(
@@ -175,6 +259,36 @@ def _selection(model: Odometry) -> Iterator[Property]:
         statement="after the trailing reading of the same marker the values M2 are used",
         requirements=("MRK-1", "MRK-5"),
     )
+
+
+def _takes_over(model: Odometry) -> Iterator[Property]:
+    """Claim when the other device's values are used without a reading; none of a machine with one device."""
+    machine, own = model.machine, model.own
+    unset = all_of(verdict.ne(ACCEPTED) for verdict in _verdicts(own))
+    for front, rear in zip(own.devices, own.devices[1:], strict=False):
+        *_, front_leads, rear_leads = machine.modes
+        to_rear = unset & before(machine.mode).eq(front_leads) & machine.mode.eq(rear_leads)
+        to_front = unset & before(machine.mode).eq(rear_leads) & machine.mode.eq(front_leads)
+        yield for_all_inputs(
+            "the rear device takes over only with a smaller margin",
+            to_rear.implies(any_of(_narrower(one, front) for one in rear.units)),
+            statement="without a reading the rear device takes over only if its margin is smaller than the front device's, or if "
+            "the front device has no position",
+            requirements=("MRK-1", "MRK-D3"),
+        )
+        yield for_all_inputs(
+            "the front device takes over with no greater margin",
+            to_front.implies(all_of(one.alive.implies(~_narrower(one, front)) for one in rear.units)),
+            statement="without a reading the front device takes over only if its margin is not greater than the rear device's, or if "
+            "the rear device has no position",
+            requirements=("MRK-1", "MRK-D3"),
+        )
+
+
+def _narrower(unit: Unit, other: Device) -> Bool:
+    """The unit has a position, with a smaller margin than each unit of the other device that has one."""
+    margin = maximum(unit.above, unit.below)
+    return unit.alive & all_of(one.alive.implies(margin < maximum(one.above, one.below)) for one in other.units)
 
 
 def _no_worse(machine: Machine, unit: Unit) -> Bool:

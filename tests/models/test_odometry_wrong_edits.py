@@ -16,8 +16,9 @@ from safeloc.language.terms import Substitution, variables
 from safeloc.language.units import MM
 from safeloc.models import odometry
 from safeloc.models.odometry import distance_device
+from safeloc.models.odometry.cycle import Judgement, Reading
 from safeloc.models.odometry.distance_device import Cycle, Device
-from safeloc.models.odometry.marker_reading import Fix, Reader, fix
+from safeloc.models.odometry.marker_reading import NONE, Fix, Pending, Reader, fix
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
@@ -117,6 +118,54 @@ def readers_swapped(patch: Patch) -> None:
     patch.setattr(Parts, "leads", lambda own, end: own.backwards if end == 0 else ~own.backwards)
 
 
+def rear_leads_where_equal(patch: Patch) -> None:
+    """Of two equal margins the rear device leads, unless a reading set the front device in this cycle."""
+
+    def leads(own: Parts, judged: Judgement, index: int) -> Bool:
+        front, rear = (judged.says(device) for device in own.devices)
+        equal = rear.alive & front.alive & rear.margin.eq(front.margin) & ~judged.was_set(own.devices[0])
+        by_rear = rear.better_than(front) | equal
+        return by_rear if index else front.alive & ~by_rear
+
+    patch.setattr(odometry, "_leads", leads)
+
+
+def front_leads_while_alive(patch: Patch) -> None:
+    """The front device leads while it has a position at all, whatever its margin."""
+
+    def leads(own: Parts, judged: Judgement, index: int) -> Bool:
+        front, rear = (judged.says(device) for device in own.devices)
+        return rear.alive & ~front.alive if index else front.alive
+
+    patch.setattr(odometry, "_leads", leads)
+
+
+def identities_kept(patch: Patch) -> None:
+    """An identity that the trailing reader has read waits on."""
+    patch.setattr(Pending, "_without", lambda own, passed, trailing: list(own.places))
+
+
+def refused_identities_wait(patch: Patch) -> None:
+    """An identity waits for the trailing reader although the leading reading was refused."""
+    patch.setattr(Reading, "consistent", property(lambda one: one.verdict.ne(NONE)))
+
+
+def identities_kept_in_turning(patch: Patch) -> None:
+    """Identities wait on when the direction of travel turns."""
+    sound = Pending.after
+    patch.setattr(Pending, "after", lambda own, *found: sound(own, *found[:-1], TRUE))
+
+
+def not_remembered(field: str) -> Edit:
+    """What the leading reader read last is not taken over."""
+
+    def edit(patch: Patch) -> None:
+        sound = Judgement.remembered
+        patch.setattr(Judgement, "remembered", lambda own: replace(sound(own), **{field: getattr(own.own, field)}))
+
+    return edit
+
+
 EDITS: Mapping[str, tuple[Edit, str]] = {
     "rear reading without the vehicle length": (reader_with(offset=as_num(0, MM)), "containment"),
     "length tolerance not added": (reader_with(offset_tolerance_mm=0), "containment"),
@@ -141,6 +190,31 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
     "top speed not gated": (limits_with(max_step_mm=9_000), "front_wheel gate"),
     "a gate that lets pass what no vehicle runs": (limits_with(max_step_change_mm=100_000), "containment"),
     "readers swapped": (readers_swapped, "rear reading pairs"),
+    "an identity read at both ends waits on": (
+        identities_kept,
+        "an identity that the trailing reader has read waits no longer",
+    ),
+    "an identity that was refused waits": (
+        refused_identities_wait,
+        "an identity waits only once the leading reader has read it",
+    ),
+    "identities wait on in turning": (identities_kept_in_turning, "no identity waits after turning"),
+    "the last marker is not taken over": (
+        not_remembered("last_marker"),
+        "the marker that the leading reader read last is stored",
+    ),
+    "the last marker's place is not taken over": (
+        not_remembered("last_place"),
+        "the marker that the leading reader read last is stored",
+    ),
+    "the rear device leads where margins are equal": (
+        rear_leads_where_equal,
+        "the rear device takes over only with a smaller margin",
+    ),
+    "the front device leads while it has a position": (
+        front_leads_while_alive,
+        "the front device takes over with no greater margin",
+    ),
 }
 
 

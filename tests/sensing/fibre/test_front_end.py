@@ -121,6 +121,7 @@ def test_two_trains_keep_their_order() -> None:
         (4.0, "coupling", Effect.RAISES, [Edge.RISE, Edge.FALL]),
         (4.0, "material", Effect.RAISES, [Edge.RISE, Edge.FALL]),
         (0.25, "coupling", Effect.LOWERS, [Edge.FALL, Edge.RISE]),
+        (0.25, "material", Effect.LOWERS, [Edge.FALL, Edge.RISE]),
     ],
 )
 def test_sections_give_position_signals(factor: float, by: str, effect: Effect, edges: list[Edge]) -> None:
