@@ -108,7 +108,8 @@ def _anchor(groups: balise.Balise, source: reflector.ReflectorMachine) -> dict[V
         **_present(given.identity, counts, groups.own.memory.group),
         **_present(given.position, counts, position),
         **_present(given.accuracy, counts, maximum(below, above)),
-        **_present(given.since, counts, as_num(0, MM)),
+        given.since.present: counts,
+        given.since.value: as_num(0, MM),
     }
 
 
